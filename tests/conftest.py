@@ -42,16 +42,12 @@ settings.register_profile(
 settings.load_profile("drawn" if EXAMPLES else "repeatable")
 
 
-DEAR = {
-    f"haptisym.{name}"
-    for name in (
-        "verbs.cost.entry.sweep_cost", "verbs.cost.entry.simulation_cost", "verbs.cost.entry.cost", "pages.report.page",
-        "figures.heldbox.draw_held", "figures.tolerances.draw_tolerances", "figures.release.draw_release",
-        "figures.stability.draw_plane", "figures.designmap.draw_map", "verbs.require.designmap.design_map",
-        "verbs.simulate.release.release", "verbs.identify.entry.identify",
-    )
-}  # fmt: skip
-"""Examples in docstrings that take half a second and more: they are slow tests."""
+DEAR = frozenset(
+    line
+    for line in (Path(__file__).parent / "dear.txt").read_text(encoding="utf-8").splitlines()
+    if line and not line.startswith("#")
+)
+"""Tests, and families of cases by the name before the bracket, that are slow by their measured times alone."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -80,9 +76,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
     Of the slow ones a share is kept: what is marked ``core``, and an eighth by a hash of the name and of the commit.
     """
+    if not config.option.file_or_dir and (
+        gone := DEAR - {y for x in items for y in (x.nodeid, x.nodeid.partition("[")[0])}
+    ):
+        raise pytest.UsageError(f"tests/dear.txt names what is no test any more: {sorted(gone)[:3]}")
     families: dict[str, list[pytest.Item]] = {}
     for item in items:
-        if item.name in DEAR:
+        if not DEAR.isdisjoint((item.nodeid, item.nodeid.partition("[")[0])):
             item.add_marker(pytest.mark.slow)
         if item.get_closest_marker("few"):
             families.setdefault(item.nodeid.partition("[")[0], []).append(item)

@@ -1,9 +1,9 @@
 """Small wrong changes of the source, and whether the tests notice them: ``python -m tests.mutants kernel judge --count 15 --seed 1``.
 
 A change (a mutant) is planted in a copy of the checkout, and the quick tests that reach the changed function are run there, the
-quickest first, until one fails; with ``--slow`` the slow tests of the same files after them. What is printed is the share that was noticed, and each change that was not: either it changes nothing
-that can be asked for, or a test is missing. Which test reaches which function is found by one run of the tests, with ``--map``; a test
-that came later is asked about every change. Needs a system with ``fork``.
+quickest first, until one fails. What is printed is the share that was noticed, and each change that was not: either it changes no answer,
+or a test is missing. Which test reaches which function is found by one run of the tests, kept in ``build/reached.json`` and made anew
+with ``--map``. A thermometer, no goal. Needs a system with ``fork``.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from compileall import compile_dir
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib.util import cache_from_source
 from pathlib import Path
 from py_compile import PycInvalidationMode
@@ -58,7 +58,7 @@ ASKED = (
     "tests/writing",
     "src",
 )
-"""The tests that are asked: those of how the source is written, of pages and of pictures are not."""
+"""The tests that are asked: not those of how the source is written, of pages and of pictures."""
 LOADED = (
     "numpy",
     "sympy",
@@ -199,9 +199,7 @@ class Places(ast.NodeVisitor):
             start = self.starts[place.lineno - 1] + place.col_offset  # type: ignore[attr-defined]
             end = self.starts[place.end_lineno - 1] + place.end_col_offset  # type: ignore[attr-defined]
             mutant = Mutant(self.module, self.function, kind, node.lineno, start, end, text)  # type: ignore[attr-defined]
-            with suppress(SyntaxError):
-                ast.parse(mutant.planted(self.source))
-                self.found.append(mutant)
+            self.found.append(mutant)
         super().visit(node)
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
@@ -239,28 +237,20 @@ class Places(ast.NodeVisitor):
     visit_Raise = visit_Assert = visit_Import = visit_ImportFrom = visit_JoinedStr = nothing
 
 
-def drawn(root: Path, folder: str, seed: int, count: int, only: str = "") -> list[Mutant]:
-    """So many changes of a folder, or of one module of it: a kind by lot, then one of it; no line twice."""
+def drawn(root: Path, folder: str, seed: int, count: int) -> list[Mutant]:
+    """So many changes of a folder: a kind by lot, then one of it; no line twice, and each leaves a program."""
     pool: dict[str, list[Mutant]] = {}
-    for module in [only] if only else modules(root, folder):
+    for module in modules(root, folder):
         for mutant in Places(root, module).found:
             pool.setdefault(mutant.kind, []).append(mutant)
     pick, found = random.Random(f"{folder} {seed}"), dict[tuple[str, int], Mutant]()
     while len(found) < count and any(pool.values()):
         kind = pick.choice(sorted(name for name, left in pool.items() if left))
         mutant = pool[kind].pop(pick.randrange(len(pool[kind])))
-        found.setdefault((mutant.module, mutant.line), mutant)
+        with suppress(SyntaxError):
+            ast.parse(mutant.planted(place_of(root, mutant.module).read_bytes()))
+            found.setdefault((mutant.module, mutant.line), mutant)
     return list(found.values())
-
-
-def left(root: Path, folder: str, file: Path) -> list[Mutant]:
-    """The changes of a folder that were not noticed, where they are now; those of lines that were changed since are gone."""
-    rows = map(json.loads, file.read_text(encoding="utf-8").splitlines())
-    known = {
-        (row["module"], row["function"], row["kind"], row["text"]) for row in rows if row["verdict"].startswith("not ")
-    }
-    places = [x for module in modules(root, folder) for x in Places(root, module).found]
-    return [x for x in places if (x.module, x.function, x.kind, x.text) in known]
 
 
 # The copy, and tests that are run in it
@@ -367,7 +357,7 @@ class Noted(ast.NodeTransformer):
         return node
 
 
-def mapped(tests: list[str]) -> dict[str, Any]:
+def mapped() -> dict[str, Any]:
     """One run of all quick tests: ``reached`` tells of each test which functions it calls, ``seconds`` how long it takes; ``failed`` are not asked."""
     with copied() as root:
         names: list[str] = []
@@ -381,11 +371,11 @@ def mapped(tests: list[str]) -> dict[str, Any]:
             tree.body[first:first] = setup
             path.write_text(ast.unparse(ast.fix_missing_locations(tree)), encoding="utf-8")
         compiled(root)
-        found = in_a_fork(root, 3 * 3600, lambda: _followed(names, tests))
+        found = in_a_fork(root, 3 * 3600, lambda: _followed(names))
         return found or sys.exit(f"the run died: {(root / 'said.txt').read_text()[-2000:]}")
 
 
-def _followed(names: list[str], tests: list[str]) -> dict[str, Any]:
+def _followed(names: list[str]) -> dict[str, Any]:
     called = sys.__dict__.setdefault("_noted_calls", bytearray(10**5))
     reached: dict[str, list[str]] = {}
 
@@ -398,8 +388,8 @@ def _followed(names: list[str], tests: list[str]) -> dict[str, Any]:
             return given  # type: ignore[return-value]
 
     follows = Follows(lambda _: 0.0)
-    tested(follows, *tests)
-    return {"reached": reached, "seconds": follows.seconds, "failed": follows.failed, "tests": [*tests]}
+    tested(follows, *ASKED)
+    return {"reached": reached, "seconds": follows.seconds, "failed": follows.failed}
 
 
 # The changes, one by one
@@ -424,15 +414,13 @@ class Known:
     reached: dict[str, list[str]]
     seconds: dict[str, float]
     failed: list[str]
-    tests: list[str]
-    files: int = MOST_FILES
 
     def near(self, module: str, function: str) -> list[str]:
         """The tests that reach a function ("": any of the module), in the files of those that reach the fewest others; the quickest first."""
         key = f"{module}:{function}"
         found = [x for x, names in self.reached.items() if any(reaches(name, key) for name in names)]
         narrow = list(dict.fromkeys(map(file_of, sorted(found, key=lambda test: len(self.reached[test])))))
-        return sorted((test for test in found if file_of(test) in narrow[: self.files]), key=self.cost)
+        return sorted((test for test in found if file_of(test) in narrow[:MOST_FILES]), key=self.cost)
 
     def taken(self, near: list[str], most: float) -> list[str]:
         """These tests, and then their neighbours, as many as take so many seconds."""
@@ -454,34 +442,17 @@ def noticed(root: Path, mutant: Mutant, known: Known, most: float) -> tuple[str,
     near = known.near(mutant.module, mutant.function)
     if not near:
         return "not reached", ""
-    taken = known.taken(near, most)
-    left_out, files = set(known.reached) - set(taken), set(map(file_of, taken))
-    mapped_files = set(map(file_of, known.reached))
-    later = {str(x.relative_to(root)) for y in known.tests for x in (root / y).rglob("test_*.py")} - mapped_files
-    chosen = Chosen(lambda test: None if test in left_out else known.cost(test))
+    taken = set(known.taken(near, most))
+    chosen = Chosen(lambda test: known.cost(test) if test in taken else None)
 
     def run() -> tuple[int, list[str]]:
-        return tested(chosen, "-x", *sorted(files | later)), chosen.failed
+        return tested(chosen, "-x", *sorted(set(map(file_of, taken)))), chosen.failed
 
     with planted(root, mutant):
         answer = in_a_fork(root, 5 * sum(map(known.cost, taken)) + 60, run)
     if answer is None:
         return "endless", ""
     return ("noticed" if answer[0] else "not noticed"), (answer[1] or [""])[0]
-
-
-def noticed_slowly(root: Path, mutant: Mutant, known: Known, most: float) -> str:
-    """The slow test that failed, in the files of the quick ones that reach the function, or its module; "" if none did in so many seconds."""
-    near = known.near(mutant.module, mutant.function) or known.near(mutant.module, "")
-    chosen = Chosen(lambda test: None if test in known.reached else 0.0)
-
-    def run() -> list[str]:
-        tested(chosen, "-x", "-m", "slow", *dict.fromkeys(map(file_of, near)))
-        return chosen.failed
-
-    with planted(root, mutant):
-        failed = in_a_fork(root, most, run)
-    return failed[0] if failed else ""
 
 
 @contextmanager
@@ -514,50 +485,28 @@ def main(words: list[str] | None = None) -> int:
     )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--count", type=int, default=12, help="of changes in each folder")
-    parser.add_argument("--only", default="", help="one module of the folder, as kernel/roots.py")
-    parser.add_argument("--seconds", type=float, default=60.0, help="of tests for one change")
-    parser.add_argument("--known", type=Path, default=ROOT / "build" / "reached.json", help="where the map is kept")
-    parser.add_argument(
-        "--map", action="store_true", help="run all tests once, and keep which of them reaches which function"
-    )
-    parser.add_argument(
-        "--slow", type=float, default=0.0, help="seconds of slow tests for a change that no quick one notices"
-    )
-    parser.add_argument("--tests", nargs="*", default=ASKED, help="which tests the map is made of")
-    parser.add_argument("--files", type=int, default=MOST_FILES, help="of tests for one change, at most")
-    parser.add_argument("--out", type=Path, help="a file that gets a line of JSON for each change")
-    parser.add_argument("--again", type=Path, help="such a file: what was not noticed is asked about again")
+    parser.add_argument("--seconds", type=float, default=12.0, help="of tests for one change")
+    parser.add_argument("--map", action="store_true", help="find anew which test reaches which function")
+    parser.add_argument("--known", type=Path, default=ROOT / "build" / "reached.json", help="where that is kept")
     given = parser.parse_args(words)
     for name in LOADED:
         importlib.import_module(name)
     if given.map or not given.known.exists():
         given.known.parent.mkdir(exist_ok=True)
-        given.known.write_text(json.dumps(mapped(given.tests)), encoding="utf-8")
-    known = Known(**json.loads(given.known.read_text(encoding="utf-8")), files=given.files)
+        given.known.write_text(json.dumps(mapped()), encoding="utf-8")
+    known = Known(**json.loads(given.known.read_text(encoding="utf-8")))
     missed = 0
     with copied() as root:
         for folder in given.folders:
-            rows = list(tried(root, folder, known, given))
-            found = [word for word, _ in rows if word in ("noticed", "endless")]
-            missed += len(rows) - len(found)
-            print(f"{folder}: {len(found)} of {len(rows)} noticed, seed {given.seed}", flush=True)
+            found = []
+            for mutant in drawn(root, folder, given.seed, given.count):
+                word, test = noticed(root, mutant, known, given.seconds)
+                found.append(word)
+                print(f"  {word:12} {told(root, mutant)}  {test}", flush=True)
+            seen = sum(word in ("noticed", "endless") for word in found)
+            missed += len(found) - seen
+            print(f"{folder}: {seen} of {len(found)} noticed, seed {given.seed}", flush=True)
     return missed > 0
-
-
-def tried(root: Path, folder: str, known: Known, given: argparse.Namespace) -> Iterator[tuple[str, str]]:
-    for mutant in (
-        left(root, folder, given.again) if given.again else drawn(root, folder, given.seed, given.count, given.only)
-    ):
-        started = time.monotonic()
-        word, test = noticed(root, mutant, known, given.seconds)
-        if word.startswith("not ") and given.slow and (slow := noticed_slowly(root, mutant, known, given.slow)):
-            word, test = "noticed", slow
-        print(f"  {word:12} {told(root, mutant)}  {test}", flush=True)
-        if given.out:
-            row = {**asdict(mutant), "verdict": word, "by": test, "seconds": round(time.monotonic() - started, 1)}
-            with given.out.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(row) + "\n")
-        yield word, test
 
 
 if __name__ == "__main__":

@@ -1,17 +1,28 @@
-"""What the documents claim, checked."""
+"""What the documents claim, checked; what the site is made of; and that every definition says what it is. The site runs its scripts itself."""
 
 from __future__ import annotations
 
+import ast
 import doctest
-import importlib.util
+import importlib
+import inspect
+import json
+import pkgutil
 import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from importlib import util
 from pathlib import Path
+from types import ModuleType
 from xml.etree import ElementTree
 
 import pytest
 
 import haptisym as hs
+import haptisym_check
 from haptisym.cli import VERBS
+from haptisym.figures.plots import KINDS
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Model
 
 ROOT = Path(__file__).parents[2]
@@ -83,11 +94,7 @@ def test_every_document_that_the_readme_links_is_there() -> None:
 
 @pytest.mark.slow
 def test_the_picture_of_the_house_is_that_of_the_source() -> None:
-    spec = importlib.util.spec_from_file_location("house", ROOT / "docs" / "house.py")
-    assert spec is not None
-    assert spec.loader is not None
-    house = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(house)
+    house = script("house.py")
     words = [x.strip() for x in ElementTree.parse(ROOT / "docs" / "figures" / "house.svg").getroot().itertext()]
     assert house.description() in words
     drawn = "".join(" ".join(words).split())
@@ -114,3 +121,111 @@ def test_the_how_to_names_every_verb() -> None:
             for x in re.findall(r"^# ## (.+)$", script, re.MULTILINE)
         }
         assert anchor in titles
+
+
+# The site
+
+
+def script(name: str) -> ModuleType:
+    """A module of those that build the site."""
+    spec = util.spec_from_file_location(f"site_{Path(name).stem}", ROOT / "docs" / name)
+    assert spec is not None
+    assert spec.loader is not None
+    found = util.module_from_spec(spec)
+    spec.loader.exec_module(found)
+    return found
+
+
+def test_the_reference_has_every_public_name_once() -> None:
+    api = script("building/api.py")
+    listed = [name for page in api.TOPICS for name in api.listed(page)] + [name for _, name in api.MODULES.values()]
+    assert sorted(listed) == sorted(hs.__all__)
+
+
+def test_what_a_page_loads_from_outside_is_found(tmp_path: Path) -> None:
+    outside = script("building/outside.py")
+    good = '<a href="https://x.org">x</a><img src="a.png"><link rel="stylesheet" href="_static/a.css">'
+    (tmp_path / "good.html").write_text(good)
+    assert list(outside.outside(tmp_path)) == []
+    bad = (
+        '<script src="https://cdn.x.org/a.js">', '<link href="//x.org/a.css">', '<img src="http://x.org/a.png">',
+        "<style>@import 'https://x.org/a.css'</style>", "<p style='background: url(https://x.org/a.png)'>", '<iframe src="https://x.org">',
+    )  # fmt: skip
+    for i, text in enumerate(bad):
+        (tmp_path / f"bad{i}.html").write_text(text)
+    assert len(list(outside.outside(tmp_path))) == len(bad)
+
+
+def test_the_page_of_figures_asks_for_every_kind() -> None:
+    tree = ast.parse((ROOT / "docs" / "plots.py").read_text(encoding="utf-8"))
+    asked = {x.value.value for x in ast.walk(tree) if isinstance(x, ast.keyword) and isinstance(x.value, ast.Constant)}
+    assert {kind for kinds in KINDS.values() for kind in list(kinds)[1:]} <= asked | {
+        "wishes"
+    }  # drawn unasked of several
+
+
+def test_the_notebook_has_the_tutorials_cells(tmp_path: Path) -> None:
+    tutorial, target = ROOT / "docs" / "tutorial.py", tmp_path / "tutorial.ipynb"
+    subprocess.run(
+        [sys.executable, ROOT / "docs" / "make_notebook.py", tutorial, target], check=True, capture_output=True
+    )
+    text, found = tutorial.read_text(encoding="utf-8"), json.loads(target.read_text(encoding="utf-8"))
+    kinds = ["markdown" if "[markdown]" in line else "code" for line in text.splitlines() if line.startswith("# %%")]
+    cells = found["cells"]
+    assert (found["nbformat"], found["nbformat_minor"]) == (4, 5)
+    assert [cell["cell_type"] for cell in cells] == kinds
+    assert len({cell["id"] for cell in cells}) == len(cells) > 20
+    assert all("outputs" in cell for cell in cells if cell["cell_type"] == "code")
+
+
+# Docstrings
+
+
+def function_of(member: object) -> object:
+    """The function that stands behind a method or a property."""
+    for key in ("fget", "func", "__func__"):
+        member = getattr(member, key, None) or member
+    return member
+
+
+def modules(package: ModuleType) -> Iterator[ModuleType]:
+    """Of a package, however deep, but for what runs when it is imported."""
+    for found in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+        if not found.name.endswith("__main__"):
+            yield importlib.import_module(found.name)
+
+
+def definitions(module: ModuleType) -> Iterator[tuple[str, list[object]]]:
+    """Public functions, classes and their public methods, each with what may explain it: itself, and the same of its bases."""
+    for name, thing in vars(module).items():
+        if name.startswith("_") or getattr(thing, "__module__", None) != module.__name__:
+            continue
+        if inspect.isfunction(thing) or inspect.isclass(thing):
+            yield name, [thing]
+        for key, member in vars(thing).items() if inspect.isclass(thing) else ():
+            function = function_of(member)
+            if key.startswith("_") or not inspect.isfunction(function) or function.__module__ != module.__name__:
+                continue
+            if function.__name__ != "<lambda>":
+                yield f"{name}.{key}", [function_of(vars(x)[key]) for x in thing.__mro__ if key in vars(x)]
+
+
+def told(thing: object) -> bool:
+    """Whether it has a docstring of its own: a data class is given its signature."""
+    text = getattr(thing, "__doc__", None) or ""
+    return bool(text) and not (inspect.isclass(thing) and text.startswith(f"{thing.__name__}("))
+
+
+def untold(package: ModuleType) -> list[str]:
+    """Definitions that neither they themselves nor a base explain."""
+    return [
+        f"{module.__name__}: {name}"
+        for module in modules(package)
+        for name, told_by in definitions(module)
+        if not any(map(told, told_by))
+    ]
+
+
+@pytest.mark.parametrize("package", [hs, haptisym_check])
+def test_each_public_definition_says_what_it_is(package: ModuleType) -> None:
+    assert untold(package) == []

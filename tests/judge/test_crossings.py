@@ -1,29 +1,40 @@
-"""When: the numbers of the paper, tangencies, and the edges of every question about a band."""
+"""When: the numbers of the paper, tangencies and ends of bands; random scenes against Sturm's theorem and exact arithmetic; laws that every scene keeps."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+from typing import Any
 
 import pytest
-from answers import floats, intervals, of_part, told
-from oracles import DIGITS, MP, Case, Element, rounded
+import strategies
+import sympy
+from answers import (
+    floats,
+    intervals,
+    is_outside_model,
+    is_transparent,
+    number_below,
+    of_part,
+    percepts_at,
+    told,
+)
+from hypothesis import given
+from hypothesis import strategies as st
+from oracles import DIGITS, MP, Case, Element, Facts, Hertz, digits_of, excess_roots, in_square, rounded, sign
 from paper import ask, paper
-from strategies import evaluate
-from sympy import Expr, Rational, pi, sqrt
+from strategies import Drawn, Scale, Seeded, cases, element, evaluate, number, rationals, scaled, scene
+from strategies import told as effect_of
 
 import haptisym as hs
-from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
-from haptisym.environments import expression, mass_spring_damper
-from haptisym.judge.criteria import level, noticed
-from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.symbols import omega
+from haptisym import effects
+from haptisym.effects import first_order_lag, second_order_lowpass, series, shunt
+from haptisym.environments import mass_spring_damper
 
 SPRING = mass_spring_damper(k=1)
-
-
-# --- the paper's scene -----------------------------------------------------------------------------------------------
 
 
 def test_the_paper_s_display_is_noticed_at_eight_and_at_twelve() -> None:
@@ -80,28 +91,10 @@ def test_the_paper_s_changeovers_are_the_eigenfrequency_and_788() -> None:
     assert perceived.omega.digits(60) == rounded(omega, 60)
 
 
-def test_the_paper_s_changeover_in_closed_form_is_the_undamped_eigenfrequency() -> None:
-    m, b, k = hs.symbols("m b k")
-    assert hs.distort(mass_spring_damper(m, b, k)).changeover_environment == sqrt(k) / sqrt(m)
-
-
-# --- tangency --------------------------------------------------------------------------------------------------------
-
-
-def peak() -> tuple[object, object]:
-    """Where r_r of the paper's scene is largest, and how large."""
-    omega = MP.findroot(lambda w: MP.diff(lambda x: paper().ratio("real", x), w), 109)
-    return omega, paper().ratio("real", omega)
-
-
-def test_the_peak_of_the_paper_s_real_ratio_is_at_109() -> None:
-    omega, highest = peak()
-    assert (rounded(omega, 12), rounded(highest, 12)) == ("108.948122405", "1.36706324889")
-
-
 @pytest.mark.slow
 def test_just_below_its_peak_the_ratio_crosses_twice_and_just_above_never() -> None:
-    omega, highest = peak()
+    omega = MP.findroot(lambda w: MP.diff(lambda x: paper().ratio("real", x), w), 109)
+    highest = paper().ratio("real", omega)
     top = Fraction(rounded(highest, 62))
     for k in range(1, 41):
         step = Fraction(1, 10**k)
@@ -110,6 +103,9 @@ def test_just_below_its_peak_the_ratio_crosses_twice_and_just_above_never() -> N
         assert (first.kind.value, second.kind.value) == ("exceeds", "returns"), k
         assert MP.mpf(first.omega.digits(60)) < omega < MP.mpf(second.omega.digits(60)), k
         assert of_part(above, "real") == [], k
+
+
+# --- tangencies, ends of the band, environments that vanish ----------------------------------------------------------
 
 
 def bandpass(c: str, gain: str = "0.4") -> hs.Evaluation:
@@ -178,9 +174,6 @@ def test_a_ratio_that_falls_through_the_threshold_returns() -> None:
 def test_the_sign_is_that_of_the_difference() -> None:
     assert told(on_a_spring("-0.1*W/9")) == [("real", 3.0, "exceeds", -1, 1)]
     assert told(on_a_spring("0.1*W/9")) == [("real", 3.0, "exceeds", 1, 1)]
-
-
-# --- the ends of the band --------------------------------------------------------------------------------------------
 
 
 def test_a_crossing_at_the_high_end_of_the_band_belongs_to_it() -> None:
@@ -257,16 +250,9 @@ def test_a_ratio_that_starts_at_the_threshold_and_falls_touches_it_at_zero() -> 
 
 def test_a_ratio_that_starts_at_the_threshold_and_rises_is_transparent_at_zero_alone() -> None:
     result = on_a_spring("0.1 + W/10^4")
-    assert [(c.part.value, float(c.omega)) for c in result.crossings] == [("real", 0.0)]
+    assert [(c.part.value, float(c.omega), c.kind.value) for c in result.crossings] == [("real", 0.0, "exceeds")]
     assert intervals(result.transparent) == [(0.0, 0.0)]
     assert float(result.bandwidth) == 0.0
-
-
-def test_a_ratio_that_starts_at_the_threshold_and_rises_exceeds_there() -> None:
-    assert [c.kind.value for c in on_a_spring("0.1 + W/10^4").crossings] == ["exceeds"]
-
-
-# --- two thresholds, two parts ---------------------------------------------------------------------------------------
 
 
 def test_each_part_has_its_own_threshold() -> None:
@@ -296,9 +282,6 @@ def test_a_threshold_above_every_ratio_is_never_crossed() -> None:
     result = ask(SPRING, first_order_lag(7), c="1.1", band=(0, 1000))
     assert result.crossings == ()
     assert float(result.bandwidth) == 1000.0
-
-
-# --- environments that vanish ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -407,9 +390,6 @@ def test_a_pole_of_the_display_on_the_axis_is_unbounded_and_opaque() -> None:
     assert result.stable is False
 
 
-# --- nothing to notice -----------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     "chain", [(), (series("1"),), (shunt(k=0),), (shunt(k=3), shunt(k=-3)), (series("2"), series("1/2"))]
 )
@@ -450,47 +430,363 @@ def test_a_reversed_damper_is_outside_the_model_and_claims_no_percept() -> None:
     assert result.transparent == ()
 
 
-# --- scenes that are refused -----------------------------------------------------------------------------------------
-
-
-def test_an_environment_that_is_zero_is_refused() -> None:
-    with pytest.raises(hs.SceneError, match="nothing to feel"):
-        ask(expression("s - s"))
-
-
-def test_effects_that_make_everything_infinite_are_refused() -> None:
-    with pytest.raises(hs.SceneError, match="infinite"):
-        ask(expression("-s"), compliance(b=1))
-
-
-@pytest.mark.parametrize("band", [(5, 5), (6, 5), (-1, 5)])
-def test_a_band_must_go_upwards_from_zero_or_more(band: tuple[int, int]) -> None:
-    with pytest.raises(hs.SceneError, match="band"):
-        ask(SPRING, band=band)
-
-
-def test_an_evaluation_needs_numbers() -> None:
-    with pytest.raises(hs.SceneError, match="symbol"):
-        ask(mass_spring_damper(k=hs.symbols("k")))
-
-
 @pytest.mark.parametrize(
-    ("kind", "verb"), [("EXCEEDS", "exceeds"), ("RETURNS", "returns below"), ("TOUCHES", "touches")]
+    ("name", "method"),
+    [
+        ("fu2019", "certified polynomial roots"),
+        ("delayed-spring", "arctangents of certified polynomial roots"),
+        ("satellite-contact", "interval Newton in ball arithmetic"),
+    ],
 )
-@pytest.mark.parametrize(("part", "ratio"), [(hs.Part.REAL, "r_r"), (hs.Part.IMAG, "r_i")])
-def test_a_crossing_shows_how_its_ratio_meets_the_threshold(kind: str, verb: str, part: hs.Part, ratio: str) -> None:
-    found = hs.evaluate(hs.load_scene("fu2019")).crossings[0]
-    [criterion] = [x for x in noticed(hs.Threshold()) if x.part is part]
-    crossing = hs.Crossing(criterion, found.omega, hs.CrossingKind[kind], 1, 1)
-    assert f"{ratio} {verb} its threshold at" in repr(crossing)
+def test_the_effort_names_the_method_and_grows_with_the_digits(name: str, method: str) -> None:
+    few, many = (hs.evaluate(hs.load_scene(name), digits=n).effort for n in (15, 300))
+    assert few.method == many.method
+    assert method in few.method
+    assert 15 * 3.3 < few.bits < 300 * 3.3 < many.bits
 
 
-@pytest.mark.parametrize(
-    "limit",
-    [Rational(1, 10), 2 / pi, Rational(7), omega / 50 + pi, (omega + 1) / (3 * omega + 40), 5 / (omega**2 + pi), 1 / (7 * omega + 3) + 2],
-)  # fmt: skip
-def test_what_exceeds_a_limit_is_the_measure_less_the_limit_over_something_positive(limit: Expr) -> None:
-    measure = (omega**2 + 3) / (omega**2 + 5 * omega + 1)
-    found = level(RealFunction(Ring().axis.convert(measure)), limit)
-    assert isinstance(found, RealFunction)
-    assert (found.function.expression() - measure + limit).together().cancel() == 0
+# --- random scenes against Sturm's theorem, exact arithmetic and mpmath ----------------------------------------------
+
+
+PARTS = ("real", "imag")
+
+
+@cache
+def judged(seed: int) -> tuple[Case, hs.Evaluation]:
+    case = strategies.case(Seeded(seed), order=4)
+    return case, evaluate(case)
+
+
+quick_seeds = ("0", "1", "2", "3", "5", "8", "13", "21", "34", "46", "51", "55")
+each_seed = pytest.mark.parametrize("seed", range(60))
+
+
+def samples(case: Case, count: int, seed: int = 0) -> list[Fraction]:
+    """Rational frequencies inside the band, in order."""
+    pick = Seeded(seed)
+    low, high = (Fraction(sympy.Rational(str(digits_of(x)))) for x in case.band)
+    return sorted({low + (high - low) * Fraction(pick.whole(1, 99_999), 100_000) ** 2 for _ in range(count)})
+
+
+@pytest.mark.few("3", "1", "4")
+@pytest.mark.parametrize("seed", range(5))
+def test_the_polynomial_of_the_oracle_is_that_of_sympy_s_real_and_imaginary_parts(seed: int) -> None:
+    case = strategies.case(Seeded(seed), order=2)
+    omega = sympy.Symbol("omega", positive=True)
+    H, G = case.dynamics(sympy.I * omega, strategies.exact)
+    square = sympy.together(sympy.expand(H * sympy.conjugate(H), complex=True))
+    for part, difference in zip(PARTS, sympy.together(G - H).as_real_imag(), strict=True):
+        written_out = sympy.cancel(sympy.together(sympy.expand(difference, complex=True)))
+        excess = sympy.cancel(sympy.together(written_out**2 / square - strategies.exact(case.c[part]) ** 2))
+        written = sympy.Poly(sympy.fraction(excess)[0], omega, domain="QQ")
+        assert in_square(written).monic() == case.excess[part].monic(), case
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_exact_facts_are_those_of_mpmath(seed: int) -> None:
+    case = strategies.case(Seeded(seed))
+    for omega in samples(case, 5):
+        facts = case.facts(omega)
+        for part in PARTS:
+            assert facts[part].excess == sign(case.ratio(part, digits_of(omega)) - digits_of(case.c[part]))
+
+
+def above_zero(result: hs.Evaluation) -> list[hs.Crossing]:
+    return [c for c in result.crossings if float(c.omega) > 0]
+
+
+def near(result: hs.Evaluation, crossing: hs.Crossing) -> tuple[Fraction, Fraction]:
+    """Rational frequencies just below and just above a crossing, with no other point of the chart in between."""
+    points = [p.omega.bounds(120) for p in result.chart.points]
+    low, high = crossing.omega.bounds(120)
+    gap = min(abs(low - x) for x, _ in points if x != low)
+    return low - gap / 1000, high + gap / 1000
+
+
+def expected_percepts(part: str, at: Facts) -> list[tuple[str, str]]:
+    """Section 2.3 of the paper, for one frequency."""
+    if at.excess <= 0 or (part == "imag" and at.perc < 0):
+        return []
+    sides = {
+        (1, 1): "stiffness", (-1, -1): "mass", (1, -1): "stiffness-to-mass", (-1, 1): "mass-to-stiffness",
+        (0, 1): "stiffness", (1, 0): "stiffness", (0, -1): "mass", (-1, 0): "mass",
+    }  # fmt: skip
+    change = {1: "higher", -1: "lower", 0: "equal"}[at.larger]
+    return [("damping" if part == "imag" else sides[at.env, at.perc], change)]
+
+
+def check_at(case: Case, result: hs.Evaluation, omega: Fraction) -> None:
+    """Everything that an evaluation says about one frequency."""
+    facts = case.facts(omega)
+    assert is_transparent(result, omega) == all(facts[part].excess <= 0 for part in PARTS), (omega, case)
+    assert is_outside_model(result, omega) == (facts["imag"].perc < 0), (omega, case)
+    for part in PARTS:
+        assert percepts_at(result, part, omega) == expected_percepts(part, facts[part]), (omega, case)
+
+
+@pytest.mark.few(*quick_seeds)
+@each_seed
+def test_crossings_of_random_scenes_are_as_many_as_sturm_counts_and_at_each_the_ratio_is_the_threshold(
+    seed: int,
+) -> None:
+    case, result = judged(seed)
+    for part in PARTS:
+        assert len(of_part(result, part)) == case.counts[part], (part, case)
+    for crossing in above_zero(result):
+        part = crossing.part.value
+        ratio = case.ratio(part, MP.mpf(crossing.omega.digits(55)))
+        assert abs(ratio - digits_of(case.c[part])) < MP.mpf(10) ** -35, (crossing, case)
+
+
+@pytest.mark.few(*quick_seeds)
+@each_seed
+def test_kind_sign_and_multiplicity_of_a_crossing_are_those_of_exact_values_on_either_side(seed: int) -> None:
+    kinds = {(-1, 1): "exceeds", (1, -1): "returns", (-1, -1): "touches", (1, 1): "touches"}
+    case, result = judged(seed)
+    for crossing in above_zero(result):
+        before, after = (case.facts(omega)[crossing.part.value] for omega in near(result, crossing))
+        assert crossing.kind.value == kinds[before.excess, after.excess], (crossing, case)
+        assert crossing.sign == before.difference == after.difference, (crossing, case)
+    low, high = (strategies.exact(x) ** 2 for x in case.band)
+    for part in PARTS:
+        _, factors = case.excess[part].sqf_list() if case.counts[part] else (1, [])
+        expected = sum(n * int(f.count_roots(low, high)) for f, n in factors)
+        found = of_part(result, part)
+        # the multiplicity counts in omega, of which W is the square at 0 and a simple function elsewhere
+        assert sum(c.multiplicity if float(c.omega) else c.multiplicity // 2 for c in found) == expected, case
+
+
+@pytest.mark.few(*quick_seeds)
+@each_seed
+def test_transparent_set_percepts_and_activity_hold_exactly_the_frequencies_they_should(seed: int) -> None:
+    case, result = judged(seed)
+    for omega in samples(case, 7, seed):
+        check_at(case, result, omega)
+    if seed % 4 == 0:  # and just beside every point of the chart
+        points = sorted(p.omega.bounds(120) for p in result.chart.points)
+        for (_, below_gap), (above_gap, _) in pairwise(points):
+            gap = above_gap - below_gap
+            check_at(case, result, below_gap + gap / 10**6)
+            check_at(case, result, above_gap - gap / 10**6)
+
+
+@pytest.mark.few(*quick_seeds)
+@each_seed
+def test_between_changeovers_the_real_part_keeps_its_sign(seed: int) -> None:
+    case, result = judged(seed)
+    marks = [(omega, case.facts(omega)["real"]) for omega in samples(case, 5, seed)]
+    for (low, at_low), (high, at_high) in pairwise(marks):
+        for found, a, b in (
+            (result.changeovers_environment, at_low.env, at_high.env),
+            (result.changeovers_perceived, at_low.perc, at_high.perc),
+        ):
+            changes = number_below(found, high) - number_below(found, low)
+            assert a * b == (-1) ** changes or a == b == 0, (low, high, case)
+
+
+@pytest.mark.few(10)
+@pytest.mark.parametrize("seed", range(40))
+def test_where_zeros_poles_and_ends_coincide_the_evaluation_is_still_right(seed: int) -> None:
+    case = strategies.coincident_case(Seeded(seed))
+    result = evaluate(case)
+    assert {part: len(of_part(result, part)) for part in PARTS} == case.counts
+    points = sorted(p.omega.bounds(120) for p in result.chart.points)
+    for (_, start), (end, _) in pairwise(points):
+        for share in (Fraction(1, 10**6), Fraction(1, 2), 1 - Fraction(1, 10**6)):
+            check_at(case, result, start + (end - start) * share)
+
+
+DAMPED = ("kelvin-voigt", "maxwell", "zener")
+
+LAGGING = ("first-order-lag", "second-order-lowpass", "gain", "lead-lag", "pade-delay", "admittance-display")
+
+
+@cache
+def with_pi(seed: int) -> tuple[Case, hs.Evaluation]:
+    """A random scene whose cut-offs are in Hz beside rational numbers, on a band that ends at a number of Hz."""
+    pick = Seeded(seed)
+    case = strategies.case(pick, order=3, felt=DAMPED, between=LAGGING)
+    effects = [Element("first-order-lag", {"omega_c": Hertz(number(pick, Scale(0, 3)))})]
+    for old in case.between[:1]:
+        turned = {n: Hertz(x) if n in ("omega_c", "omega_n", "w") else x for n, x in old.values.items()}
+        effects.append(Element(old.kind, turned))
+    case = case.with_(between=tuple(effects), band=(Fraction(0), Hertz(number(pick, Scale(0, 2)))))
+    return case, evaluate(case)
+
+
+@pytest.mark.few(5)
+@pytest.mark.parametrize("seed", range(24))
+def test_scenes_with_pi_have_the_crossings_of_mpmath(seed: int) -> None:
+    case, result = with_pi(seed)
+    for part in PARTS:
+        expected = excess_roots(case, part)
+        found = [c for c in above_zero(result) if c.part.value == part]
+        assert len(found) == len(expected), (part, case)
+        for crossing, omega in zip(found, expected, strict=True):
+            assert abs(MP.mpf(crossing.omega.digits(40)) / omega - 1) < MP.mpf(10) ** -25, (part, case)
+
+
+@pytest.mark.few(8)
+@pytest.mark.parametrize("seed", range(24))
+def test_scenes_with_pi_are_judged_as_mpmath_does_at_any_frequency(seed: int) -> None:
+    case, result = with_pi(seed)
+    for omega in samples(case, 6, seed):
+        check_at(case, result, omega)
+
+
+def test_scenes_with_pi_have_crossings_of_both_parts() -> None:
+    found = [crossing.part.value for seed in range(24) for crossing in with_pi(seed)[1].crossings]
+    assert min(found.count("real"), found.count("imag")) >= 10
+
+
+# --- laws that every scene keeps -------------------------------------------------------------------------------------
+
+PURE = ("first-order-lag", "second-order-lowpass", "gain", "lead-lag", "pade-delay", "admittance-display")
+"""Kinds that multiply the force by something, whatever the environment."""
+
+
+def outline(result: hs.Evaluation) -> tuple[list[Any], list[Any]]:
+    """Everything that an evaluation says: first the words, then the frequencies."""
+    found = {
+        "crossing": [((c.part, c.kind, c.sign, c.multiplicity), [c.omega]) for c in result.crossings],
+        "transparent": [((), [x.low.omega, x.high.omega]) for x in result.transparent],
+        "percept": [((p.part, p.property, p.change), [p.band.low.omega, p.band.high.omega]) for p in result.percepts],
+        "outside": [((), [x.low.omega, x.high.omega]) for x in result.outside_model],
+        "environment": [((), [p.omega]) for p in result.changeovers_environment],
+        "perceived": [((), [p.omega]) for p in result.changeovers_perceived],
+        "unbounded": [((), [p.omega]) for p in result.unbounded],
+    }
+    words = [(kind, *said) for kind, entries in found.items() for said, _ in entries]
+    return [*words, result.stable], [x for entries in found.values() for _, numbers in entries for x in numbers]
+
+
+def assert_same(one: hs.Evaluation, other: hs.Evaluation, slower: Fraction = Fraction(1)) -> None:
+    """Both say the same, the other one with a clock that many times as slow."""
+    (words, numbers), (other_words, other_numbers) = outline(one), outline(other)
+    assert words == other_words
+    for x, y in zip(numbers, other_numbers, strict=True):
+        (low, high), (other_low, other_high) = x.bounds(150), y.bounds(150)
+        assert low <= other_high * slower
+        assert other_low * slower <= high
+
+
+def with_effects(case: Case, chain: list[hs.Effect]) -> hs.Evaluation:
+    plain = scene(case)
+    return hs.evaluate(hs.Scene(plain.environment, tuple(chain), plain.band, plain.threshold))
+
+
+@given(cases(), rationals())
+def test_other_units_of_force_change_nothing(case: Case, force: Fraction) -> None:
+    assert_same(evaluate(case), evaluate(scaled(case, force=force)))
+
+
+@given(cases(), rationals())
+def test_other_units_of_time_scale_every_frequency(case: Case, time: Fraction) -> None:
+    assert_same(evaluate(case), evaluate(scaled(case, time=time)), slower=time)
+
+
+NOTHING: dict[str, Callable[[], hs.Effect]] = {
+    "a gain of one": lambda: effects.series("1"),
+    "a gain of one, written as a quotient": lambda: effects.series("(s + 3)/(3 + s)"),
+    "a shunt without stiffness": lambda: effects.shunt(k=0),
+    "a position loop that is perfect": lambda: effects.admittance_display("1"),
+    "a two-port that passes everything": lambda: effects.two_port("1", "0", "0", "1"),
+    "a two-port with a common factor": lambda: effects.two_port("s + 2", "0", "0", "s + 2"),
+    "a delay of no time": lambda: effects.delay(0),
+    "a rational delay of no time": lambda: effects.pade_delay(0, 3),
+    "a four-channel teleoperator without delay": lambda: effects.four_channel_teleoperator(1, 2, 3, 4, 5, 6),
+    "a wide-open lead and lag": lambda: effects.series("(1 + s*T)/(1 + s*T)", parameters={"T": "1 ms"}),
+}
+"""Effects that do nothing."""
+
+
+@given(cases(order=3), st.lists(st.tuples(st.sampled_from(sorted(NOTHING)), st.integers(0, 3)), min_size=1, max_size=3))
+def test_what_does_nothing_changes_nothing(case: Case, idle: list[tuple[str, int]]) -> None:
+    chain = [*map(effect_of, case.between)]
+    for name, at in idle:
+        chain.insert(min(at, len(chain)), NOTHING[name]())
+    assert_same(evaluate(case), with_effects(case, chain))
+
+
+@pytest.mark.parametrize("name", sorted(NOTHING))
+def test_what_does_nothing_alone_distorts_nothing(name: str) -> None:
+    m, b, k = hs.symbols("m b k")
+    assert hs.distort(hs.environments.mass_spring_damper(m, b, k), NOTHING[name]()).distortion == 0
+
+
+@given(cases(order=3), st.data())
+def test_a_series_effect_may_be_split(case: Case, data: st.DataObject) -> None:
+    one, other = data.draw(rationals()), data.draw(rationals())
+    names = {"a": f"{one.numerator}/{one.denominator}", "b": f"{other.numerator}/{other.denominator}"}
+    first, second = "a/(s + a)", "(s + b)/(s + 2*b)"
+    whole = effects.series(f"({first})*({second})", parameters=names)
+    halves = [
+        effects.series(first, parameters={"a": names["a"]}),
+        effects.series(second, parameters={"b": names["b"]}),
+    ]
+    chain = [*map(effect_of, case.between)]
+    assert_same(with_effects(case, [whole, *chain]), with_effects(case, [*halves, *chain]))
+
+
+@given(cases(order=3), rationals(), rationals())
+def test_two_shunts_are_one(case: Case, one: Fraction, other: Fraction) -> None:
+    chain = [*map(effect_of, case.between)]
+    apart = [effects.shunt(m=one, b=other), effects.shunt(m=other, k=one)]
+    assert_same(
+        with_effects(case, [*apart, *chain]),
+        with_effects(case, [effects.shunt(m=one + other, b=other, k=one), *chain]),
+    )
+
+
+@given(cases(order=3), rationals(), rationals())
+def test_two_springs_in_a_row_are_one(case: Case, one: Fraction, other: Fraction) -> None:
+    chain = [*map(effect_of, case.between)]
+    apart = [effects.compliance(k=one), effects.compliance(k=other)]
+    assert_same(
+        with_effects(case, [*chain, *apart]),
+        with_effects(case, [*chain, effects.compliance(k=one * other / (one + other))]),
+    )
+
+
+@given(cases(order=4, between=PURE))
+def test_the_order_of_pure_series_effects_does_not_matter(case: Case) -> None:
+    assert_same(evaluate(case), evaluate(case.with_(between=case.between[::-1])))
+
+
+def test_the_order_of_a_lag_and_a_shunt_does_matter() -> None:
+    environment, lag, mass = hs.environments.mass_spring_damper(k=1), effects.first_order_lag(1), effects.shunt(m=1)
+    assert hs.distort(environment, lag, mass).perceived != hs.distort(environment, mass, lag).perceived
+    s = hs.s
+    # nearest the environment first: the lag acts on the spring, the mass is added to what comes out
+    assert (hs.distort(environment, lag, mass).perceived - (1 / (s + 1) + s**2)).equals(0)
+    assert (hs.distort(environment, mass, lag).perceived - (1 + s**2) / (s + 1)).equals(0)
+
+
+@given(cases(order=3), st.data())
+def test_a_series_effect_and_its_inverse_change_nothing(case: Case, data: st.DataObject) -> None:
+    extra: Element = element(Drawn(data.draw), "first-order-lag")
+    cutoff = extra.values["omega_c"]
+    inverse = effects.series("(s + w)/w", parameters={"w": f"{cutoff.numerator}/{cutoff.denominator}"})
+    chain = [*map(effect_of, case.between)]
+    assert_same(evaluate(case), with_effects(case, [effect_of(extra), inverse, *chain]))
+
+
+@given(cases(order=3), rationals(-1, 2))
+def test_a_smaller_threshold_leaves_less_of_the_band_transparent(case: Case, factor: Fraction) -> None:
+    strict = case.with_(c={part: c * factor for part, c in case.c.items()})
+    wide, narrow = (evaluate(case), evaluate(strict)) if factor < 1 else (evaluate(strict), evaluate(case))
+    for interval in narrow.transparent:
+        low, high = interval.low.omega.bounds(150)[1], interval.high.omega.bounds(150)[0]
+        assert any(x.low.omega.bounds(150)[0] <= low and high <= x.high.omega.bounds(150)[1] for x in wide.transparent)
+
+
+@given(cases(order=3), st.fractions(Fraction(1, 5), Fraction(4, 5), max_denominator=97))
+def test_a_band_in_two_halves_has_the_crossings_of_the_whole(case: Case, share: Fraction) -> None:
+    low, high = case.band
+    middle = low + (high - low) * share
+    whole, first, second = (evaluate(case.with_(band=band)) for band in ((low, high), (low, middle), (middle, high)))
+
+    def crossings(*results: hs.Evaluation) -> set[tuple[Any, ...]]:
+        return {(c.part, c.omega.digits(20), c.kind, c.sign, c.multiplicity) for r in results for c in r.crossings}
+
+    assert crossings(first, second) == crossings(whole)

@@ -1,12 +1,9 @@
-"""Taylor models hold what they promise: each operation on thousands of random operands, against balls of 600 bits.
-
-An operand stands for any value and any slopes that are not farther than ``r`` from its polynomials: rows are independent. One
-of them is taken at a point t, often the farthest there is, and what the operation makes of it has to lie in the result.
-"""
+"""Taylor models hold what they promise: each operation against balls of 600 bits, formulas and zeros on the axis against mpmath."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import random
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import wraps
@@ -14,17 +11,27 @@ from itertools import product
 from typing import Any
 
 import flint
+import mpmath
 import numpy as np
 import pytest
 from flint import arb
-from sympy import Integer, Rational
+from sympy import Expr, Integer, Rational, Symbol, cos, diff, exp, lambdify, pi, sin, sinc, sqrt
 
-from haptisym.programs.taylormodels import Model, _product, between, constant, variable
-from haptisym.programs.valued import floated
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.symbols import s
+from haptisym.programs.modelled import Modelled
+from haptisym.programs.onaxis import OnAxis
+from haptisym.programs.program import Writer
+from haptisym.programs.taylormodels import Model, between, constant, variable
+from haptisym.programs.valued import floated, valued
 
 Array = Any
+
 ROUNDING = 2.0**-53
+
 exactly = np.frompyfunc(arb, 1, 1)
+
 certainly_above = np.frompyfunc(lambda x, y: x > y, 2, 1)
 
 
@@ -117,7 +124,9 @@ def outside(model: Model, t: Array, true: Array) -> Array:
 
 # Sums and products
 
+
 SIZES = [(-1, 1), (-18, 18), (-323, -290), (-160, -140), (100, 150)]
+
 RULES: dict[str, tuple[Callable[..., Model], Callable[..., Any], Callable[..., Any]]] = {
     "sum": (lambda x, y: x + y, lambda v, w: v + w, lambda v, w, a, b: a + b),
     "difference": (lambda x, y: x - y, lambda v, w: v - w, lambda v, w, a, b: a - b),
@@ -242,23 +251,6 @@ def test_a_function_to_a_power_holds_that_of_all_that_both_may_be(slopes: int) -
     assert (low >= -1e-10 * high).all()
 
 
-@pytest.mark.parametrize("order", [2, 1])
-@with_many_digits
-def test_values_alone_are_those_that_come_with_slopes(order: int) -> None:
-    random = np.random.default_rng(41)
-    points = Points.drawn(random, 200, 3, order)
-    (x, _), (y, _) = (points.operand(random, *away_from_zero(random, 200)) for _ in range(2))
-    with np.errstate(all="ignore"):
-        for f in (
-            lambda x, y: x * y, lambda x, y: x / y, lambda x, y: x + y, lambda x, y: x * x, lambda x, y: x.sinc(),
-            lambda x, y: x.sincm1(), lambda x, y: x.cosine_and_sine()[1], lambda x, y: (x * x).to_the(y), lambda x, y: -x.log(),
-        ):  # fmt: skip
-            whole, alone = f(x, y), f(x._value, y._value)
-            assert alone.c1.shape == (200, 1, 3)
-            for mine, other in zip(alone.arrays, whole.arrays, strict=True):
-                np.testing.assert_allclose(mine, other[:, :1], rtol=1e-13)
-
-
 @pytest.mark.parametrize(("sides", "order"), [(1, 2), (3, 2), (3, 1)])
 @with_many_digits
 def test_a_product_with_a_number_and_a_negative_hold_them(sides: int, order: int) -> None:
@@ -284,17 +276,6 @@ def test_where_takes_each_box_from_one_model_or_the_other(order: int) -> None:
     ):
         assert (one[choice] == a[choice]).all()
         assert (one[~choice] == b[~choice]).all()
-
-
-@with_many_digits
-def test_a_product_row_by_row_holds_that_of_each_row() -> None:
-    """Of what is known to within a radius and nothing else, too."""
-    points, ((x, v), (y, w)) = pair_of_operands(np.random.default_rng(9), 300, 2)
-    alone = replace(y, c0=y.c0 * 0, c1=y.c1 * 0, c2=y.c2 * 0)
-    whole = at(alone, points.t) + exactly(alone.r)
-    with np.errstate(all="ignore"):
-        assert outside(_product(x, y), points.t, v * w).tolist() == []
-        assert outside(_product(x, alone), points.t, v * whole).tolist() == []
 
 
 # Beginnings
@@ -453,6 +434,11 @@ def test_nothing_is_known_where_a_pole_or_the_log_of_zero_may_lie_in_the_box(nam
 # How near
 
 
+def flat(middle: float) -> Model:
+    """A number without error, as a function on one side, whose slope is 1."""
+    return Model(np.array([[middle, 1.0]]), np.zeros((1, 2, 1)), np.zeros((1, 2, 1, 1)), np.zeros((1, 2)))
+
+
 @pytest.mark.parametrize("name", FUNCTIONS)
 @with_many_digits
 def test_a_function_of_an_exact_straight_line_is_known_to_third_order(name: str) -> None:
@@ -488,75 +474,6 @@ def test_the_slope_of_sinc_is_known_to_within_roundings_of_its_size_near_zero_an
 
 
 @with_many_digits
-@pytest.mark.parametrize("sides", [1, 3])
-def test_a_parabola_of_a_model_holds_that_of_all_that_the_operand_may_be(sides: int) -> None:
-    """f + df x + half x^2 + rest, where any of them may be 0 and some roundings off, or so small that it vanishes."""
-    random, boxes = np.random.default_rng(sides), 400
-    points = Points.drawn(random, boxes, sides)
-    c0, c1, c2, r, share = rows_of(
-        random, points, np.zeros((boxes, 1)), 10.0 ** random.choice([-9, -1, 1, 9, 120], (boxes, 1))
-    )
-    c2[::3], r[::3] = 0, 0
-    x = Model(c0, c1, c2, r)
-    v = at(x, points.t) + exactly(share) * exactly(r)
-    numbers = ten_to(random, (3, boxes, 1), -3, 3) * random.choice([-1, 0, 1], (3, boxes, 1))
-    off = exactly(numbers) * (1 + 4 * arb(ROUNDING) * int(random.choice([-1, 1])))
-    rest, lost = random.choice([0, 0, 1e-3], (boxes, 1)), arb(2) ** -1024
-    true = off[0] + off[1] * v + off[2] * v * v + exactly(rest * random.choice([-1, 1], (boxes, 1)))
-    none = np.zeros((boxes, 1))
-    with np.errstate(all="ignore"):
-        assert outside(x._composed(*numbers, rest), points.t, true).tolist() == []
-        assert outside(x._composed(none, none, none, none), points.t, lost * v + lost * v * v).tolist() == []
-
-
-def test_what_a_function_misses_is_attained() -> None:
-    """All signs the same, t at a corner: f(0) + f'(0) D + f''(0)/2 D^2 and the rest, D being as far as the operand goes."""
-    random = np.random.default_rng(12)
-    for _ in range(20):
-        d1, d2, r = random.choice([0.0, 0.01, 0.2], 3)
-        x, D = (
-            Model(
-                np.zeros((1, 2)), *(np.array([[z, 0.0]]).reshape(1, 2, *[1] * k) for z, k in ((d1, 1), (d2, 2), (r, 0)))
-            ),
-            d1 + d2 + r,
-        )
-        found = x.exp()
-        assert (found.c0 + found.deviation)[0, 0] == pytest.approx(1 + D + D**2 / 2 + D**3 / 6 * np.exp(D), rel=1e-12)
-
-
-def flat(middle: float) -> Model:
-    """A number without error, as a function on one side, whose slope is 1."""
-    return Model(np.array([[middle, 1.0]]), np.zeros((1, 2, 1)), np.zeros((1, 2, 1, 1)), np.zeros((1, 2)))
-
-
-@with_many_digits
-def test_what_is_of_second_order_is_known_to_within_roundings() -> None:
-    random = np.random.default_rng(2)
-    for sides in (1, 4):
-        x, y = (
-            Model(
-                random.normal(size=(50, 1 + sides)),
-                random.normal(size=(50, 1 + sides, sides)),
-                np.zeros((50, 1 + sides, sides, sides)),
-                np.zeros((50, 1 + sides)),
-            )
-            for _ in range(2)
-        )
-        sizes = [np.abs(z.c0) + z.deviation for z in (x, y)]
-        for found, size in (
-            (x + y, sizes[0] + sizes[1]),
-            (x - y, sizes[0] + sizes[1]),
-            (x * y, sizes[0][:, :1] * sizes[1] + sizes[1][:, :1] * sizes[0]),
-            (x.times(-7.0), 7 * sizes[0]),
-            (x * x, 2 * sizes[0][:, :1] * sizes[0]),
-        ):
-            assert (found.r <= 400 * ROUNDING * size + 1e-280).all()
-            assert (found.r > 0).all()
-            low, high = found.bounds()
-            assert (high - low <= 2.0000001 * found.deviation + 1e-12 * abs(found.c0)).all()
-
-
-@with_many_digits
 def test_what_a_product_misses_is_attained() -> None:
     """All signs the same, t at a corner: the third and fourth order of the product, and each radius times the other's size."""
     random = np.random.default_rng(11)
@@ -575,11 +492,155 @@ def test_what_a_product_misses_is_attained() -> None:
         found = lone[0] * lone[1]
         most = [float((np.abs(z.c0) + z.deviation)[0, 0]) for z in lone]
         assert (np.abs(found.c0) + found.deviation)[0, 0] == pytest.approx(most[0] * most[1], rel=1e-12)
-        straight = replace(x, c2=x.c2[:, :0])  # of first order: the second goes into the radius
-        for found in (_product(straight, y), _product(y, straight)):
-            assert found.c2.shape[1] == 0
-            most[0] = float((np.abs(straight.c0) + straight.deviation)[0, 0])
-            assert (np.abs(found.c0) + found.deviation)[0, 0] == pytest.approx(most[0] * most[1], rel=1e-12)
 
 
 KEYS = (("c0", 0), ("c1", 1), ("c2", 2), ("r", 0))
+
+
+# Programs and formulas
+
+
+X, Y = Symbol("x", positive=True), Symbol("y", positive=True)
+
+X, Y = Symbol("x", positive=True), Symbol("y", positive=True)
+
+C = Rational(7, 3)
+
+RATIONAL: list[Expr] = [
+    X + C, C - X, X - C, 5 * X, -X / 3, X / C, C / X, X + Y, X - Y, Y - X, X * Y, X / Y, 1 / (X * Y), -X, X**3 - 2 * X, (X + 2 * Y) / (3 - X * Y / 40), X**-2 + Y, pi * X - Y / pi**2, X + 0 * Y,
+]  # fmt: skip
+
+OTHERS: list[Expr] = [
+    cos(X * Y), sin(X + 1), cos(1) * X - sin(Rational(2)) / Y, sinc(X) + Y, X**Y, (X + Y) ** Rational(1, 3), X * sqrt(2) + sqrt(Y), X * cos(C) ** 2 + Rational(3, 2) ** Rational(1, 3),
+]  # fmt: skip
+
+
+def boxes(draw: random.Random, radius: float) -> list[Model]:
+    middles = np.array([[draw.uniform(0.5, 3) for _ in range(2)] for _ in range(6)])
+    return [variable(middles[:, i], np.full(6, radius), 4.0, i, 2) for i in range(2)]
+
+
+def assert_holds(found: Model, given: list[Model], formula: Expr, radius: float) -> None:
+    """The value and both slopes, in units of half a box, at corners and inside; nothing is given away in points."""
+    exact = [lambdify((X, Y), f, "mpmath") for f in (formula, radius * diff(formula, X), radius * diff(formula, Y))]
+    low, high = found.bounds()
+    with mpmath.workdps(40):
+        for n in range(6):
+            for t in ((0, 0), (1, 1), (-1, 1), (0.5, -1)):
+                at = [mpmath.mpf(float(x.c0[n, 0])) + radius * mpmath.mpf(u) for x, u in zip(given, t, strict=True)]
+                for i, f in enumerate(exact):
+                    assert low[n, i] <= f(*at) <= high[n, i]
+    size = 1 + np.abs(found.c0[:, :1])
+    assert ((high - low) <= (1e-11 + 40 * radius * (radius + (np.arange(3) == 0))) * size).all()
+
+
+@pytest.mark.parametrize("radius", [0.0, 1 / 64])
+@pytest.mark.parametrize("formula", [*RATIONAL, *OTHERS], ids=str)
+def test_a_program_has_the_values_and_slopes_of_its_formula(formula: Expr, radius: float) -> None:
+    write = Writer((X, Y))
+    given = boxes(random.Random(str(formula)), radius)
+    found = Modelled(write.program({"it": write.expression(formula)})).run(given)["it"]
+    assert isinstance(found, Model)
+    assert_holds(found, given, formula, radius)
+
+
+@pytest.mark.parametrize("formula", RATIONAL, ids=str)
+def test_a_rational_formula_has_its_values_and_slopes(formula: Expr) -> None:
+    for radius in (0.0, 1 / 64):
+        given = boxes(random.Random(str(formula)), radius)
+        assert_holds(valued(formula, dict(zip((X, Y), given, strict=True)), given[0]), given, formula, radius)
+
+
+def test_a_number_that_no_input_is_in_is_one_float_and_what_is_too_large_is_none() -> None:
+    write = Writer((X, Y))
+    numbers = {"one": cos(1) / pi + 2, "two": sqrt(2) - 5, "three": Rational(1, 3)}
+    found = Modelled(write.program({name: write.expression(x) for name, x in numbers.items()})).run(
+        boxes(random.Random(1), 0.0)
+    )
+    assert found == {name: pytest.approx(float(x.evalf(30)), rel=1e-15) for name, x in numbers.items()}
+    for x in (*numbers.values(), 10**400 / Rational(10**399)):
+        assert floated(x) == pytest.approx(float(x.evalf(30)), rel=1e-15)
+    with pytest.raises(UndecidedError, match="too large for floats"):
+        floated(Rational(10**400))
+
+
+# Zeros on the axis over boxes of values
+
+
+P, Q, U = (Symbol(name, real=True) for name in "pqu")
+
+P, Q, U = (Symbol(name, real=True) for name in "pqu")
+
+P, Q, U = (Symbol(name, real=True) for name in "pqu")
+
+ALPHA = Symbol("alpha", positive=True)
+
+LATE = exp(-s)
+
+Ranges = Mapping[Symbol, tuple[Any, Any]]
+
+
+def form(D: Expr, ranges: Ranges) -> OnAxis:
+    ring = Ring.of([D])
+    exact = {x: (Rational(low), Rational(high)) for x, (low, high) in ranges.items()}
+    return OnAxis(ring, ring.convert(D.expand()).numerator, exact)
+
+
+EXPONENT: Ranges = {ALPHA: ("1/2", "3/4")}
+
+
+@pytest.mark.parametrize(
+    ("D", "ranges", "reach"),
+    [
+        (s**2 + 12, {}, 4), (s**2 - 12, {}, 4), (s**2 + 16, {}, 8), (2 * s**2 - 12, {}, 4), (3 * s**3 + 100, {}, 4), (s**2 - 3 * s - 2, {}, 4),
+        # a s + b is as large as either of the two where both have one sign and neither comes late: 100/r > 1/r^2
+        (s**2 + 100 * s + 1, {}, Rational(1, 64)), (-(s**2) - 100 * s + 1, {}, Rational(1, 64)), (s**2 + 100 * s - 1, {}, Rational(1, 64)),
+        (s**2 - 100 * s + 1, {}, 128), (s**2 + 100 * s * LATE + 1, {}, 128), (s**2 + 100 * s + LATE, {}, Rational(1, 64)),
+        (s**2 * (1 + LATE / 2) + 100 * s + 1, {}, 256), (s**2 * (1 - LATE / 2) + 100 * s + 1, {}, 256), (s**2 * LATE / 2 + s**2 + 100, {}, 16),
+        (s**2 + 100 * s + 10 * sqrt(s) + 1, {}, Rational(1, 32)), (s**2 + 100 * s + 10 * s * sqrt(s) + 1, {}, 512),
+        (s**2 + 100 * s + P * s + 1, {P: (0, 1)}, Rational(1, 64)), (s**2 + 100 * s + P * s + 1, {P: ("-1/9", 1)}, 128), (s + 1, {}, Rational(1, 2**20)), (s**2 + P * s + 1, {P: (1, 100)}, 2),
+        # a power of s that is not known: r^(1/4) > 2, and r^(1/2) > 1/4
+        (s + 2 * s**ALPHA, EXPONENT, 32), (s + s**ALPHA / 4, EXPONENT, Rational(1, 8)), (s**2 + 2 * s**ALPHA * s - s**ALPHA, EXPONENT, 32),
+        (s**ALPHA + s ** Rational(5, 8), EXPONENT, None), (s ** Rational(3, 4) + s**ALPHA, EXPONENT, None), (s * (1 + 2 * LATE) + 1, {}, None), (s * (1 + LATE) + 1, {}, None),
+        (P * s + 1, {P: (0, 1)}, Rational(1, 2**20)), (P * s - 1, {P: (0, 1)}, None), ((1 + P) * s - 1, {P: (0, 1)}, 2), (s - P, {P: (-3, 1)}, 4), (s - P, {P: (-1, 3)}, 4),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_the_reach_is_the_first_power_of_two_at_which_the_highest_power_exceeds_all_others(
+    D: Expr, ranges: Ranges, reach: Any
+) -> None:
+    assert form(D, ranges).reach == (None if reach is None else float(reach))
+
+
+@pytest.mark.parametrize("order", [{P: (0, 2), Q: (0, 2)}, {Q: (0, 2), P: (0, 2)}])
+def test_a_coefficient_is_bounded_over_pieces_of_all_ranges(order: Ranges) -> None:
+    """3/4 (1 - p)^4 (1 - q)^4 is at most 3/4 where p and q are 0 to 2, and its terms together 192."""
+    assert form(s - Rational(3, 4) * (1 - P) ** 4 * (1 - Q) ** 4, order).reach in (1, 2)
+
+
+@pytest.mark.parametrize(
+    ("low", "left"), [("1/8", False), ("-1/2", True), pytest.param("0", True, marks=pytest.mark.slow)]
+)
+def test_cells_are_left_where_a_zero_is_on_the_axis_and_nowhere_else(low: str, *, left: bool) -> None:
+    """s^2 + p s + 9, p up to 1: omega = 3 at p = 0."""
+    found = form(s**2 + P * s + 9, {P: (low, 1)})
+    cells = found.left()
+    assert (len(cells) > 0) is left
+    if left:
+        assert found.reach is not None
+        place = np.array([3 / found.reach, float(-Rational(low) / (1 - Rational(low)))])
+        assert ((cells[:, :, 0] <= place) & (place <= cells[:, :, 1])).all(-1).any()
+        assert np.abs(cells.mean(-1) - place).max() < 0.01
+
+
+def test_both_parts_in_points_are_those_of_complex_numbers() -> None:
+    """(20 + p^2 q) s^2 + 3 pi p s exp(-s) - q at j omega; u is in none."""
+    D = (20 + P**2 * Q) * s**2 + 3 * pi * P * s * LATE - Q
+    found = form(D, {U: (5, 9), P: (1, 3), Q: (-2, 2)})
+    assert found.reach is not None
+    at = np.array([[0.5, 0.5, 0.25, 0.75], [0.125, 0.0, 1.0, 0.0], [1.0, 1.0, 0.0, 1.0]])
+    real, imag = found.parts(np.stack([at, at], -1))
+    for n, (x, _, y, z) in enumerate(at.tolist()):
+        w, p, q = 1j * found.reach * x, 1 + 2 * y, -2 + 4 * z
+        true = (20 + p**2 * q) * w**2 + 3 * np.pi * p * w * np.exp(-w) - q
+        assert (real.c0[n, 0], imag.c0[n, 0]) == pytest.approx((true.real, true.imag), rel=1e-12, abs=1e-11)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Mapping
 from fractions import Fraction
-from itertools import pairwise, product
 from math import cos, sin, sqrt
 from pathlib import Path
 from random import Random
@@ -16,29 +16,28 @@ from regions import margin
 
 import haptisym as hs
 from haptisym.judge.criteria import noticed
-from haptisym.programs.taylormodels import Model, variable
 from haptisym.verbs.tolerances.box import box_of
-from haptisym.verbs.tolerances.joined import enclosing, joined
 from haptisym.verbs.tolerances.regional import excess_of
 
-WIDE = {"real": 0.1, "imag": 0.1}
-CORNERS = {"shape": "polygon", "corners": [[0.12, 0.02], [0.03, 0.1], [-0.1, 0.05], [-0.04, -0.08], [0.05, -0.09]]}
+E = hs.environments
+PENTAGON = [[0.12, 0.02], [0.03, 0.1], [-0.1, 0.05], [-0.04, -0.08], [0.05, -0.09]]
 JNDS: dict[str, Any] = {
-    "ellipse": {"shape": "ellipse", **WIDE, "tilt": -0.5},
+    "ellipse": {"shape": "ellipse", "real": 0.2, "imag": 0.1, "tilt": -0.5},
+    "round": {"shape": "ellipse", "real": 0.15, "imag": 0.1},
     "diamond": {"shape": "diamond", "real": 0.12, "imag": 0.1},
-    "polygon": CORNERS,
-    "higher and lower": {"real": {"higher": 0.08, "lower": 0.12}, "imag": {"higher": 0.2, "lower": 0.05}},
-    "floor": {**WIDE, "floor": "15"},
-    "formula": {"real": "0.08 + 0.004*omega", "imag": "1/(omega + 2)"},
-    "formulas of a region": {"shape": "ellipse", "real": "0.08 + 0.004*omega", "imag": 0.2, "tilt": "omega/20"},
+    "polygon": {"shape": "polygon", "corners": PENTAGON},
+    "two limits": {"real": {"higher": 0.08, "lower": 0.2}, "imag": {"higher": 0.2, "lower": 0.05}},
+    "two limits and a floor": {"real": {"higher": 0.08, "lower": 0.2}, "imag": {"higher": 0.2, "lower": 0.05}, "floor": "8"},
+    "floor": {"real": 0.1, "imag": 0.2, "floor": "12"},
+    "formula": {"real": "0.08 + 0.01*omega", "imag": "1/(omega + 2)"},
+    "tilt of a formula": {"shape": "ellipse", "real": "0.08 + 0.01*omega", "imag": 0.2, "tilt": "omega/30"},
 }  # fmt: skip
-PAPER = hs.load_scene("fu2019")
 
 
 def lagged(jnd: Any, top: float = 10, k: Any = "100 N/m", damper: Any = 0) -> hs.Scene:
     """A spring behind a lag of 36 to 44 rad/s: dH/|H_env| = -j t/(1 + j t) with t = omega/omega_c."""
-    felt = hs.environments.mass_spring_damper(b=damper, k=k)
-    return hs.Scene(felt, (hs.effects.first_order_lag(["36 rad/s", "44 rad/s"]),), (0, top), jnd)
+    lag = hs.effects.first_order_lag(["36 rad/s", "44 rad/s"])
+    return hs.Scene(E.mass_spring_damper(b=damper, k=k), (lag,), (0, top), jnd)
 
 
 def ends(found: Any) -> list[float]:
@@ -49,41 +48,50 @@ def ends(found: Any) -> list[float]:
     return [float(x.low), float(x.high)]
 
 
-def test_the_ends_of_a_discs_crossing_are_known_by_hand() -> None:
-    """|dH/H| = t/sqrt(1 + t^2) = c."""
-    t = 0.2 / sqrt(1 - 0.04)
-    found = hs.tolerances(lagged({"shape": "ellipse", "real": 0.2, "imag": 0.2}), samples=0)
+# --- solved by hand -----------------------------------------------------------------------------------------------------
+
+ROUND = {"shape": "ellipse", "real": 0.2, "imag": 0.2}
+
+
+def positive(*row: float) -> float:
+    """The one positive root of a polynomial, highest power first."""
+    [t] = [x.real for x in np.roots(row) if abs(x.imag) < 1e-12 and x.real > 0]
+    return float(t)
+
+
+@pytest.mark.parametrize(
+    ("jnd", "damper", "t"),
+    [
+        (ROUND, 0, 0.2 / sqrt(1 - 0.04)),  # |dH/H| = t/sqrt(1 + t^2)
+        ({"shape": "diamond", "real": 0.2, "imag": 0.2}, 0, positive(0.8, 1, -0.2)),  # (t^2 + t)/(1 + t^2)
+        ({"shape": "polygon", "corners": [[0.2, 0], [0, 0.2], [-0.2, 0], [0, -0.2]]}, 0, positive(0.8, 1, -0.2)),
+        # of a damper H_env = j omega b: what is real of a spring is imaginary of it, x = t/(1 + t^2) and y = -t x
+        ({"shape": "polygon", "corners": [[0.3, -0.3], [0.3, 0.1], [-0.3, 0.1], [-0.3, -0.3]]}, "5 N*s/m", 1 / 3),
+        # and its tilt turns too: c^2 (1 - r^2) = x^2 - 2 r x y + y^2 with c = 0.2 and r = 1/2
+        ({**ROUND, "tilt": 0.5}, "5 N*s/m", positive(0.97, 1, 0.94, 0, -0.03)),
+    ],
+    ids=["disc", "diamond", "diamond as a polygon", "polygon of a damper", "tilt of a damper"],
+)  # fmt: skip
+def test_the_ends_of_a_crossing_of_a_region_are_known_by_hand(jnd: Any, damper: Any, t: float) -> None:
+    found = hs.tolerances(lagged(jnd, 30 if damper else 10, 0 if damper else "100 N/m", damper), samples=0)
     assert found.verdict.value == "none"
-    assert ends(found) == pytest.approx([36 * t, 44 * t], rel=1e-14)
-    assert found.to_dict()["bandwidth"] == pytest.approx([36 * t, 44 * t], rel=1e-14)
-
-
-def test_the_ends_of_a_diamonds_crossing_are_known_by_hand() -> None:
-    """|x| + |y| = (t^2 + t)/(1 + t^2) = c: t is the positive root of (1 - c) t^2 + t - c."""
-    t = (-1 + sqrt(1 + 4 * 0.8 * 0.2)) / (2 * 0.8)
-    corners = [[0.2, 0], [0, 0.2], [-0.2, 0], [0, -0.2]]
-    for jnd in ({"shape": "diamond", "real": 0.2, "imag": 0.2}, {"shape": "polygon", "corners": corners}):
-        assert ends(hs.tolerances(lagged(jnd), samples=0)) == pytest.approx([36 * t, 44 * t], rel=1e-14)
-
-
-def test_a_damper_alone_turns_the_region_by_a_quarter() -> None:
-    """H_env = j omega b has its zero at 0: what is real of a spring is imaginary of a damper."""
-    corners = [[0.3, -0.3], [0.3, 0.1], [-0.3, 0.1], [-0.3, -0.3]]
-    found = hs.tolerances(lagged({"shape": "polygon", "corners": corners}, k=0, damper="5 N*s/m", top=30), samples=0)
-    t = sqrt(0.3 / 0.7)  # y = Im(j (1/(1 + j t) - 1)) = -t^2/(1 + t^2) = -0.3 comes after x = t/(1 + t^2) = 0.3
-    first = (1 - sqrt(1 - 4 * 0.3**2)) / (2 * 0.3)
-    assert first < t
-    assert ends(found) == pytest.approx([36 * first, 44 * first], rel=1e-13)
-
-
-def test_a_damper_alone_turns_the_tilt_of_an_ellipse_too() -> None:
-    """x = t/(1 + t^2), y = -t x: within c^2 (1 - r^2) = x^2 - 2 r x y + y^2, a quartic in t."""
-    c, r = 0.2, 0.5
-    disc = {"shape": "ellipse", "real": c, "imag": c, "tilt": r}
-    found = hs.tolerances(lagged(disc, k=0, damper="5 N*s/m", top=30), samples=0)
-    roots = np.roots([1 - c * c * (1 - r * r), 2 * r, 1 - 2 * c * c * (1 - r * r), 0, -c * c * (1 - r * r)])
-    [t] = [x.real for x in roots if abs(x.imag) < 1e-12 and x.real > 0]
     assert ends(found) == pytest.approx([36 * t, 44 * t], rel=1e-13)
+    assert found.to_dict()["bandwidth"] == pytest.approx([36 * t, 44 * t], rel=1e-13)
+
+
+@pytest.mark.parametrize(("top", "verdict"), [(7, "all"), (8, "depends"), (9.5, "none")])
+def test_the_verdict_is_for_all_for_some_or_for_none(top: float, verdict: str) -> None:
+    """The disc of 0.2 is left between 7.35 and 8.98 rad/s."""
+    assert hs.tolerances(lagged(ROUND, top), samples=0).verdict.value == verdict
+
+
+def test_a_half_width_may_vary_with_all_else() -> None:
+    """A disc of 0.15 to 0.2 and a lag of 36 to 44 rad/s: t = c/sqrt(1 - c^2)."""
+    region = {"shape": "ellipse", "real": ["0.15", "0.2"], "imag": ["0.15", "0.2"]}
+    found = hs.tolerances(lagged(region), samples=0)
+    t = [c / sqrt(1 - c**2) for c in (0.15, 0.2)]
+    assert ends(found) == pytest.approx([36 * t[0], 44 * t[1]], rel=1e-14)
+    assert found.enclosures[0].monotonic == {"omega_c": 1, "c": 1}
 
 
 @pytest.mark.slow
@@ -92,34 +100,29 @@ def test_a_floor_counts_where_it_is_above_the_limit() -> None:
     jnd = {"real": 0.02, "imag": 5, "floor": "3 N/m"}
     found = hs.tolerances(lagged(jnd, k=["90 N/m", "160 N/m"]), samples=0)
     [x] = [y for y in found.enclosures if y.criterion.name == "real"]
-    at = [sqrt(r / (1 - r)) for r in (0.02, 3 / 90)]
-    assert float(x.low) == pytest.approx(36 * at[0], rel=2e-3)
-    assert float(x.low) <= 36 * at[0] * (1 + 1e-12)
-    assert 44 * at[1] * (1 - 1e-12) <= float(x.high) == pytest.approx(44 * at[1], rel=2e-3)
+    low, high = (w * sqrt(r / (1 - r)) for w, r in ((36, 0.02), (44, 3 / 90)))
+    assert low * (1 - 2e-3) <= float(x.low) <= low * (1 + 1e-12)
+    assert high * (1 - 1e-12) <= float(x.high) <= high * (1 + 2e-3)
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("turns", range(4))
 def test_a_region_that_is_alike_on_no_two_sides_is_left_where_its_first_edge_is_met(turns: int, seed: int) -> None:
     """H_env = s^n is j^n on the axis: x + j y = j^n (-t^2 - j t)/(1 + t^2), and p x + q y = 1 of an edge is quadratic in t."""
     draw = Random(seed)
     angles = [2.1 * n + draw.uniform(0, 0.7) + seed for n in range(3)]
-    sizes = [draw.uniform(0.1, 0.4) for _ in angles]
-    corners = [[round(r * cos(a), 3), round(r * sin(a), 3)] for a, r in zip(angles, sizes, strict=True)]
-    felt = hs.environments.expression(f"s^{turns}") if turns else hs.environments.mass_spring_damper(k=1)
-    scene = hs.Scene(
-        felt, (hs.effects.first_order_lag(["36", "44"]),), (0, 90), {"shape": "polygon", "corners": corners}
-    )
-    X, Y = ((0, -1), (-1, 0)) if turns % 2 == 0 else ((1, 0), (0, -1))  # before t and t^2
-    X, Y = (X, Y) if turns < 2 else ((-X[0], -X[1]), (-Y[0], -Y[1]))
+    corners = [[round(r * cos(a), 3), round(r * sin(a), 3)] for a in angles for r in (draw.uniform(0.1, 0.4),)]
+    felt = E.expression(f"s^{turns}") if turns else E.mass_spring_damper(k=1)
+    lag = hs.effects.first_order_lag(["36", "44"])
+    found = hs.tolerances(hs.Scene(felt, (lag,), (0, 90), {"shape": "polygon", "corners": corners}), samples=0)
     places = []
     for one, other in zip(corners, [*corners[1:], corners[0]], strict=True):
         p, q = np.linalg.solve([one, other], [1, 1])
-        roots = np.roots([p * X[1] + q * Y[1] - 1, p * X[0] + q * Y[0], -1])
+        p, q = [(p, q), (q, -p), (-p, -q), (-q, p)][turns]  # the edge, turned back
+        roots = np.roots([-p - 1, -q, -1])
         places += [x.real for x in roots if abs(x.imag) < 1e-12 and x.real > 0]
-    first = hs.tolerances(scene, samples=0).enclosures[0]
-    assert float(first.low) == pytest.approx(36 * min(places), rel=1e-9)
+    assert float(found.enclosures[0].low) == pytest.approx(36 * min(places), rel=1e-9)
 
 
 @pytest.mark.few(2)
@@ -132,168 +135,163 @@ def test_what_shrinks_is_judged_by_the_lower_limit_and_what_grows_by_the_higher(
     sided = {"real": {"lower": lower, "higher": higher}, "imag": 9, **floor}
     t = sqrt(float(lower) / (1 - float(lower)))
     assert ends(hs.tolerances(lagged(sided, top=40), samples=0)) == pytest.approx([36 * t, 44 * t], rel=1e-13)
-    felt = hs.environments.mass_spring_damper(k="100 N/m")
-    beside = hs.Scene(felt, (hs.effects.shunt(m=["-0.5 kg", "-0.1 kg"]),), (0, 40), sided)
+    device = hs.effects.shunt(m=["-0.5 kg", "-0.1 kg"])
+    beside = hs.Scene(E.mass_spring_damper(k="100 N/m"), (device,), (0, 40), sided)
     places = [sqrt(float(higher) * 100 / m) for m in (0.5, 0.1)]
     assert ends(hs.tolerances(beside, samples=0)) == pytest.approx(places, rel=1e-13)
-
-
-@pytest.mark.parametrize(("top", "verdict"), [(7, "all"), (8, "depends"), (9.5, "none")])
-def test_the_verdict_is_for_all_for_some_or_for_none(top: float, verdict: str) -> None:
-    """The disc of 0.2 is left between 7.35 and 8.98 rad/s."""
-    found = hs.tolerances(lagged({"shape": "ellipse", "real": 0.2, "imag": 0.2}, top), samples=0)
-    assert found.verdict.value == verdict
-
-
-# --- every region against plain arithmetic ---------------------------------------------------------------------------
-
-
-def ranged(jnd: Any) -> hs.Scene:
-    ranges = {"m": "1.8 +- 20 %", "b": "15 +- 20 %", "k": "100 +- 20 %", "omega_n": "60 +- 20 %"}
-    return hs.Scene(PAPER.environment, PAPER.effects, PAPER.band, jnd).with_values(ranges)
-
-
-def changed(values: dict[str, float], omega: float) -> tuple[complex, complex]:
-    s = 1j * omega
-    H = values["m"] * s**2 + values["b"] * s + values["k"]
-    w = values["omega_n"]
-    return H, H * w**2 / (s**2 + w * s + w**2)
-
-
-@pytest.mark.few(4)
-@pytest.mark.parametrize("name", JNDS)
-def test_a_model_has_the_sign_of_the_region_everywhere_in_a_cell(name: str) -> None:
-    asked, random = ranged(JNDS[name]), np.random.default_rng(5)
-    box, decided = box_of(asked), 0
-    written = json.loads(json.dumps(JNDS[name]))
-    forms = [excess_of(box, x) for x in noticed(asked.threshold)]
-    for width in (0.02, 0.2):
-        start = random.uniform(0, 1 - width, (40, 5))
-        cells = np.stack([start, start + width], -1)
-        low, high = (
-            np.stack(x) for x in zip(*((y[:, 0] for y in form.model(cells).bounds()) for form in forms), strict=True)
-        )
-        for i, cell in enumerate(cells):
-            shares = cell[:, 0] + random.uniform(0, 1, 5) * width
-            values = {
-                x.name: float(x.at(Fraction(float(share)))) for x, share in zip(box.sides, shares[1:], strict=True)
-            }
-            is_out = margin(written, *changed(values, 15 * shares[0]), 15 * shares[0]) > 0
-            decided += bool((low[:, i] > 0).any() or (high[:, i] < 0).all())
-            assert is_out or not (low[:, i] > 0).any()
-            assert not is_out or not (high[:, i] < 0).all()
-    assert decided > 30
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", JNDS)
-def test_no_set_of_values_leaves_the_region_outside_the_enclosures(name: str) -> None:
-    """Against a scan of the band for random sets of values."""
-    asked, random = ranged(JNDS[name]), np.random.default_rng(9)
-    found = hs.tolerances(asked, samples=0)
-    written = json.loads(json.dumps(JNDS[name]))
-    spans = [(float(x.low), float(x.high)) for x in found.enclosures]
-    omega = np.linspace(1e-3, 15, 601)
-    for _ in range(12):
-        values = {x.name: float(x.low + (x.high - x.low) * random.uniform()) for x in found.box.sides}
-        out = [margin(written, *changed(values, w), w) > 0 for w in omega]
-        for i in np.flatnonzero(np.diff(out)):
-            assert any(low <= omega[i + 1] and omega[i] <= high for low, high in spans)
-    assert found.verdict.value != "all"
-    if found.bandwidth:
-        drawn = [float(x.bandwidth) for x in hs.tolerances(asked, samples=8).samples if x.bandwidth]
-        assert float(found.bandwidth[0]) <= min(drawn)
-        assert max(drawn) <= float(found.bandwidth[1])
-
-
-def test_the_largest_of_the_smallest_of_models_is_told_by_those_that_decide_it() -> None:
-    """max(min(x - 1/2, 2), min(x + 1/4, -1), x/2 - 1/8) over four cells of x in [-1, 1], against points."""
-    edges = np.linspace(-1, 1, 9)
-    x = variable((edges[1:] + edges[:-1]) / 2, np.diff(edges) / 2, 1.0, 0, 1)
-    terms = [[x.plus(-0.5), x.number(2.0)], [x.plus(0.25), x.number(-1.0)], [x.times(0.5).plus(-0.125)]]
-    found: Model = joined(terms)
-    low, high = found.bounds()
-    for i, (a, b) in enumerate(pairwise(edges)):
-        for at in np.linspace(a, b, 11):
-            exact = max(min(at - 0.5, 2), min(at + 0.25, -1), at / 2 - 0.125)
-            assert exact >= 0 or not low[i, 0] > 0
-            assert exact <= 0 or not high[i, 0] < 0
-    undecided = (low[:, 0] <= 0) & (high[:, 0] >= 0)
-    assert edges[:-1][undecided].tolist() == [0.0, 0.25]
-    assert (low[undecided, 1] > 0).all()
-
-
-# --- as a user has it ------------------------------------------------------------------------------------------------
-
-TEXT = """
-[environment]
-model = "mass-spring-damper"
-k = "100 N/m"
-[[effects]]
-model = "first-order-lag"
-omega_c = ["36 rad/s", "44 rad/s"]
-[evaluation]
-band = ["0 rad/s", "{top} rad/s"]
-jnd = {{ shape = "diamond", real = 0.2, imag = 0.2 }}
-"""
-
-
-def test_the_command_tells_of_the_regions_border(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
-    file = tmp_path / "diamond.toml"
-    file.write_text(TEXT.format(top=10), encoding="utf-8")
-    status, out, _ = call("tolerances", str(file), "--samples", "5", "--figure", str(tmp_path / "a.svg"))
-    assert status == 0
-    assert "where the distortion meets the border of the diamond" in out
-    assert "ratio" not in out
-    assert "diamond" in (tmp_path / "a.svg").read_text(encoding="utf-8")
-    _, out, _ = call("tolerances", str(file), "--samples", "5", "--json")
-    assert [x["part"] for x in json.loads(out)["crossings"]] == ["joint"]
-    file.write_text(TEXT.format(top=3), encoding="utf-8")
-    status, out, _ = call("tolerances", str(file), "--samples", "0")
-    assert status == 0
-    assert "does not meet the border of the diamond" in out
-
-
-def test_a_half_width_may_vary_with_all_else() -> None:
-    """A disc of 0.15 to 0.2 and a lag of 36 to 44 rad/s: t = c/sqrt(1 - c^2)."""
-    region = {"shape": "ellipse", "real": ["0.15", "0.2"], "imag": ["0.15", "0.2"]}
-    found = hs.tolerances(lagged(region), samples=0)
-    t = [c / sqrt(1 - c**2) for c in (0.15, 0.2)]
-    assert ends(found) == pytest.approx([36 * t[0], 44 * t[1]], rel=1e-14)
-    assert found.enclosures[0].monotonic == {"omega_c": 1, "c": 1}
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_a_model_about_two_others_holds_all_that_either_holds_and_little_else(seed: int) -> None:
-    """Of values and slopes: what is off at a place, and the remainder there, is within its own."""
-    draw = np.random.default_rng(seed)
-    sizes = (5, 4), (5, 4, 3), (5, 4, 3, 3)
-
-    def one() -> Model:
-        return Model(*(draw.normal(size=x) * 10.0 ** draw.integers(-3, 3) for x in sizes), draw.uniform(0, 1, (5, 4)))
-
-    def at(x: Model, t: Any) -> Any:
-        return x.c0 + x.c1 @ t + (x.c2 @ t) @ t
-
-    for _ in range(5):
-        f, g = one(), one()
-        found = enclosing(f, g)
-        apart = [abs(x - y) / 2 for x, y in zip(f.arrays[:3], g.arrays[:3], strict=True)]
-        most = apart[0] + apart[1].sum(-1) + apart[2].sum((-1, -2)) + np.maximum(f.r, g.r)
-        for signs in product((-1.0, 1.0), repeat=3):
-            for t in (np.array(signs), draw.uniform(-1, 1, 3)):
-                for x in (f, g):
-                    assert (abs(at(x, t) - at(found, t)) + x.r <= found.r).all()
-        assert (found.r <= most * (1 + 1e-9)).all()
-        assert (enclosing(f, f).r <= f.r * (1 + 1e-9) + 1e-9).all()
-        known = enclosing(f, Model(*f.arrays[:3], f.r + 1))
-        assert (abs(known.r - f.r - 1) <= 1e-9).all()
 
 
 @pytest.mark.parametrize(("gains", "verdict"), [(["0.89", "0.9"], "all"), (["1.11", "1.13"], "none")])
 def test_gains_before_a_mass_are_told_from_0_on_by_limits_for_each_way(gains: list[str], verdict: str) -> None:
     series = hs.effects.series("g", parameters={"g": gains})
     jnd = {"real": {"higher": "0.1", "lower": "0.12"}, "imag": "0.1"}
-    found = hs.tolerances(hs.Scene(hs.environments.mass_spring_damper(m=1), (series,), (0, 3), jnd), samples=0)
-    assert (found.verdict.value, found.enclosures) == (verdict, ())
-    assert (found.bandwidth is None) is (verdict == "none")
+    found = hs.tolerances(hs.Scene(E.mass_spring_damper(m=1), (series,), (0, 3), jnd), samples=0)
+    assert (found.verdict.value, found.enclosures, found.bandwidth is None) == (verdict, (), verdict == "none")
+
+
+# --- every region against plain arithmetic ------------------------------------------------------------------------------
+
+FELT: dict[str, tuple[dict[str, Any], Callable[[complex, Mapping[str, float]], complex]]] = {
+    "spring": ({"k": ["80", "120"]}, lambda s, p: p["k"]),
+    "damper": ({"b": ["4", "6"]}, lambda s, p: p["b"] * s),
+    "mass": ({"m": ["1", "2"]}, lambda s, p: p["m"] * s**2),
+    "all": ({"m": ["1", "2"], "b": ["4", "6"], "k": ["80", "120"]}, lambda s, p: p["m"] * s**2 + p["b"] * s + p["k"]),
+    "damper and mass": ({"m": ["1", "2"], "b": ["4", "6"]}, lambda s, p: p["m"] * s**2 + p["b"] * s),
+}
+CASES = [(x, [*FELT][(i + k) % 5]) for i, x in enumerate(JNDS) for k in (0, 2, 3)]
+
+
+def scene_of(felt: str, jnd: Any, low: Any = "0.5") -> hs.Scene:
+    """Behind a lag, and a gain that makes more or less of it."""
+    effects = hs.effects.first_order_lag(["20", "60"]), hs.effects.series("g", parameters={"g": ["0.8", "1.3"]})
+    return hs.Scene(E.mass_spring_damper(**FELT[felt][0]), effects, (low, 15), jnd)
+
+
+def judged(felt: str, jnd: Any, box: Any, shares: Any) -> float:
+    """The margin at a point of band and box, in plain arithmetic; positive where the change is noticed."""
+    low, high = (float(x) for x in box.scene.band)
+    omega = low + (high - low) * float(shares[0])
+    values = {x.name: float(x.at(Fraction(float(y)))) for x, y in zip(box.sides, shares[1:], strict=True)}
+    H = complex(FELT[felt][1](1j * omega, values))
+    return margin(jnd, H, H / (1 + 1j * omega / values["omega_c"]) * values["g"], omega)
+
+
+@pytest.mark.few(8)
+@pytest.mark.parametrize(("name", "felt"), CASES)
+def test_bounds_over_a_cell_have_the_sign_of_the_region_everywhere_in_it(name: str, felt: str) -> None:
+    """At points they decide it, unless at its border; in cells they are never against it. Of several criteria one is enough."""
+    box, rng = box_of(scene_of(felt, JNDS[name])), np.random.default_rng(7)
+    written = json.loads(json.dumps(JNDS[name]))
+    forms = [excess_of(box, x) for x in noticed(box.scene.threshold)]
+    outside = 0
+    for width in (0, 0.02, 0.2):
+        start = rng.uniform(0, 1 - width, (40, 1 + len(box.sides)))
+        cells = np.stack([start, start + width], -1)
+        found = [tuple(y[:, 0] for y in form.model(cells).bounds()) for form in forms]
+        for i, cell in enumerate(cells):
+            true = judged(felt, written, box, cell[:, 0] + rng.uniform(0, 1, len(cell)) * width)
+            is_out, is_in = any(low[i] > 0 for low, _ in found), all(high[i] < 0 for _, high in found)
+            assert true >= 0 or not is_out
+            assert true <= 0 or not is_in
+            assert width or abs(true) < 1e-6 or is_out is bool(true > 0) is not is_in
+            outside += true > 0
+    assert 3 < outside < 117
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize(
+    "name", ["ellipse", "diamond", "polygon", "two limits", "floor", "formula", "tilt of a formula"]
+)
+def test_along_a_side_on_which_a_slope_keeps_its_sign_the_border_is_crossed_one_way_alone(name: str) -> None:
+    """In cells of a tenth of each range: from one end of a side to the other, at random values of all others."""
+    box, rng = box_of(scene_of("all", JNDS[name])), np.random.default_rng(3)
+    written, seen = json.loads(json.dumps(JNDS[name])), 0
+    criteria = noticed(box.scene.threshold)
+    for criterion in criteria:
+        form = excess_of(box, criterion)
+        alone = written if len(criteria) == 1 else {**written, ({"real", "imag"} - {criterion.name}).pop(): 1e9}
+        cells = np.sort(rng.uniform(0, 0.9, (40, form.sides, 1)) + np.array([0, 0.1]), -1)
+        low, high = form.model(cells).bounds()
+        for i in np.flatnonzero((low[:, 0] <= 0) & (high[:, 0] >= 0)):
+            for side in range(form.sides):
+                way = int(low[i, 1 + side] > 0) - int(high[i, 1 + side] < 0)
+                point = cells[i, :, 0] + rng.uniform(0, 0.1, form.sides)
+                margins = []
+                for end in cells[i, side]:
+                    point[side] = end
+                    margins.append(way * judged("all", alone, box, point))
+                seen += way != 0
+                assert not (margins[0] > 1e-9 and margins[1] < -1e-9)
+    assert seen > 2
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("felt", ["damper", "mass"])
+@pytest.mark.parametrize("name", [x for x in JNDS if "floor" not in x])
+def test_a_region_is_left_from_rest_on_as_its_limits_say_where_what_is_felt_vanishes_there(
+    name: str, felt: str
+) -> None:
+    """Behind gains from 0.7 to 1.4: the change is g - 1 at all frequencies, from 0 on."""
+    jnd, series = json.loads(json.dumps(JNDS[name])), hs.effects.series("g", parameters={"g": ["0.7", "1.4"]})
+    box = box_of(hs.Scene(E.mass_spring_damper(**FELT[felt][0]), (series,), (0, 15), jnd))
+    forms = [excess_of(box, x) for x in noticed(box.scene.threshold)]
+    shares = np.linspace(0.01, 0.99, 60)
+    for omega in (0.0, 1e-9, 0.4):
+        cells = np.tile([[[omega, omega], [0.5, 0.5], [0.0, 0.0]]], (60, 1, 1))
+        cells[:, 2] = shares[:, None]
+        found = [tuple(y[:, 0] for y in form.model(cells, slopes=0).bounds()) for form in forms]
+        H = complex(FELT[felt][1](1j * (15 * omega or 1e-12), {"b": 5.0, "m": 1.5}))
+        for i, share in enumerate(shares):
+            true = margin(jnd, H, H * (0.7 + 0.7 * share), 15 * omega)
+            if abs(true) > 1e-4:
+                is_out = any(low[i] > 0 for low, _ in found)
+                assert true > 0 or not is_out
+                assert true < 0 or not all(high[i] < 0 for _, high in found)
+                assert omega == 0 or is_out is bool(true > 0)
+
+
+@pytest.mark.few("round")
+@pytest.mark.parametrize("name", ["round", "ellipse", "diamond", "polygon", "floor"])
+def test_no_set_of_values_leaves_the_region_outside_the_enclosures(name: str) -> None:
+    """Against a scan of the band for random sets of values, and the bandwidths of some."""
+    scene, rng = scene_of("spring", JNDS[name]), np.random.default_rng(9)
+    found, written = hs.tolerances(scene, samples=2), json.loads(json.dumps(JNDS[name]))
+    spans = [(float(x.low), float(x.high)) for x in found.enclosures]
+    shares = np.linspace(0, 1, 121)
+    omega, kept = 0.5 + 14.5 * shares, set()
+    for _ in range(5):
+        own = rng.uniform(0, 1, len(found.box.sides))
+        out = [judged("spring", written, found.box, [x, *own]) > 0 for x in shares]
+        kept.add(not any(out))
+        for i in np.flatnonzero(np.diff(out)):
+            assert any(low <= omega[i + 1] and omega[i] <= high for low, high in spans)
+    assert found.verdict.value != "all" or kept == {True}
+    assert found.verdict.value != "none" or kept == {False}
+    if found.bandwidth:
+        low, high = map(float, found.bandwidth)
+        assert all(x.bandwidth is None or low <= float(x.bandwidth) <= high for x in found.samples)
+
+
+@pytest.mark.parametrize(
+    ("effect", "jnd", "verdict"),
+    [({}, "ellipse", "all"), ({}, "polygon", "all"), ({}, "floor", "all"), ({"b": 9}, "two limits", "none"), ({"m": 1}, "two limits", "none")],
+)  # fmt: skip
+def test_a_region_in_which_nothing_changes_is_kept_and_one_part_alone_may_leave_it(
+    effect: dict[str, int], jnd: str, verdict: str
+) -> None:
+    chain = (hs.effects.shunt(**effect),) if effect else ()
+    found = hs.tolerances(hs.Scene(E.mass_spring_damper(k=["80", "120"]), chain, ("0.5", 15), JNDS[jnd]), samples=0)
+    assert found.verdict.value == verdict
+    assert {x.criterion.name for x in found.enclosures} == ({"imag" if "b" in effect else "real"} if effect else set())
+
+
+def test_the_command_tells_of_the_regions_border(call: Any, tmp_path: Path) -> None:
+    file = tmp_path / "diamond.toml"
+    file.write_text(
+        'environment = { model = "mass-spring-damper", k = "100 N/m" }\n'
+        'effects = [{ model = "first-order-lag", omega_c = ["36 rad/s", "44 rad/s"] }]\n'
+        'evaluation = { band = ["0 rad/s", "10 rad/s"], jnd = { shape = "diamond", real = 0.2, imag = 0.2 } }\n'
+    )
+    status, out, _ = call("tolerances", str(file), "--samples", "0", "--json")
+    told = json.loads(out)
+    assert (status, told["verdict"], [x["part"] for x in told["crossings"]]) == (0, "none", ["joint"])

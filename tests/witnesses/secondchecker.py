@@ -27,35 +27,6 @@ def verdicts(asked: Sequence[tuple[str, str]], seconds: float = 300) -> list[lis
     return run(_RUN, {"asked": list(asked), "catalogue": catalogue()}, seconds)  # type: ignore[no-any-return]
 
 
-_CELLS = """
-const fs = require("fs");
-const text = fs.readFileSync(process.argv[1], "utf8");
-const inside = text
-  .replace("return { verdict,", "return { waveFactor, Fraction, Refused, verdict,")
-  .replace(/\\.\\.\\.common,\\s+cost,\\s+signs\\(a, b\\) \\{\\s+if \\(!a.n\\) return signsFrom0/, "all, modelOf, $&");
-const checker = { exports: {} };
-new Function("module", inside)(checker);
-const { waveFactor, Fraction, Refused } = checker.exports;
-const number = (x) => new Fraction(...x.split("/").map(BigInt), ...(x.includes("/") ? [] : [1n]));
-function tried(work) {
-  try { return work(); } catch (error) { if (error instanceof Refused) return null; throw error; }
-}
-const said = JSON.parse(fs.readFileSync(0, "utf8")).map(([told, delays, orders, a, b]) => {
-  const f = waveFactor(told, delays.map(number), orders.map(number));
-  const [low, high] = [a, b].map(number);
-  const model = low.n ? tried(() => f.modelOf(f.all, low, high)) : null;
-  const signs = tried(() => f.signs(low, high));
-  return [model && [model[0].map(String), String(model[1])], signs && [`${signs[0].n}/${signs[0].d}`, signs[1]]];
-});
-process.stdout.write(JSON.stringify(said));
-"""
-
-
-def cells(asked: Sequence[Any], seconds: float = 300) -> list[list[Any]]:
-    """Of factors with waves in cells: the coefficients of their models with what these are off by, and the signs; None where refused."""
-    return run(_CELLS, list(asked), seconds)  # type: ignore[no-any-return]
-
-
 def catalogue() -> dict[str, Any]:
     """The units and models of scene files."""
     return tomllib.loads((files("haptisym_check") / "catalogue.toml").read_text(encoding="utf-8"))

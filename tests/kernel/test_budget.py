@@ -1,0 +1,173 @@
+"""Limits in time and words about the work, on a clock that stands where the test puts it; cells that wait, of which none is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import count, pairwise
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from haptisym.kernel.budget import afford, left, limited, share, spared, tick, timed_by
+from haptisym.kernel.errors import LimitError, SceneError
+from haptisym.kernel.subdivision import Waiting
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock() -> Iterator[Clock]:
+    found = Clock()
+    with timed_by(found):
+        yield found
+
+
+def over(work: Any, *given: Any) -> bool:
+    try:
+        work(*given)
+    except LimitError:
+        return True
+    return False
+
+
+def test_a_word_is_said_at_most_ten_times_a_second(clock: Clock) -> None:
+    words: list[tuple[float, Any]] = []
+    with limited(told=lambda *word: words.append((clock.now, word))) as own:
+        for n in range(40):
+            tick(n, 40, "cells")
+            tick()
+            clock.now += 1 / 32
+        own.say(40, None, "end")
+    times = [x for x, _ in words]
+    assert times[0] == 100
+    assert all(0.1 <= b - a <= 0.1 + 1 / 32 for a, b in pairwise(times))
+    assert words == [*((x, (32 * (x - 100), 40, "cells")) for x in times[:-1]), (101.25, (40, None, "end"))]
+
+
+def test_while_work_goes_on_inside_that_nobody_is_told_of_the_last_word_outside_is_said_again(clock: Clock) -> None:
+    words: list[Any] = []
+    with limited(told=lambda *word: words.append(word)) as own:
+        tick(3, 8, "samples")
+        for inner in (None, lambda *_: None, None):
+            with limited(50, inner):
+                clock.now += 1
+                tick(1, 99, "cells")
+        own.say(4, 8, "samples")
+    assert words == [*[(3, 8, "samples")] * 3, (4, 8, "samples")]
+
+
+def test_the_time_is_over_after_the_limit_and_not_at_it_for_the_nearer_of_two(clock: Clock) -> None:
+    assert (left(), over(tick)) == (None, False)
+    for outer, inner, own in ((8, 4, 4), (8, None, 8), (8, 12, 8), (None, 4, 4)):
+        clock.now = 100.0
+        with limited(outer) as around, limited(inner) as within:
+            assert left() == own
+            clock.now = 100.0 + own
+            assert (left(), over(tick), within.reached) == (0, False, False)
+            clock.now += 1
+            assert (left(), over(within.say, 1, 2, "")) == (0, False)
+            with pytest.raises(LimitError, match=f"limit of {own} s"):
+                tick()
+            assert (within.reached, around.reached) == (True, False)
+            with spared():
+                assert (left(), over(tick)) == (None, False)
+        assert around.reached
+    for wrong in (0, -1, float("inf"), float("nan"), "3"):
+        with pytest.raises(SceneError, match="limit"), limited(wrong):  # type: ignore[arg-type]
+            pass
+
+
+def test_a_share_of_what_is_left_may_be_used_and_the_rest_is_there_afterwards(clock: Clock) -> None:
+    with share(0.5):
+        assert left() is None
+    words: list[Any] = []
+    with limited(16, lambda *word: words.append(word)):
+        clock.now += 8
+        with share(0.25):
+            assert left() == 2
+            clock.now += 3
+            assert over(tick, 1, 2, "first")
+        assert (left(), over(tick, 2, 2, "next")) == (5, False)
+        clock.now += 9
+        with share(0.5):
+            assert left() == 0
+            clock.now += 1
+            assert over(tick)
+    assert words == [(2, 2, "next")]
+
+
+def test_products_that_take_longer_than_what_is_left_are_not_begun(clock: Clock) -> None:
+    assert not over(afford, 10**30)
+    with limited(10) as own:
+        clock.now += 6
+        most = 4 * 50_000_000
+        assert [over(afford, most), over(afford, most // 10, 10), own.reached] == [False, False, False]
+        assert [over(afford, most + 1), own.reached] == [True, True]
+        assert [over(afford, most // 10, 11), over(afford, 11, most // 10)] == [True, True]
+        clock.now += 5
+        assert over(afford, 0)
+
+
+def test_a_share_of_a_limit_is_told_beside_the_limit_that_was_set(clock: Clock) -> None:
+    with limited(8), share(1 / 4), share(1 / 2):
+        clock.now += 1.01
+        with pytest.raises(LimitError, match=r"1 s.*limit of 8 s"):
+            tick()
+        with pytest.raises(LimitError, match=r"1 s.*limit of 8 s"), limited(60):
+            tick()
+    with limited(8):
+        clock.now += 9.5
+        with pytest.raises(LimitError, match="limit of 8 s"):
+            tick()
+
+
+# Cells
+
+
+def widest(cell: tuple[int, int]) -> int:
+    return cell[0] - cell[1]
+
+
+@given(st.integers(1, 60), st.integers(1, 20), st.integers(0, 40), st.sampled_from([None, widest]))
+def test_the_cells_that_are_settled_and_those_that_are_left_are_the_whole(
+    size: int, narrow: int, leave: int, rank: Any
+) -> None:
+    waiting = Waiting([(0, size)], rank, most=37)
+    settled = []
+    for n, (low, high) in enumerate(waiting):
+        if n == leave:
+            break
+        if high - low > narrow:
+            middle = (low + high) // 2
+            waiting.add((low, middle), (middle, high))
+        else:
+            settled.append((low, high))
+    assert waiting.examined <= 37
+    assert sorted(x for a, b in (*settled, *waiting.rest) for x in range(a, b)) == [*range(size)]
+    assert rank or settled == sorted(settled)
+
+
+def test_the_best_cell_is_given_first_and_of_equal_ones_the_first() -> None:
+    waiting = Waiting([3, 1, 2, 11], lambda x: x % 10)
+    given_ = []
+    for x in waiting:
+        given_.append(x)
+        if x == 1:
+            waiting.add(0, 5)
+    assert given_ == [1, 0, 11, 2, 3, 5]
+
+
+def test_a_limit_in_time_leaves_the_cell_in_hand_among_the_rest() -> None:
+    waiting, seen = Waiting([1, 2, 3]), list[int]()
+    with timed_by(count().__next__), limited(2), pytest.raises(LimitError):
+        seen.extend(waiting)
+    assert seen
+    assert sorted([*seen, *waiting.rest]) == [1, 2, 3]

@@ -1,0 +1,707 @@
+"""Values of one parameter told by cells, of scenes with delays, holds and powers of s: against dense samples and closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+from math import inf
+from random import Random
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from plainshapes import exact, function_of, q, rational
+from sympy import Expr, Integer, Poly, Rational, discriminant, exp, lambdify, pi, real_roots, resultant
+
+import haptisym as hs
+from haptisym.judge.criteria import noticed
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.lattices import Lattice
+from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, SquareRoot
+from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.symbols import omega as w
+from haptisym.kernel.symbols import s
+from haptisym.verbs.require.boundary import critical, edge_polynomial, touch_polynomial
+from haptisym.verbs.require.boundary import real_roots as roots_in_parameter
+from haptisym.verbs.require.cells import Leaf, ValueSearch
+from haptisym.verbs.require.existing import allowed, missing
+from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, runs
+from haptisym.verbs.require.floatcells import FloatCells
+from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.places import CellVerdict
+from haptisym.verbs.require.verdicts import Question, Turn, together
+from haptisym.verbs.stability.curves import Gap
+
+E, F = hs.environments, hs.effects
+REAL, IMAG = noticed(hs.Threshold())
+KEPT, BROKEN, OPEN = CellVerdict.KEPT, CellVerdict.BROKEN, CellVerdict.OPEN
+
+
+def ends(r: Any) -> list[tuple[float | None, float | None]]:
+    return [tuple(None if e.value is None else float(e.value) for e in (x.low, x.high)) for x in r.feasible]  # type: ignore[misc]
+
+
+def holds(r: Any, x: float) -> bool:
+    return any((a is None or a <= x) and (b is None or x <= b) for a, b in ends(r))
+
+
+# --- answers about scenes, against samples of both dynamics ---------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene, what is free in it and from where to where; what is felt, and what should be, at s and a value; the excess."""
+
+    scene: hs.Scene
+    free: str
+    span: tuple[Any, Any] | None
+    felt: Callable[[Any, float], Any]
+    excess: Callable[[Any, Any], Any]
+
+    def most(self, value: float) -> tuple[float, float]:
+        """The largest excess over the band, and where."""
+        low, high = map(float, self.scene.band)
+        omega = np.linspace(low, high, 1501)[0 if low else 1 :]
+        found = self.excess(self.felt(1j * omega, value), omega)
+        return float(found.max()), float(omega[found.argmax()])
+
+
+@cache
+def drawn(kind: str, seed: int) -> Case:
+    """One of which some values keep the condition and others do not."""
+    pick = Random(f"{kind} {seed}")
+    while True:
+        found = some(pick, kind)
+        low, high = (0.0001, 0.2) if found.span is None else map(float, found.span)
+        if {found.most(float(x))[0] < 0 for x in np.linspace(low, high, 20)} == {True, False}:
+            return found
+
+
+def some(pick: Random, kind: str) -> Case:
+    """A wall behind a filter and a delay, a hold, or of a tissue with a power of s; a number of it, a region, or a gain is free."""
+    k, b, c = pick.uniform(50, 200), pick.uniform(0.5, 9), pick.uniform(0.08, 0.3)
+    corner, late, alpha = pick.uniform(15, 90), pick.uniform(0.001, 0.008), pick.uniform(0.3, 0.8)
+    k, b, c, corner, late, alpha = (float(f"{x:.3g}") for x in (k, b, c, corner, late, alpha))
+    low, high = pick.choice([0, 1]), pick.choice([8, 14])
+    damped = pick.choice([0.3, 0.6, 1.0])
+
+    def behind(z: Any, *, tau: float = late, w_n: float = corner, zeta: float = damped) -> Any:
+        return np.exp(-z * tau) / (1 + 2 * zeta * z / w_n + (z / w_n) ** 2)
+
+    def parts(ratio: Any, _: Any) -> Any:
+        return np.maximum(abs(ratio.real), abs(ratio.imag)) - c
+
+    def relative(H: Any, G: Any) -> Any:
+        return H * (G - 1) / abs(H)
+
+    wall, chain = E.kelvin_voigt(k, b), (F.second_order_lowpass(corner, damped), F.delay(late))
+    jnd: Any = c
+    excess: Any = parts
+    free, span, felt = "omega_n", (5, 300), lambda z, x: relative(k + b * z, behind(z, w_n=x))
+    if kind == "filter":
+        free, span, felt = "zeta", ("0.05", 3), lambda z, x: relative(k + b * z, behind(z, zeta=x))
+    elif kind == "delay":
+        free, span, felt = "tau", None, lambda z, x: relative(k + b * z, behind(z, tau=x))
+    elif kind == "stiffness":
+        free, span, felt = "environment.k", (0.01, 30 * k), lambda z, x: relative(x + b * z, behind(z))
+    elif kind == "damping":
+        free, span, felt = "environment.b", (0, 30), lambda z, x: relative(k + x * z, behind(z))
+    elif kind == "mass":
+        wall = E.mass_spring_damper("1/2", b, k)
+        free, span, felt = "environment.m", (0, 9), lambda z, x: relative(k + b * z + x * z * z, behind(z))
+    elif kind == "hold":
+        chain = (F.zero_order_hold(late),)
+        free, span = "T", (0.0001, 0.2)
+        felt = lambda z, x: relative(k + b * z, (1 - np.exp(-z * x)) / (z * x))  # noqa: E731
+    elif kind == "power":
+        wall, chain = E.spring_pot(b, alpha, k=k), chain[:1]
+        felt = lambda z, x: relative(k + b * z**alpha, behind(z, tau=0, w_n=x))  # noqa: E731
+    elif kind == "order":
+        wall, chain, low = E.spring_pot(k / 5, alpha, k=k), (F.first_order_lag(5 * corner),), 1
+        free, span = "alpha", ("0.1", "0.9")
+        felt = lambda z, x: relative(k + k / 5 * z**x, 1 / (1 + z / (5 * corner)))  # noqa: E731
+    elif kind == "ellipse":
+        jnd = {"shape": "ellipse", "real": c, "imag": 2 * c}
+        excess = lambda r, _: (r.real / c) ** 2 + (r.imag / (2 * c)) ** 2 - 1  # noqa: E731
+    elif kind == "polygon":
+        jnd = {"shape": "polygon", "corners": [[c, 0], [0, 1.5 * c], [-2 * c, 0], [0, -1.5 * c]]}
+        excess = lambda r, _: r.real / np.where(r.real > 0, c, -2 * c) + abs(r.imag) / (1.5 * c) - 1  # noqa: E731
+    elif kind == "threshold":
+        jnd = {"real": c, "imag": f"{c} + omega/90"}
+        excess = lambda r, omega: np.maximum(abs(r.real) - c, abs(r.imag) - c - omega / 90)  # noqa: E731
+    elif kind == "gain":
+        wall, high = E.mass_spring_damper(k=k), 3
+        chain = (F.series("1 + t/10 + s^2/50 + t^2*s/9", parameters={"t": "1/10"}), F.delay(late))
+        free, span = "t", (-9, 9)
+        felt = lambda z, x: (1 + x / 10 + z * z / 50 + x * x * z / 9) * np.exp(-z * late) - 1  # noqa: E731
+    return Case(hs.Scene(wall, chain, (low, high), jnd), free, span, felt, excess)
+
+
+KINDS = (
+    "corner", "filter", "delay", "stiffness", "damping", "mass", "hold", "power", "order", "ellipse", "polygon", "threshold", "gain",
+)  # fmt: skip
+
+
+@pytest.mark.few("mass-0", "power-0", "delay-1", "polygon-0", "gain-1", "hold-2")
+@pytest.mark.parametrize(("kind", "seed"), [(kind, n) for kind in KINDS for n in range(1 if kind == "order" else 3)])
+def test_a_value_is_in_the_answer_just_where_samples_keep_the_condition(kind: str, seed: int) -> None:
+    """With what binds at each end: there the excess is 0, is the largest one, and lies at the frequency and side that is told."""
+    case = drawn(kind, seed)
+    r = hs.require(case.scene, case.free, case.span)
+    assert r.certified
+    low, high = (0.0 if case.span is None else float(case.span[0])), (0.3 if case.span is None else float(case.span[1]))
+    for x in [*np.linspace(low, high, 25), *np.geomspace(max(low, high / 1e4), high, 25)]:
+        most, _ = case.most(float(x))
+        assert abs(most) < 1e-5 or holds(r, x) is (most < 0), (x, most)
+    for end in r.ends:
+        assert end.value is not None
+        most, at = case.most(float(end.value))
+        assert abs(most) < 1e-4
+        for x in end.bindings:
+            assert x.omega is not None
+            place = float(x.omega)
+            assert case.excess(case.felt(1j * np.array([place or 1e-9]), float(end.value)), place)[0] == pytest.approx(
+                0, abs=1e-9
+            )
+            edges = dict(zip((Kind.START, Kind.EDGE), map(float, case.scene.band), strict=True))
+            assert place == edges[x.kind] if x.kind in edges else edges[Kind.START] < place < edges[Kind.EDGE]
+            assert x.kind is Kind.TOUCH or abs(at - place) < 0.02
+    for end in (x for span in r.feasible for x in (span.low, span.high)):
+        assert not end.bindings or end.closed
+
+
+@pytest.mark.parametrize(("tau", "count"), [("6.677 ms", 1), ("6.679 ms", 0)])
+def test_a_delay_that_is_noticed_whatever_the_stiffness_is_decided_beside_its_threshold(tau: str, count: int) -> None:
+    """sin(15 tau) = 1/10 at 6.67781 ms."""
+    spring = hs.Scene(E.mass_spring_damper(k=100), (F.delay(tau),), (0, 15))
+    found = hs.require(spring, "environment.k", (10, 1000))
+    assert (len(found.feasible), found.undecided) == (count, ())
+
+
+def test_the_longest_delay_before_a_spring_is_known_to_any_digits() -> None:
+    """2 sin(W tau/2)^2 <= c and sin(W tau) <= c: asin(c)/W, which binds at the end W of the band."""
+    [span] = hs.require(hs.Scene(E.mass_spring_damper(k=100), (F.delay("1 ms"),), (0, 15)), "tau").feasible
+    assert span.high.value is not None
+    with mpmath.workdps(45):
+        assert span.high.value.digits(30) == mpmath.nstr(mpmath.asin(mpmath.mpf(1) / 10) / 15, 30)
+
+
+@pytest.mark.slow
+def test_late_by_a_microsecond_a_polygon_is_met_at_the_maximum_next_to_0_and_not_at_0() -> None:
+    """x = t - w^2, y = d w beside x + y <= 1/2: largest at w = d/2; sampled densely beside the end that is told."""
+    gain = F.series("1 + t + s^2 + d*s", parameters={"t": "1/10", "d": "1/25"})
+    region = {"shape": "polygon", "corners": [["1/2", "0"], ["0", "1/2"], ["-300", "0"], ["0", "-1/2"]]}
+    scene = hs.Scene(E.mass_spring_damper(k=100), (gain, F.delay("1 us")), (0, 5), region)
+    [span] = hs.require(scene, "t", (-9, 9)).feasible
+    assert span.high.value is not None
+    grid, end = np.concatenate([np.linspace(0, 0.1, 4001), np.linspace(0.1, 5, 2001)]), float(span.high.value)
+    for t, kept in ((end - 1e-7, True), (end + 1e-7, False)):
+        z = (1 + t - grid**2 + 0.04j * grid) * np.exp(-1e-6j * grid) - 1
+        assert (np.max(z.real + np.abs(z.imag)) <= 0.5) is np.bool_(kept)
+    [binding] = span.high.bindings
+    assert binding.kind is Kind.TOUCH
+    assert binding.omega is not None
+    assert float(binding.omega) == pytest.approx(0.02, rel=1e-3)
+
+
+# --- leaves of cells, of conditions that are formulas ---------------------------------------------------------------------
+
+
+def told(leaf: Leaf, value: float) -> CellVerdict:
+    """What a leaf says of one of its values."""
+    return leaf.verdict if leaf.value is None or leaf.above is None or value < float(leaf.value) else leaf.above
+
+
+def formula(pick: Random, kind: str) -> Expr:
+    """A sum with q before powers of s, in a delay beside another, before or beside a power s^alpha, or in an order."""
+    c = [Rational(pick.choice([-5, -3, -2, 1, 2, 4]), pick.choice([1, 3])) for _ in range(8)]
+    if kind == "order":
+        return c[0] * s**q + c[1] * s * s**q + c[2] * s * exp(-s / 3) + c[3]
+    if kind == "from zero":
+        held = c[0] * q + c[1] * s**2 + c[2] * (exp(-s / 3) - 1) + pick.choice([0, 1]) * c[3] * s**4
+        return held * s ** pick.choice([1, 2, 3])
+    more = {
+        "rational": c[4] + pi * q,
+        "delay": (c[4] + c[5] * q * s) * exp(-s / 3) + c[6] * exp(-2 * s / 3),
+        "free delay": c[4] * exp(-q * s) + c[5] * s * exp(-2 * q * s),
+        "power": c[4] * q * s ** Rational(1, 3) + c[5] * s ** Rational(4, 3),
+        "all": c[4] * s * exp(-s / 5) * s ** Rational(1, 2) + c[5] * q**3 * exp(-q * s),
+        "power from zero": c[4] * q * s ** Rational(1, 3) + c[5] * s ** Rational(4, 3) - c[0] * q,
+    }
+    return c[0] * q + c[1] * s**2 * q**2 + c[2] * s + c[3] * s**4 * pick.randint(0, 1) + more[kind]
+
+
+FORMULAS = ("rational", "delay", "free delay", "power", "all", "from zero", "power from zero", "order", "two")
+
+
+@cache
+def condition(kind: str, seed: int) -> tuple[list[Expr], tuple[Expr, Expr], Callable[[float], float]]:
+    """One or two formulas of which not both real parts may be positive; a band; the largest of the least. It changes somewhere."""
+    pick = Random(f"{kind} {seed}")
+    band = Integer(0 if "zero" in kind or seed % 2 else 1), Integer(3)
+    grid = np.linspace(float(band[0]), 3, 1201)[0 if band[0] else 1 :]
+    while True:
+        own = [formula(pick, "delay") for _ in range(2)] if kind == "two" else [formula(pick, kind)]
+        compiled = [lambdify((s, q), x, "numpy") for x in own]
+
+        def most(value: float, compiled: Any = compiled) -> float:
+            rows = [np.broadcast_to(f(1j * grid, value), grid.shape).real for f in compiled]
+            return float(np.min(rows, 0).max())
+
+        if len({most(x) > 1e-3 for x in np.linspace(0.3, 3.9, 15)}) == 2:
+            return own, band, most
+
+
+def real_parts(own: list[Expr]) -> RealFunction | Lattice:
+    ring = Ring.of([*own, q * s])
+    found = [on_axis(ring.convert(x)).real for x in own]
+    return found[0] if len(found) == 1 else Lattice((tuple(found),))
+
+
+@pytest.mark.few(
+    "2-rational", "2-delay", "2-free delay", "0-power", "2-all", "0-from zero", "2-power from zero", "1-two"
+)
+@pytest.mark.parametrize("kind", FORMULAS)
+@pytest.mark.parametrize("seed", range(3))
+def test_leaves_fill_a_range_and_each_says_what_samples_say(kind: str, seed: int) -> None:
+    """Hardly anything stays open; where a set ends the largest of all frequencies is 0."""
+    own, band, most = condition(kind, seed)
+    leaves = ValueSearch({REAL: real_parts(own)}, q, band, Fraction(1)).leaves(Fraction(1, 4), Fraction(4))
+    assert (leaves[0].low, leaves[-1].high) == (Fraction(1, 4), 4)
+    assert all(a.high == b.low for a, b in pairwise(leaves))
+    for x in leaves:
+        assert x.low is not None
+        assert x.high is not None
+        for share in (0.02, 0.5, 0.98):
+            value = float(x.low) + float(x.high - x.low) * share
+            top = most(value)
+            assert told(x, value) is OPEN or abs(top) < 1e-3 or (top > 0) is (told(x, value) is BROKEN)
+        if x.value is not None:
+            assert abs(most(float(x.value))) < 1e-3
+            assert x.binding is not None
+            assert x.binding.omega is not None
+            at = max(float(x.binding.omega), 1e-9)
+            values = [complex(f.subs({s: 1j * at, q: float(x.value)}).evalf()).real for f in own]
+            assert min(values) == pytest.approx(0, abs=1e-8)
+            assert {Kind.START: at <= band[0] + 1e-8, Kind.EDGE: at == 3}.get(x.binding.kind, band[0] < at < 3)
+    assert sum(float(x.high - x.low) for x in leaves if x.verdict is OPEN and x.high and x.low is not None) < 1e-9
+
+
+@pytest.mark.parametrize(("low", "verdict"), [(Fraction(3, 8), BROKEN), (Fraction(7, 8), KEPT)])
+def test_an_order_is_told_away_from_the_one_at_which_a_power_binds(low: Fraction, verdict: CellVerdict) -> None:
+    """cos(q pi/2) - 1/2 at 1 rad/s, which is 0 for q = 2/3, and less below."""
+    own = real_parts([s**q - Rational(1, 2)])
+    leaves = ValueSearch({REAL: own}, q, (Rational(1, 2), Integer(1)), Fraction(1)).leaves(low, low + Fraction(1, 8))
+    assert {x.verdict for x in leaves} == {verdict}
+
+
+class Line:
+    """Conditions a (q - v) - c (w - m)^2 on 1 to 5 rad/s, each kept on one side of a value where it binds."""
+
+    def __init__(self, pick: Random) -> None:
+        self.pick, self.formulas = pick, list[Expr]()
+        self.ends: list[tuple[Fraction, bool, Any, Kind, Fraction]] = []
+
+    def add(self, criterion: Any, v: Fraction, *, kept_below: bool) -> None:
+        c, m = Fraction(self.pick.randint(1, 6), 4), Fraction(self.pick.choice([-1, 0, 2, 3, 4, 7, 9]))
+        a = self.pick.choice([1, 2]) * (1 if kept_below else -1)
+        at = min(max(m, Fraction(1)), Fraction(5))
+        self.formulas.append(a * (q - rational(v - c * (at - m) ** 2 / a)) - rational(c) * (w - rational(m)) ** 2)
+        kind = Kind.START if at == 1 else Kind.EDGE if at == 5 else Kind.TOUCH
+        self.ends.append((v, kept_below, criterion, kind, at))
+
+    def holds(self, t: Fraction) -> bool:
+        return all(t < v if below else t > v for v, below, *_ in self.ends)
+
+    def agrees(self, leaf: Leaf) -> None:
+        low = min((leaf.high or 0) - 1000, 2 * (leaf.high or 0)) if leaf.low is None else leaf.low
+        high = max(low + 1000, 2 * low) if leaf.high is None else leaf.high
+        inside = [x for x in self.ends if low < x[0] < high]
+        if leaf.value is None:
+            assert not inside
+            for share in (Fraction(1, 10**6), Fraction(1, 2), Fraction(99, 100)):
+                assert self.holds(low + (high - low) * share) is (leaf.verdict is KEPT)
+            return
+        [(v, below, criterion, kind, at)] = inside
+        assert (leaf.verdict, leaf.above) == ((KEPT, BROKEN) if below else (BROKEN, KEPT))
+        assert leaf.value.ball(100).contains(exact(v))
+        assert leaf.binding is not None
+        assert leaf.binding.omega is not None
+        assert (leaf.binding.criterion, leaf.binding.kind) == (criterion, kind)
+        assert leaf.binding.omega.ball(100).overlaps(exact(at))
+
+
+RANGES = [
+    (None, None), (0, None), (None, 0), (-8, 60), (0, 9), (-70, 0), (5, None), (None, -5), (2, 7), (9000, None), (None, -9000),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_leaves_are_exact_from_anywhere_to_anywhere_through_0_from_0_on_and_without_bound(seed: int) -> None:
+    pick = Random(seed)
+    for low, high in pick.sample(RANGES, 4):
+        line, (a, b) = Line(pick), sorted(pick.sample([Fraction(n, 8) for n in range(-99, 99) if n], 2))
+        which = pick.choice(["both", "low", "high"])
+        if which != "low":
+            line.add(REAL, b, kept_below=True)
+        if which != "high":
+            line.add(IMAG, a, kept_below=False)
+        own = {x[2]: function_of(f) for x, f in zip(line.ends, line.formulas, strict=True)}
+        scale = Fraction(pick.choice([1, 4]), pick.choice([1, 8]))
+        start, end = (None if x is None else Fraction(x) for x in (low, high))
+        leaves = ValueSearch(own, q, (Integer(1), Integer(5)), scale).leaves(start, end)
+        assert (leaves[0].low, leaves[-1].high) == (start, end)
+        assert all(x.high == y.low is not None for x, y in pairwise(leaves))
+        for leaf in leaves:
+            line.agrees(leaf)
+        known = [v for v, *_ in line.ends if (start is None or start < v) and (end is None or v < end)]
+        assert len([x for x in leaves if x.value is not None]) == len(known)
+
+
+@pytest.mark.parametrize(
+    ("rising", "falling", "value", "at"),
+    [(w - 3, q - w, 3, 3), (w - q, 4 - w, 4, 4), (w**2 - 4 * q, 20 - w**2 - q, 4, 4), (w - 2 * q, q + 1 - w, 1, 2)],
+)
+def test_where_one_function_rises_over_the_zero_of_another_that_falls_is_an_end(
+    rising: Expr, falling: Expr, value: int, at: int
+) -> None:
+    pair = Lattice(((function_of(rising), function_of(falling)),))
+    leaves = ValueSearch({REAL: pair}, q, (Integer(1), Integer(5)), Fraction(1)).leaves(
+        Fraction(value) - Fraction(3, 512), Fraction(value) + Fraction(2, 512)
+    )
+    [end] = [x for x in leaves if x.value is not None]
+    assert {end.verdict, end.above} == {KEPT, BROKEN}
+    above = max(min(f.subs({q: value + 0.01, w: at + x / 200}) for f in (rising, falling)) for x in range(-9, 9))
+    assert (end.above is BROKEN) is bool(above > 0)
+    assert end.value is not None
+    assert end.binding is not None
+    assert end.binding.omega is not None
+    assert end.binding.kind is Kind.TOUCH
+    assert end.value.ball(100).contains(value)
+    assert end.binding.omega.ball(100).contains(at)
+
+
+# --- floats that tell most values at once ---------------------------------------------------------------------------------
+
+
+@pytest.mark.few("virtual-wall-environment.b-100.0-ends2")
+@pytest.mark.parametrize(
+    ("name", "path", "high", "ends"),
+    [
+        ("four-channel-teleoperation", "environment.b", 1e4, [6.47280, 36.8130]),
+        ("four-channel-teleoperation", "effects.teleoperator.tau", 0.05, [0.00576773]),
+        ("virtual-wall", "environment.b", 100.0, [14.2773, 35.4501]),
+        ("organ-tissue", "effects.communication.tau", 0.05, []),
+        ("sampled-wall", "effects.sampling.T", 0.05, []),
+    ],
+)
+def test_floats_tell_all_values_but_those_next_to_an_end(name: str, path: str, high: float, ends: list[float]) -> None:
+    """As an exact evaluation at each of them does."""
+    scene = hs.load_scene(name)
+    free = scene.knobs[path]
+    found = FloatCells(scene, free, noticed(scene.threshold), abs(float(free.value))).told(1e-4, high)
+    assert (found[0].low, found[-1].high) == (1e-4, high)
+    assert all(a.high == b.low for a, b in pairwise(found))
+    left = [x for x in found if x.kept is None]
+    assert all(any(x.low < end < x.high for x in left) for end in ends)
+    assert all(any(x.low <= end <= x.high for end in ends) and x.high < 1.01 * x.low for x in left)
+    for x in found:
+        if x.kept is not None:
+            e = hs.evaluate(free.put(scene, Rational((x.low + x.high) / 2)))
+            whole = [(e.chart.points[0], e.chart.points[-1])]
+            assert ([(y.low, y.high) for y in e.transparent] == whole) is x.kept
+
+
+# --- polynomials that bound a rational condition --------------------------------------------------------------------------
+
+AXIS = Ring.of([q]).axis
+BOUNDED = Integer(2), Rational(7, 2)
+
+
+def polynomials(functions: list[Expr], band: tuple[Expr, Expr] = BOUNDED) -> list[tuple[Kind | None, Expr]]:
+    pieces = [RealFunction(AXIS.convert(x)) for x in functions]
+    found = critical(REAL, pieces, band)
+    return [(None if reason is None else reason[1], AXIS.expression(p)) for reason, p in found]
+
+
+def alike(x: Expr, y: Expr) -> bool:
+    return bool((x / y).cancel().is_Rational)
+
+
+@pytest.mark.parametrize(
+    ("functions", "value"),
+    [
+        ([w**2 - q, w**2 - 4], 4), ([w**2 - q, w - 2], 4), ([w - 2, w**2 - q], 4), ([w - q, w - 3], 3),
+        ([w**2 - q * w + 1, w**4 - 16], Rational(5, 2)), ([w**4 - q * w**2 + 3, w**2 - 2], Rational(7, 2)),
+        ([(w**2 - q) * (w**2 - 4)], 4), ([w**4 - q * w**2 + 1], 2), ([w**2 - q * w + 9], 6), ([w**4 - 6 * w**2 + q], 9),
+        ([w**3 - 3 * w + q], 2),
+    ],
+)  # fmt: skip
+def test_a_touch_is_critical_where_zeros_of_one_function_or_of_two_meet(functions: list[Expr], value: Expr) -> None:
+    touches = [x for kind, x in polynomials(functions) if kind is Kind.TOUCH]
+    assert any(x.subs(q, value) == 0 for x in touches)
+    assert not any(x.subs(q, Rational(77, 10)) == 0 for x in touches)
+    if len(functions) == 2:
+        assert touch_polynomial([RealFunction(AXIS.convert(x)) for x in functions]).subs(q, value) == 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_bounds_a_condition_is_what_sympy_eliminates(seed: int) -> None:
+    """At both ends of the band, where one touches, where two meet, and where one is not defined; even powers bind nowhere."""
+    pick = Random(seed)
+    f, g = w**2 * pick.randint(1, 4) + q * w + pick.randint(1, 5), w**3 + pick.randint(1, 4) * w + q
+    pieces = [RealFunction(AXIS.convert(x)) for x in (f, g)]
+    eliminated = [discriminant(f, w), discriminant(g, w), resultant(f, g, w)]
+    found = polynomials([f, g])
+    for kind, true in (
+        (Kind.START, [x.subs(w, 2) for x in (f, g)]),
+        (Kind.EDGE, [x.subs(w, Rational(7, 2)) for x in (f, g)]),
+        (Kind.TOUCH, eliminated),
+    ):
+        own = [x for reason, x in found if reason is kind]
+        assert len(own) == len(true)
+        assert all(any(alike(x, y) for x in own) for y in true)
+    assert alike(touch_polynomial(pieces), eliminated[0] * eliminated[1] * eliminated[2])
+    assert alike(edge_polynomial(pieces, Integer(3)), (f * g).subs(w, 3))
+    undefined = [x for kind, x in polynomials([f / (w**2 + q) / (q - 3)]) if kind is None]
+    assert any(x.has(q) and x.subs(q, 3) == 0 for x in undefined)
+    assert not any(x.has(w) for x in undefined)
+    assert touch_polynomial([RealFunction(AXIS.convert(f**2))]) == 1
+    assert not [x for kind, x in polynomials([f**2]) if kind is Kind.TOUCH]
+
+
+@pytest.mark.few("1", "4", "7")
+@pytest.mark.parametrize("seed", range(10))
+def test_a_condition_changes_at_critical_values_alone(seed: int) -> None:
+    pick, grid = Random(seed), np.linspace(1, 4, 2001)
+    functions: list[Expr] = []
+    while len(functions) < pick.choice([1, 1, 2]):
+        x = pick.choice([w, w**2])
+        f = sum((pick.randint(-4, 4) * x**i * q**k for i in range(3) for k in range(2)), pick.choice([1, -2, 3]) * x**2)
+        if f.has(q) and f.has(w):
+            functions.append(f if pick.random() < 0.7 else f / (w**2 * q + pick.randint(1, 3)))
+    values = [
+        float(r)
+        for _, p in polynomials(functions, (Integer(1), Integer(4)))
+        if p.has(q)
+        for r in real_roots(Poly(p, q))
+    ]
+    compiled = [lambdify((w, q), f, "numpy") for f in functions]
+
+    def broken(t: float) -> bool:
+        return bool((np.min([np.broadcast_to(f(grid, t), grid.shape) for f in compiled], 0) > 0).any())
+
+    for low in np.arange(0.1, 6, 0.1):
+        a, b = low, low + 0.1
+        if broken(a) != broken(b):
+            for _ in range(12):
+                a, b = ((a + b) / 2, b) if broken((a + b) / 2) == broken(a) else (a, (a + b) / 2)
+            assert (abs(np.array(values) - a) < 3e-3 * (1 + a)).any(), (functions, a, values)
+
+
+@pytest.mark.parametrize(
+    ("polynomial", "roots"),
+    [
+        (3 * q - 7, [7 / 3]), (2 * q + 5, [-2.5]), (pi * w + 3, []), (pi * q - 3 + 2 * pi**2, [3 / np.pi - 2 * np.pi]),
+        (q**2 - 5, [-(5**0.5), 5**0.5]), (q**2 - pi, [-(np.pi**0.5), np.pi**0.5]), (q**3 - 2 * pi, [(2 * np.pi) ** (1 / 3)]),
+        (q**3 + 2, [-(2 ** (1 / 3))]), (q**2 + q + 5, []), ((pi + 2) * q - 3 * pi**2, [3 * np.pi**2 / (np.pi + 2)]),
+    ],
+)  # fmt: skip
+def test_roots_in_the_parameter_are_told_whatever_powers_of_pi_stand_before_it(
+    polynomial: Expr, roots: list[float]
+) -> None:
+    top, index = AXIS.convert(polynomial).numerator, AXIS.meanings.index(q)
+    both = sorted(map(float, roots_in_parameter(top, index, negative=True)))
+    assert both == pytest.approx(roots, rel=1e-15)
+    positive = [float(x) for x in roots_in_parameter(top, index, negative=False)]
+    assert [x for x in positive if x > 0] == pytest.approx([x for x in roots if x > 0], rel=1e-15)
+
+
+# --- values without a scene, and values that a hand bears -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_values_that_divide_by_0_or_leave_nothing_to_feel_are_all_missing_and_no_others(seed: int) -> None:
+    """(q - a)(q + b)(q^2 - d) before all of the environment, q - c below the line; q + s and q - e before a part are no such."""
+    pick = Random(seed)
+    a, b, c, e = (Rational(x, pick.choice([1, 2])) for x in pick.sample(range(3, 30, 2), 4))
+    d, turn = pick.choice([2, 3, 5]), seed % 2
+    whole = f"(q - {a})*(q + {b})*(q^2 - {d})*(s*(q - {e}) + q + 7)/(s + q)"
+    scene = hs.Scene(E.expression(whole, parameters={"q": "1/7"}), (F.first_order_lag(40),), (0, 9))
+    knob = scene.knobs["environment.q"]
+    found = sorted(map(float, missing(scene, knob)))
+    assert found == pytest.approx(sorted([float(a), -float(b), d**0.5, -(d**0.5)]), rel=1e-14)
+    assert not allowed(scene, knob, a)
+    assert allowed(scene, knob, e)
+    assert missing(scene, scene.knobs["omega_c"]) == []
+    below = f"1 + s/(q - {c})" + ("/(q - v)" if turn else "")
+    lead = F.series(below, parameters={"q": "1/7", **({"v": "3 Hz"} if turn else {})})
+    other = hs.Scene(E.kelvin_voigt(90, 3), (lead,), (0, 9))
+    found = sorted(map(float, missing(other, other.knobs["q"])))
+    assert found == pytest.approx(sorted([float(c), *([6 * np.pi] if turn else [])]), rel=1e-14)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_behind_a_lag_the_hand_bears_what_rouths_rule_says(seed: int) -> None:
+    """m s^3 + (b + m w) s^2 + (k + b w) s + w (k + K) over s + w: stable for (b + m w)(k + b w) > m w (k + K)."""
+    pick = Random(seed)
+    m, b, k, corner, K = (pick.randint(*x) for x in ((1, 5), (1, 9), (0, 90), (2, 60), (100, 900)))
+    scene = hs.Scene(E.mass_spring_damper(k=K), (F.first_order_lag(corner),), (0, 5))
+    hand = hs.Hand("own", m=m, b=b, k=k)
+    stiffest = Rational((b + m * corner) * (k + b * corner), m * corner) - k
+    for span in ((1, 10**6), None):
+        r = hs.require(scene, "environment.k", span, that="stable", hand=hand)
+        [(low, _)] = ends(r)
+        [found] = r.feasible
+        assert (low, found.low.closed, found.high.closed) == (1 if span else 0, bool(span), False)
+        assert found.high.value is not None
+        assert found.high.value.digits(25) == ExactNumber(stiffest).digits(25)
+        [binding] = found.high.bindings
+        assert binding.omega is not None
+        assert float(binding.omega) == pytest.approx(((k + b * corner) / m) ** 0.5)
+        assert binding.kind is Kind.AXIS
+    damped = hs.require(scene, "hand.b", (0, 10**5), that="stable", hand=hand)
+    p = k + m * corner**2
+    least = (-p + (p * p + 4 * corner * m * corner * K) ** 0.5) / (2 * corner)  # w b^2 + (k + m w^2) b - m w K
+    assert ends(damped) == [(pytest.approx(least, rel=1e-12), 10**5)]
+    assert (damped.feasible[0].low.closed, damped.certified) == (False, True)
+
+
+@pytest.mark.parametrize(("hand", "m"), [(None, 4), ("one", 1), ("two", 4), (hs.Hand("three", m=9, b=1), 9)])
+def test_a_hand_is_the_one_that_is_given_or_each_of_those_of_the_scene(hand: Any, m: int) -> None:
+    """Behind a lag of 10 rad/s a hand of m and 1 N s/m bears K < (1 + 10 m)/m, the heaviest one the least."""
+    own = (hs.Hand("one", m=1, b=1), hs.Hand("two", m=4, b=1))
+    scene = hs.Scene(E.mass_spring_damper(k=1), (F.first_order_lag(10),), (0, 5), hands=own)
+    r = hs.require(scene, "environment.k", that="stable", hand=hand)
+    assert ends(r) == [(0, pytest.approx((1 + 10 * m) / m, rel=1e-15))]
+
+
+def test_stability_is_asked_of_a_display_in_a_hand() -> None:
+    with pytest.raises(hs.SceneError, match="hand"):
+        hs.require(hs.Scene(E.mass_spring_damper(k=100), ()), "environment.k", that="stable")
+
+
+# --- sets from single verdicts, and what several sets have in common ------------------------------------------------------
+
+BINDINGS = [Binding(x, None, kind) for x in (REAL, IMAG) for kind in (Kind.EDGE, Kind.TOUCH, Kind.FAR)]
+NUMBERS: dict[float, RealNumber] = {n / 2: ExactNumber(Rational(n, 2)) for n in range(-12, 13)}
+NUMBERS |= {n**0.5: SquareRoot(ExactNumber(Integer(n))) for n in (2, 3, 5, 7, 11, 13, 19, 23, 29)}
+NUMBERS |= {-(n**0.5): Negative(NUMBERS[n**0.5]) for n in (2, 3, 5, 7, 11, 13, 19, 23, 29)} | {np.pi: ExactNumber(pi)}
+"""Fractions, roots and pi by their sizes, -6 to 6."""
+
+
+def said(found: Solved, x: float) -> bool | None:
+    """What a set says of a number; None where it is open."""
+    for span in found.feasible:
+        low, high = (None if end.value is None else float(end.value) for end in (span.low, span.high))
+        above = low is None or low < x or (low == x and span.low.closed)
+        if above and (high is None or x < high or (x == high and span.high.closed)):
+            return True
+    for pair in found.undecided:
+        a, b = (y if z is None else float(z) for y, z in zip((-inf, inf), pair, strict=True))
+        if a <= x <= b:
+            return None
+    return False
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_set_is_told_by_one_verdict_between_each_two_values_at_which_it_may_change(seed: int) -> None:
+    """On lines of fractions, roots and pi, with a gap, values without a scene, and verdicts that stay open."""
+    pick = Random(seed)
+    fractions = [x for x in NUMBERS if (2 * x).is_integer()]
+    low, high = (x if pick.random() < 0.7 else None for x in sorted(pick.sample(fractions, 2)))
+    has_low, has_high, closed = (pick.random() < 0.5 for _ in range(3))
+    turns = {x: tuple(pick.sample(BINDINGS, pick.choice([0, 1, 2]))) for x in pick.sample([*NUMBERS], 7)}
+    gone, absent = pick.sample([*NUMBERS], pick.choice([0, 1, 2])), {x for x in fractions if pick.random() < 0.2}
+    first, last = pick.choice([(None, None), (None, None), (-5.0, None), (None, 5.0), (-5.0, 5.0)])
+    gap = sorted(pick.sample([*NUMBERS], 2)) if pick.random() < 0.4 else []
+    spared = {x for x in NUMBERS if pick.random() < 0.5}
+    inner = {*turns, *gone, *gap, low, high, first, last} - {None}
+    places = sorted(x for x in inner if (low is None or low <= x) and (high is None or x <= high))
+    edges = [-inf if low is None else low, *places, inf if high is None else high]
+    cells = {(a, b): pick.choice([True, True, False, None]) for a, b in pairwise(sorted({*edges}))}
+    at = {x: pick.choice([True, True, False, None]) for x in places}
+
+    def verdict(value: Expr) -> bool | None:
+        x = float(value)
+        return at[x] if x in at else next(told for (a, b), told in cells.items() if a < x < b)
+
+    found = Question(
+        [Turn(NUMBERS[x], own) for x, own in turns.items()], verdict,
+        Domain(*(None if x is None else Rational(x) for x in (low, high)), has_low, has_high), closed=closed,
+        beyond=(first and Rational(first), last and Rational(last)), spares=lambda turn: float(turn.value) in spared,
+        exists=lambda x: float(x) not in absent, gone=[NUMBERS[x] for x in gone],
+        gaps=[Gap(NUMBERS[gap[0]], NUMBERS[gap[1]], "")] if gap else [],
+    ).solve()  # fmt: skip
+    known = {
+        (a, b): None if (first is not None and b <= first) or (last is not None and a >= last)
+        or (gap and gap[0] <= a and b <= gap[1]) else told for (a, b), told in cells.items()
+    }  # fmt: skip
+    for (a, b), told in known.items():
+        assert said(found, (max(a, b - 1) + min(b, a + 1)) / 2 if inf in (b, -a) else (a + b) / 2) is told
+    for x in places:
+        near = [told for ends, told in known.items() if x in ends]
+        wanted = True if True in near else None if None in near else False
+        if x in gone or (x == low and not has_low) or (x == high and not has_high):
+            wanted = False
+        elif x in fractions:
+            wanted = False if x in absent else at[x]
+        elif wanted:
+            wanted = closed or not turns.get(x) or x in spared
+        assert said(found, x) is wanted or (None in near and said(found, x) is None)
+    for end in (y for span in found.feasible for y in (span.low, span.high) if y.value is not None):
+        x = float(end.value)  # type: ignore[arg-type]
+        assert set(end.bindings) == (set() if x in (low, high) else {*turns.get(x, ())})
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_several_sets_have_in_common_is_in_each_and_open_where_one_is_and_none_denies(seed: int) -> None:
+    pick = Random(seed)
+
+    def some() -> Solved:
+        marks = sorted(pick.sample(range(1, 18), 6))
+        spans, left = list[Span](), list[Any]()
+        for i, j in zip(marks[::2], marks[1::2], strict=True):
+            low, high = (ExactNumber(Rational(n, 2)) for n in (i, j))
+            own = [End(x, pick.random() < 0.5, tuple(pick.sample(BINDINGS, 1))) for x in (low, high)]
+            own[0] = End(None) if i == marks[0] and pick.random() < 0.3 else own[0]
+            if pick.random() < 0.7:
+                spans.append(Span(*own))
+            else:
+                left.append((own[0].value, high))
+        return Solved(tuple(spans), tuple(left))
+
+    drawn = [some() for _ in range(pick.choice([2, 2, 3]))]
+    low, high = pick.choice([(None, None), (0, None), (None, 9), (1, 8)])
+    both = together(Domain(*(None if x is None else Integer(x) for x in (low, high))), drawn)
+    for x in (n / 4 for n in range(-2, 42)):
+        if (low is None or x >= low) and (high is None or x <= high):
+            answers = [said(y, x) for y in drawn]
+            told = False if False in answers else None if None in answers else True
+            open_ends = {float(y) for pair in both.undecided for y in pair if y is not None}
+            assert said(both, x) is told or (x in open_ends and said(both, x) is None)
+    known = {
+        (float(e.value), b) for x in drawn for y in x.feasible for e in (y.low, y.high) if e.value for b in e.bindings
+    }
+    for e in (e for y in both.feasible for e in (y.low, y.high) if e.value and float(e.value) not in (low, high)):
+        assert set(e.bindings) == {b for x, b in known if e.value and x == float(e.value)}
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_runs_of_a_set_along_a_line_are_as_long_as_can_be(seed: int) -> None:
+    pick = Random(seed)
+    for _ in range(40):
+        at = [pick.random() < 0.5 for _ in range(pick.randint(1, 6))]
+        between = [pick.random() < 0.5 for _ in at[1:]]
+        line = [x for pair in zip(at, [*between, False], strict=True) for x in pair][:-1]
+        inside = [False] * len(line)
+        for first, last, has_first, has_last in runs(at, between):
+            a, b = 2 * first + (not has_first), 2 * last - (not has_last)
+            assert all(line[a : b + 1])
+            assert not any(inside[max(a - 1, 0) : b + 2])
+            inside[a : b + 1] = [True] * (b + 1 - a)
+        assert inside == line

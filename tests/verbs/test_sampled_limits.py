@@ -1,0 +1,416 @@
+"""How far a number of a display with a clock may go: against roots that were placed, eigenvalues, and single counts."""
+
+from __future__ import annotations
+
+import random
+from itertools import count
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from sampledloops import NOTHING, placed, w, wall
+from sympy import Expr, Integer, Poly, Rational, Symbol
+
+import haptisym as hs
+from haptisym.judge.colgate import sampled_passivity
+from haptisym.kernel.budget import limited, timed_by
+from haptisym.kernel.errors import UndecidedError
+from haptisym.verbs.stability.clockrange import is_held, passages
+from haptisym.verbs.stability.critical import Nearest, critical
+from haptisym.verbs.stability.held import held
+
+E, F = hs.environments, hs.effects
+k = Symbol("k")
+VALUES = [sign * mantissa * 10.0**n for n in range(-3, 13) for mantissa in (1, 3.3) for sign in (1, -1)]
+
+
+def nearest(scene: hs.Scene, path: str) -> Nearest:
+    return critical(scene, scene.hands[0], scene.knobs[path])
+
+
+def counted(scene: hs.Scene, path: str, value: Any) -> int | None:
+    moved = scene.with_values({path: Rational(value)})
+    return held(moved, moved.hands[0]).unstable
+
+
+def spans(pairs: Any) -> list[tuple[float, float]]:
+    return [(-np.inf if a is None else float(a), np.inf if b is None else float(b)) for a, b in pairs]
+
+
+def told(found: Any) -> Any:
+    """Of a value, whether it lies in one of the intervals that were found; None where that was left open."""
+    doubt, feasible = spans(found.undecided), spans((y.low.value, y.high.value) for y in found.feasible)
+
+    def of(x: float) -> bool | None:
+        return None if any(a <= x <= b for a, b in doubt) else any(a < x < b for a, b in feasible)
+
+    return of
+
+
+# --- roots that were placed -------------------------------------------------------------------------------------------
+
+
+def angles(p: Any) -> list[Any]:
+    return [0.0, np.pi, np.arccos(float(p) / 2)]
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", range(16))
+def test_the_nearest_critical_values_are_where_roots_were_put_on_the_circle(seed: int) -> None:
+    """Roots z = k/x, -k/y and a pair of |z| = |k|/v: at 1, at -1 and beside, with roots that stay at 1 whatever k is."""
+    draw = random.Random(seed)
+    x, y, v = places = [Rational(n, 8) for n in draw.sample(range(9, 40), 3)]
+    p, stays = Rational(draw.randint(-7, 7), 8), draw.choice([0, 0, 1])
+    C = (1 - k / x * w) * (1 + k / y * w) * (1 - p * w + (k / v) ** 2 * w**2) * (1 - w) ** stays
+    start = draw.choice([Rational(1), sorted(places)[0] + Rational(1, 20), sorted(places)[1] + Rational(1, 20)])
+    near = nearest(placed(C, {"k": str(start)}), "environment.k")
+    expected = []
+    changes = [(q, i, sign) for q, i in zip(places, (0, 1, 2), strict=True) for sign in (1, -1)]
+    for side in (-1, 1):
+        ahead = [(abs(sign * q - start), q, i, sign) for q, i, sign in changes if (sign * q - start) * side > 0]
+        if ahead:
+            _, q, i, sign = min(ahead)
+            inside = stays + sum(1 + (n == 2) for n, z in enumerate(places) if z < q)
+            ends = (inside, inside + 1 + (i == 2))[:: int(sign)]
+            expected.append((float(sign * q), angles(p)[i if sign > 0 or i == 2 else 1 - i], *ends))
+    assert [(float(z.value), float(z.omega), z.below, z.above) for z in near.found] == [
+        pytest.approx(z, rel=1e-12, abs=1e-12) for z in expected
+    ]
+
+
+def test_a_critical_value_and_its_frequency_are_told_to_any_digits() -> None:
+    """|z|^2 = k^2/7 at an angle with the cosine 3/8: 7^(1/2), and arccos(3/8)/(1 s)."""
+    C = 1 - Rational(3, 4) * w + k**2 / 7 * w**2
+    found = nearest(placed(C, {"k": 1}), "environment.k").found[-1]
+    with mpmath.workdps(60):
+        true = mpmath.sqrt(7), mpmath.acos(mpmath.mpf(3) / 8)
+        assert [x.digits(50) for x in (found.value, found.omega)] == [
+            mpmath.nstr(x, 50, strip_zeros=False) for x in true
+        ]
+
+
+def largest(C: Expr, value: float) -> float:
+    """The size of the largest root by NumPy."""
+    return float(abs(np.roots([float(c.subs(k, value)) for c in Poly(C, w).all_coeffs()[::-1]])).max())
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("seed", range(12))
+def test_all_values_are_told_for_which_roots_by_numpy_lie_inside(seed: int) -> None:
+    """Roots that go in and out of the circle several times as k grows, for k of either sign."""
+    draw = random.Random(seed)
+
+    def some(most: int) -> Expr:
+        return sum((Rational(draw.randint(-99, 99), 101 * 3**n) * k**n for n in range(most + 1)), Integer(0))
+
+    C = 1 - some(1) * w + some(2) * w**2
+    found = hs.require(placed(C, {"k": 1}), "environment.k", that="stable")
+    is_in = told(found)
+    for x in [*np.linspace(-9, 9, 121), *VALUES[::5]]:
+        size = largest(C, x)
+        if abs(size - 1) > 1e-6:
+            assert is_in(x) in ((size < 1), None), x
+    assert sum(is_in(x) is None for x in np.linspace(-9, 9, 121)) < 12
+
+
+@pytest.mark.parametrize("digits", [2, 8, pytest.param(17, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_two_changes_that_are_close_to_each_other_are_never_passed_by(sign: int, digits: int) -> None:
+    """z = 1 - a(k), a = 2 + e - c (k - 1)^2: outside for |k - 1| < (e/c)^(1/2) however narrow; with -e it only comes near."""
+    e, c = Rational(1, 10**digits), Rational(2 + digits, 20)
+    a = 2 + sign * e - c * (k - 1) ** 2
+    near = nearest(placed(1 - (1 - a) * w, {"k": "1/2"}), "environment.k")
+    first = 1 - float(e / c) ** 0.5 if sign > 0 else 1 + float((2 - e) / c) ** 0.5
+    above = [float(x.value) for x in near.found if float(x.value) > 0.5]
+    assert above == pytest.approx([first], abs=1e-12) or (not above and near.high <= first)
+
+
+@pytest.mark.few("pair-3")
+@pytest.mark.parametrize("start", [3, "1/70"])
+@pytest.mark.parametrize(
+    "of", [lambda x: 1 - w / 2 + (1 - (k / x - 1) ** 2) * w**2, lambda x: (1 - k / x * w) * (1 + x / k * w)],
+    ids=["pair", "two"],
+)  # fmt: skip
+def test_a_walk_ends_before_what_touches_the_circle_and_tells_no_change_there(of: Any, start: Any) -> None:
+    """A pair that comes and goes back, or one root that comes at 1 while another one goes at -1."""
+    touch = Rational(start) * Rational(4, 3)
+    near = nearest(placed(of(touch), {"k": str(start)}), "environment.k")
+    assert all(float(x.value) < float(Rational(start)) for x in near.found)
+    assert near.high is not None
+    assert 0 <= touch - Rational(near.high) < touch / 10**6
+
+
+def test_a_change_at_0_is_none_on_the_way_up() -> None:
+    """z = 1/(1 + k): on the circle at 0 alone, inside for all that is more."""
+    near = nearest(placed(1 - w / (1 + k), {"k": "1/2"}), "environment.k")
+    assert [(float(x.value), x.below, x.above) for x in near.found] == [(0, 1, 0)]
+    assert near.high is None or near.high > 500
+
+
+def test_a_value_far_away_is_found_by_its_inverse() -> None:
+    """z = k/10^5: more than a thousand times as far as the number is from 0."""
+    scene = placed(1 - k / 10**5 * w, {"k": 1})
+    near = nearest(scene, "environment.k")
+    assert [(float(x.value), x.below, x.above) for x in near.found] == [(-(10**5), 1, 0), (10**5, 0, 1)]
+
+
+def test_where_the_number_has_roots_on_the_circle_now_nothing_is_told() -> None:
+    near = nearest(placed(1 - k * w / 3, {"k": 3}), "environment.k")
+    assert (near.found, "on the unit circle now" in near.reason) == ((), True)
+
+
+# --- walls ------------------------------------------------------------------------------------------------------------
+
+P3 = hs.Hand("P3", b=8, k=400)
+SUN = hs.Hand("Sun", "0.8", "5.5", "30")
+
+
+def spring(K: Any, B: Any = 0, hand: hs.Hand = NOTHING, T: Any = "1 ms", m: str = "0.04", b: str = "0.8") -> hs.Scene:
+    felt = E.kelvin_voigt(K, B) if B else E.mass_spring_damper(k=K)
+    return hs.Scene(felt, (F.sampled_loop(T, "backward-difference"), F.shunt(m=m, b=b)), hands=(hand,))
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize(
+    ("K", "keys"),
+    [
+        (1605.35113477512, {}), (18284.7872144337, {"hand": P3}), (2384.3034697805, {"B": "0.4"}),
+        (18273.4389482611, {"hand": SUN, "m": "0.032", "b": "3.62"}),
+    ],
+)  # fmt: skip
+def test_the_stiffest_published_wall_is_found_from_a_softer_one(K: float, keys: dict[str, Any]) -> None:
+    """Down to none at all, which lets a handle go that nothing holds."""
+    *below, x = nearest(spring(round(K / 3), **keys), "environment.k").found
+    assert (float(x.value), x.stable_side) == (pytest.approx(K, rel=1e-14), "below")
+    assert 0 < float(x.omega) < 3141
+    expected = [] if "hand" in keys else [(0, 0, "above")]
+    assert [(float(y.value), float(y.omega), y.stable_side) for y in below] == expected
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("scene", "path", "counts"),
+    [
+        (spring(20000, hand=P3), "hand.b", (2, 0)), (spring(300, T="4 ms"), "effects.sampled-loop.T", (0, 2)),
+    ],
+)  # fmt: skip
+def test_at_a_critical_value_the_count_changes(scene: hs.Scene, path: str, counts: tuple[int, int]) -> None:
+    [x] = nearest(scene, path).found
+    value = Rational(x.value.digits(30))
+    assert tuple(counted(scene, path, value * (1 + sign * Rational(1, 10**14))) for sign in (-1, 1)) == counts
+
+
+@pytest.mark.slow
+def test_a_number_given_in_hertz_may_go_as_far_as_one_in_radians() -> None:
+    """50 Hz are 100 pi rad/s, no rational number."""
+
+    def told(corner: str) -> list[Any]:
+        felt = E.expression("k + b*s*w/(s + w)", parameters={"k": 300, "b": 3, "w": corner})
+        chain = F.sampled_loop("1 ms", "backward-difference"), F.shunt(m="45 g")
+        found = nearest(hs.Scene(felt, chain, hands=(NOTHING,)), "environment.w").found
+        return [(x.value.digits(15), x.stable_side) for x in found]
+
+    assert told("50 Hz") == told("314 rad/s")
+    assert len(told("50 Hz")) == 1
+
+
+@pytest.mark.few("4-b", "2-k")
+@pytest.mark.parametrize("free", ["k", "b"])
+@pytest.mark.parametrize("seed", range(10))
+def test_stiffness_and_damping_of_a_wall_are_told_for_all_values_of_either_sign(seed: int, free: str) -> None:
+    own = wall(random.Random(seed), plain=True)
+    found = hs.require(own.scene, f"environment.{free}", that="stable")
+    is_in = told(found)
+    assert (found.certified, found.undecided) == (True, ())
+    for x in VALUES:
+        radius = own.radius(**{free: x})
+        if abs(radius - 1) > 1e-6:  # of eigenvalues in floats
+            assert is_in(x) == (radius < 1), x
+
+
+ADDING = {"hand.b": "b_h", "hand.m": "m_h", "hand.k": "k_h", "effects.shunt.b": "d"}
+
+
+@pytest.mark.few("hand.b-1")
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("path", ADDING)
+def test_what_damps_enough_holds_for_all_that_is_more(path: str, seed: int) -> None:
+    """Colgate and Schenkel's condition, a little more than it asks."""
+    own = wall(random.Random(seed), plain=True)
+    sampled = sampled_passivity(own.scene)
+    assert sampled is not None
+    assert sampled.hand_needed is not None
+    damping = float(sampled.hand_needed) * 1.01 + 0.01
+    scene = own.scene.with_values({"hand.b": repr(damping)})
+    found = hs.require(scene, path, that="stable")
+    is_in = told(found)
+    own.numbers["b_h"] = repr(damping)  # type: ignore[index]
+    for x in VALUES[::2]:
+        radius, stable = own.radius(**{ADDING[path]: x}), is_in(x)
+        assert stable is not None or x < float(scene.knobs[path].value)
+        if abs(radius - 1) > 1e-6 and stable is not None:
+            assert stable == (radius < 1), x
+
+
+ENOUGH = {"hand.b": "1.5", "effects.shunt.b": "-2.2", "hand.m": None, "hand.k": None, "effects.shunt.m": None}
+"""From which value on a number damps enough; None of one that does not damp."""
+
+
+@pytest.mark.parametrize("path", [*ENOUGH, "environment.k", "environment.b", "effects.sampled-loop.T"])
+def test_a_hand_that_damps_enough_holds_whatever_else_adds_to_it(path: str) -> None:
+    """900 N/m every 4 ms ask 1.8 N s/m, of which the device has 0.3: not 1.5 of the hand, but all that is more."""
+    for b, enough in (("1.5", False), ("1.500001", True)):
+        hand = hs.Hand("hand", m="0.2", b=b, k=200)
+        scene = spring(900, "0.000000001" if path == "environment.b" else 0, hand, "4 ms", "0.05", "0.3")
+        if path not in ENOUGH or ENOUGH[path] is None:
+            assert is_held(scene, hand, scene.knobs[path], Rational(1, 10**6)) is (enough and path in ENOUGH)
+    least = Rational(ENOUGH.get(path) or 0)
+    for off in (Rational(-1, 10**9), Integer(0), Rational(1, 10**9)) if ENOUGH.get(path) else ():
+        hand = hs.Hand("hand", m="0.2", b=4, k=200)
+        assert is_held(scene.with_hands(hand), hand, scene.knobs[path], least + off) is bool(off > 0)
+
+
+@pytest.mark.parametrize(
+    ("device", "path"),
+    [
+        ({"Z": "(2 - c)*s + m*s^2", "parameters": {"c": "0.1", "m": "0.05"}}, "effects.shunt.c"),
+        ({"m": "0.05", "b": "0.3"}, "effects.compliance.k"),
+    ],
+)  # fmt: skip
+def test_it_does_not_where_the_number_takes_away_or_something_yields(device: dict[str, Any], path: str) -> None:
+    hand = hs.Hand("hand", m="0.2", b=4, k=200)
+    drive = (F.compliance(k=800),) if "compliance" in path else ()
+    chain = F.sampled_loop("4 ms", "backward-difference"), F.shunt(**device), *drive
+    scene = hs.Scene(E.mass_spring_damper(k=900), chain, hands=(hand,))
+    assert not is_held(scene, hand, scene.knobs[path], Rational(1, 2))
+    assert is_held(scene, hand, scene.knobs["effects.shunt.m"], Rational(1, 2)) is not bool(drive)
+
+
+def test_where_a_number_has_no_end_on_a_side_nothing_is_said_to_be_left() -> None:
+    hand = hs.Hand("hand", m="0.2", b="1.6", k=200)
+    scene = spring(900, hand=hand, T="4 ms", m="0.05", b="0.3")
+    [row] = hs.stability(scene, free=["effects.shunt.b", "environment.k"]).to_dict()["held"]
+    looked = {x["path"]: (x["from"], x["to"]) for x in row["looked_at"]}
+    assert looked["effects.shunt.b"][1] is looked["hand.b"][1] is looked["environment.k"][0] is None
+    assert {"hand.m", "hand.k"}.isdisjoint(looked)
+    assert [(x["path"], x["stable_side"]) for x in row["critical"]] == [
+        ("hand.b", "above"), ("effects.shunt.b", "above"), ("environment.k", "below"),
+    ]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_beyond_what_was_looked_at_nothing_is_said() -> None:
+    found = hs.stability(spring(18000, hand=P3))  # 9 is more than 8.8
+    [row] = found.to_dict()["held"]
+    assert {x["path"] for x in row["critical"]} == {"hand.m", "hand.b"}
+    looked = {x["path"]: (x["from"], x["to"]) for x in row["looked_at"]}
+    assert (looked["hand.k"][0], looked["hand.b"][1]) == (None, None)
+    assert looked["hand.k"][1] >= 500 * 400
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("seed", range(6))
+def test_with_tustins_rule_a_spring_beside_a_damper_is_told_for_all_values(seed: int) -> None:
+    """The controller has a pole at z = -1, where the damper alone is felt, however stiff the spring is."""
+    draw = random.Random(seed)
+    hand = hs.Hand("hand", m="0.2", b=4, k=200)
+    chain = F.sampled_loop(draw.choice(["1 ms", "7 ms"]), "tustin", draw.choice([0, 1])), F.shunt(m="0.2", b="0.3")
+    scene = hs.Scene(E.kelvin_voigt(draw.choice([20, 900]), draw.choice(["0.4", "3"])), chain, hands=(hand,))
+    found = hs.require(scene, "environment.k", that="stable")
+    is_in = told(found)
+    assert found.certified
+    for x in VALUES[::4]:
+        if x > 0:
+            assert (counted(scene, "environment.k", x) == 0) is is_in(x), x
+
+
+@pytest.mark.parametrize(("T", "late"), [("1 ms", 0), pytest.param("4 ms", 1, marks=pytest.mark.slow)])
+def test_the_corner_of_a_filter_is_told_for_all_values_and_at_0_by_what_is_left_there(T: str, late: int) -> None:
+    """At a corner of 0 the filter passes nothing, and the spring alone is held; below it its own pole grows, unless T jumps over it."""
+    felt = E.expression("k + b*s*w/(s + w)", parameters={"k": 300, "b": 3, "w": 400})
+    hand = hs.Hand("hand", m="0.1", b=5, k=100)
+    chain = F.sampled_loop(T, "backward-difference", late), F.shunt(m="0.2", b="0.3")
+    scene = hs.Scene(felt, chain, hands=(hand,))
+    found = hs.require(scene, "environment.w", that="stable")
+    is_in = told(found)
+    assert found.certified
+    for x in VALUES[::3]:
+        assert (counted(scene, "environment.w", x) == 0) is is_in(x)
+    assert counted(scene, "environment.w", 0) == 0
+    assert [(float(x.low.value), x.low.closed) for x in found.feasible if x.low.value is not None] == [(0, True)]
+
+
+def test_down_to_0_a_wall_in_a_clock_is_told_as_its_roots_are_counted() -> None:
+    """In a hand with stiffness no root comes to 1 as the wall gets softer, down to none at all."""
+    hand = hs.Hand("hand", m="0.1 kg", b=2, k=50)
+    found = hs.require("virtual-wall", "environment.k", that="stable", hand=hand)
+    [span] = [x for x in found.feasible if float(x.high.value or 0) > 1]
+    assert (float(span.low.value), span.low.closed) == (0, True)
+    scene = hs.load_scene("virtual-wall").with_hands(hand)
+    assert [counted(scene, "environment.k", x) for x in (0, 10**-9, 0.3, 5)] == [0] * 4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", ["environment.b", "hand.k"])
+def test_by_tustins_rule_a_fast_wall_is_told_as_roots_are_counted(path: str) -> None:
+    """It has a pole at z = -1, and a fast clock a root beside it: both nearly cancel. At eight values each roots are counted."""
+    chain = F.sampled_loop("0.5 ms", "tustin", 1), F.shunt(m="0.3", b="0.2")
+    scene = hs.Scene(E.kelvin_voigt(300, 4), chain, hands=(hs.Hand("hand", "0.5", "0.7", "40"),))
+    found, own = hs.require(scene, path, that="stable"), Rational(scene.knobs[path].value)
+    is_in = told(found)
+    assert not any(a < 50 * own and b > own / 100 for a, b in spans(found.undecided))
+    for n in range(8):
+        value = own * Rational(3) ** n / 81
+        assert is_in(float(value)) in ((counted(scene, path, value) == 0), None), value
+
+
+KNOB = hs.parse_scene("""
+environment = {model = "mass-spring-damper", m = "0.0002 kg*m^2", b = "0.002 N*m*s/rad", k = "0.4 N*m/rad"}
+rendered = {model = "mass-spring-damper", b = "environment.b", k = "environment.k"}
+hand = {m = "0.0005 kg*m^2", b = "0.004 N*m*s/rad", k = "0.3 N*m/rad"}
+[[effects]]
+model = "sampled-loop"
+T = "0.5 ms"
+method = "tustin"
+delay = 1
+[[effects]]
+model = "shunt"
+m = "0.0001 kg*m^2"
+[[effects]]
+name = "torsion-bar"
+model = "compliance"
+k = "50 N*m/rad"
+""")
+"""A resonance without damping between clock and hand."""
+
+
+@pytest.mark.few("effects.torsion-bar.k-known0", "hand.k-known2")
+@pytest.mark.parametrize(("path", "known"), [("effects.torsion-bar.k", [356.501596]), ("hand.b", []), ("hand.k", [])])
+def test_with_a_resonance_between_clock_and_hand_a_number_may_still_go_far(path: str, known: list[float]) -> None:
+    """A knob on a torsion bar: where the number of roots changes, and at no other value that is tried."""
+    near, start = nearest(KNOB, path), float(KNOB.knobs[path].value)
+    changes = [float(x.value) for x in near.found]
+    assert changes == pytest.approx(known, rel=1e-8)
+    low = max([x for x in changes if x < start], default=float(near.low or 0))
+    high = min([x for x in changes if x > start], default=float(near.high or 50 * start))
+    assert low < start / 10
+    assert high > 2 * start
+    draw, home = random.Random(path), counted(KNOB, path, start)
+    for _ in range(4):
+        assert counted(KNOB, path, low + (high - low) * draw.random()) == home
+    for x in near.found:
+        ends = [counted(KNOB, path, float(x.value) * (1 + side * 1e-6)) for side in (-1, 1)]
+        assert ends == [x.below, x.above]
+
+
+def test_when_the_time_is_over_a_number_is_known_as_far_as_it_was_followed() -> None:
+    """Half of what is left for each side, so that the other one is followed too."""
+    scene = placed(1 - k / 300 * w, {"k": 1})
+    with timed_by(count().__next__), limited(40):
+        found = passages(scene, NOTHING, scene.knobs["environment.k"])
+    assert found.found == ()
+    assert -300 < found.low < 1 <= found.high < 300
+    assert {counted(scene, "environment.k", Rational(x)) for x in (found.low, found.high)} == {0}
+    with timed_by(count().__next__), limited(1), pytest.raises(UndecidedError):
+        passages(scene, NOTHING, scene.knobs["environment.k"])
