@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Callable
+from functools import cache
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 import pytest
+from drawn import axes, places, told
 from eyes import EYES, difference, lightness
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.colors import to_hex
 
 import haptisym as hs
+from haptisym.figures import pen
 from haptisym.figures.pen import SCENES
 from haptisym.figures.plots import KINDS
 from haptisym.figures.style import CURVES
 from haptisym.kernel.errors import NothingToDrawError
+from haptisym.verbs.cost.hardcosts import HardCosts
+from haptisym.verbs.cost.measurement import HardRow
+from haptisym.verbs.jnd.answers import Answers, Row
 from haptisym.writing.schemas import schema_names
 
 PAPER = hs.load_scene("fu2019")
 SLOW = PAPER.with_values({"omega_n": 50})
+SPRING = hs.Scene(hs.environments.mass_spring_damper(k="100 N/m +- 10 %"), (hs.effects.first_order_lag(40),))
 ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
     "evaluation": lambda s: hs.evaluate(s, regions=True),
     "derivation": hs.derive,
@@ -37,13 +41,20 @@ ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
     "evaluations": lambda s: hs.evaluate_all(hs.load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]), regions=True),
     "measured": lambda s: hs.evaluate(hs.MeasuredScene(s.environment, measured(s))),
     "identification": lambda s: hs.identify(measured(s), "mass-spring-damper", ["second-order-lowpass"]),
-    "tolerances": lambda s: hs.tolerances(hs.load_scene("fu2019-tolerances").with_values({"zeta": s.knobs["zeta"].value}), samples=2, hand="light-touch"),
+    "tolerances": lambda s: hs.tolerances(
+        hs.load_scene("fu2019-tolerances").with_values({"zeta": s.knobs["zeta"].value}), samples=2, hand="light-touch"
+    ),
     "simulation": lambda s: hs.check(s, count=3),
     "release": lambda s: hs.release(s, "1 cm", "postural-arm"),
     "cost": lambda s: hs.cost(s, quick=True),
+    "hardcosts": lambda _: HardCosts(
+        (HardRow("evaluate", "proof", 15, 1.0, proven=True, family="f", case="s", condition=1, ours=True, verdict="right"),),
+        {},
+    ),
+    "jnd": lambda _: hs.jnd(Answers("answers", tuple(Row(4.4 + 0.3 * i, 3 + 5 * i, 40) for i in range(6)))),
 }  # fmt: skip
-NOTHING = {("evaluation", "bandwidths"), ("metrics", "verdicts")}
-"""What a scene without a range has not; and bars that are told apart by their place."""
+NOTHING = {("evaluation", "bandwidths"), ("metrics", "verdicts"), ("hardcosts", "cases")}
+"""What a scene without a range has not; and what is told apart by its place."""
 
 
 def measured(scene: hs.Scene) -> hs.Measurement:
@@ -51,90 +62,137 @@ def measured(scene: hs.Scene) -> hs.Measurement:
     return hs.measured(exact.omega, exact.H * 1.02, radius=[4.0] * 15)
 
 
-def axes() -> Axes:
-    return Figure(layout="constrained").add_subplot()
+@cache
+def evaluated(omega_n: int = 80) -> hs.Evaluation:
+    return hs.evaluate(PAPER.with_values({"omega_n": omega_n}))
 
 
 def test_every_kind_of_answer_can_be_drawn() -> None:
-    without = {"scenes", "schemas"}
-    assert set(KINDS) - {"hardcosts"} == set(schema_names()) - without
-    assert set(ANSWERS) == set(KINDS) - {"hardcosts", "jnd", "sweep"}
+    assert set(KINDS) - {"hardcosts"} == set(schema_names()) - {"scenes", "schemas"}
+    assert set(ANSWERS) == set(KINDS) - {"sweep"}
 
 
-@pytest.mark.few("measured", "published")
+@pytest.mark.few("published", "hardcosts", "derivation", "requirement")
 @pytest.mark.parametrize("name", ANSWERS)
 def test_two_scenes_are_drawn_on_one_axes_of_the_caller(name: str) -> None:
     one, other = ANSWERS[name](PAPER), ANSWERS[name](SLOW)
     for kind in KINDS[name]:
-        if (name, kind) in NOTHING:
+        if (name, kind) == ("evaluation", "bandwidths"):
             continue
         ax = axes()
         assert one.plot(ax, kind=kind, label="first") is ax
+        low, high = sorted(ax.get_xlim())
         before = len(ax.get_children())
         assert other.plot(ax, kind=kind, label="second") is ax
         assert len(ax.get_children()) > before
+        assert sorted(ax.get_xlim())[0] <= low < high <= sorted(ax.get_xlim())[1]  # the first stays in sight
         ax.figure.draw_without_rendering()
-        told = [x.get_text() for x in ax.get_legend().get_texts()] if ax.get_legend() else []
-        assert not told or any(x.endswith("first") for x in told), kind
-        assert len(told) == len(set(told))
+        if (name, kind) not in NOTHING:
+            assert not told(ax) or any(x.endswith("first") for x in told(ax)), kind
+            assert len(told(ax)) == len(set(told(ax)))
+    with pytest.raises(NothingToDrawError, match=rf"these are {next(iter(KINDS[name]))}"):
+        one.plot(axes(), kind="what")
+
+
+@pytest.mark.parametrize(
+    ("kind", "label"),
+    [
+        ("", "ratio"), ("ratios", "ratio"), ("nyquist", r"$\mathrm{Im}\,H$ (N/m)"),
+        ("projections-real", r"$|\mathrm{Re}\,H|$ (N/m)"), ("projections-imag", r"$|\mathrm{Im}\,H|$ (N/m)"),
+    ],
+)  # fmt: skip
+def test_a_kind_of_an_evaluation_has_the_axis_that_its_name_says(kind: str, label: str) -> None:
+    assert label in evaluated().plot(axes(), kind=kind).get_ylabel()
+
+
+def test_parts_of_effects_and_of_families_are_those_of_their_names() -> None:
+    effects, family = hs.relevance(SPRING.with_values({"k": 100})), hs.evaluate_all(hs.SceneFamily({"one": PAPER}))
+    for kind, symbol in (("real", r"r_\mathrm{r}"), ("imag", r"r_\mathrm{i}"), ("", r"r_\mathrm{r}")):
+        assert effects.plot(axes(), kind=kind).get_ylabel() == f"change of ${symbol}$"
+        assert family.plot(axes(), kind=kind).get_ylabel() == f"${symbol}$"
+
+
+@pytest.mark.slow
+def test_a_map_of_something_else_than_transparency_is_drawn_by_wishes_unless_asked_otherwise() -> None:
+    plane = ["k", "tau"], [(20, 1000), ("0.001", "0.05")]
+    found = hs.design_map("delayed-spring", *plane, slices=3, that=["stable"], hand="light-touch")
+    assert any(x.endswith(", axis") for x in told(found.plot(axes(), kind="map")))
+    assert told(found.plot(axes())) == told(found.plot(axes(), kind="wishes"))
 
 
 def test_style_goes_to_the_curves_and_their_entries_and_color_to_the_scene() -> None:
-    ax = hs.evaluate(PAPER).plot(axes(), color="#8f5a9e", linewidth=3, alpha=0.5)
+    ax = evaluated().plot(axes(), color="#8f5a9e", linewidth=3, alpha=0.5)
     curves = [x for x in ax.lines if str(x.get_label()).startswith("$r_")]
     assert {(x.get_linewidth(), x.get_alpha(), x.get_color()) for x in curves[:2]} == {(3, 0.5, "#8f5a9e")}
-    handles = [x for x in ax.get_legend().legend_handles if x.get_linewidth() == 3]
-    assert len(handles) == 2
+    assert sum(x.get_linewidth() == 3 for x in ax.get_legend().legend_handles) == 2
     with pytest.raises(AttributeError, match="nonsense"):
-        hs.evaluate(PAPER).plot(axes(), nonsense=1)
+        evaluated().plot(axes(), nonsense=1)
+
+
+def test_further_scenes_without_a_label_are_numbered_and_have_the_next_colour() -> None:
+    ax, p = axes(), ANSWERS["jnd"](PAPER)
+    for kind in ("ratios", "ratios", "ratios"):
+        evaluated().plot(ax, kind=kind)
+    assert len(told(ax)) == len(set(told(ax)))
+    assert [sum(x.endswith(end) for x in told(ax)) > 0 for end in ("(2)", "(3)", "(4)")] == [True, True, False]
+    own = [to_hex(x.get_color()) for x in ax.lines if str(x.get_label()).startswith("$r_") and len(x.get_xdata()) > 100]
+    assert own[2:] == [SCENES[1]] * 2 + [SCENES[2]] * 2
+    other = p.plot(p.plot(axes(), label="one"), label="two", color="#009900")
+    assert any(x.endswith("two") for x in told(other))
+    assert "#009900" in {to_hex(x.get_color()) for x in other.lines}
+
+
+def test_curves_of_a_further_family_have_entries_in_the_legend_that_look_like_them() -> None:
+    """Its entries bore the colours of the first, or, without a label, were missing."""
+    effects = (hs.effects.first_order_lag(20), hs.effects.shunt(m="0.1"))
+    spring = hs.environments.mass_spring_damper(k=100, b=3)
+    families = [
+        hs.evaluate_all(
+            hs.SceneFamily({
+                "soft": hs.Scene(spring, effects, (0, 15), "0.1"),
+                "wall": hs.Scene(hs.environments.mass_spring_damper(k=k), effects, (0, 15), "0.1"),
+            })
+        )
+        for k in (1000, 5000)
+    ]  # fmt: skip
+    for labels in (("", ""), ("one", "two")):
+        ax = axes()
+        for found, label in zip(families, labels, strict=True):
+            found.plot(ax, kind="imag", label=label)
+        entries = dict(zip(told(ax), ax.get_legend().legend_handles, strict=True))
+        old, new = (f", {labels[0]}", f", {labels[1]}") if labels[0] else ("", " (2)")
+        names = ["largest", "soft binds", "others", "threshold", "all transparent"]
+        assert list(entries) == [f"{x}{end}" for end in (old, new) for x in names]
+        assert [to_hex(entries[f"soft binds{end}"].get_color()) for end in (old, new)] == [pen.BLUE, SCENES[1]]
+
+
+def test_what_the_caller_drew_stays_and_a_drawing_that_fails_leaves_the_legend_as_it_was() -> None:
+    ax = axes()
+    note, [line] = ax.text(2, 2, "mine"), ax.plot([0, 1], [0, 1])
+    evaluated().plot(ax)
+    evaluated().plot(ax)
+    before = told(ax)
+    with pytest.raises(NothingToDrawError, match="regions=True"):
+        evaluated().plot(ax, kind="regions")
+    assert told(ax) == before
+    assert (note in ax.texts, line in ax.lines, places(line)[0].tolist()) == (True, True, [0, 1])
 
 
 def test_what_cannot_be_drawn_is_said_with_what_can() -> None:
     with pytest.raises(hs.HaptisymError, match='did you mean "nyquist"'):
-        hs.evaluate(PAPER).plot(axes(), kind="nyquis")
-    with pytest.raises(hs.HaptisymError, match="regions=True"):
-        hs.evaluate(PAPER).plot(axes(), kind="regions")
+        evaluated().plot(axes(), kind="nyquis")
+    with pytest.raises(NothingToDrawError, match=r"evaluate_all\(scenes, regions=True"):
+        hs.evaluate_all(hs.SceneFamily({"one": PAPER})).plot(axes(), kind="regions")
 
 
 @pytest.mark.slow
 def test_a_kind_that_an_answer_has_nothing_for_says_so() -> None:
-    never = hs.tolerances(
-        hs.Scene(PAPER.environment, PAPER.effects, PAPER.band, "5").with_values({"zeta": "0.5 +- 5 %"}), samples=2
-    )
-    with pytest.raises(NothingToDrawError, match="nothing is met on the band"):
-        never.plot(axes())
     wheel = hs.simulate("steering-wheel", hs.chirp("0.1 rad", "1 rad/s", "10 rad/s", "5 s"))
     with pytest.raises(NothingToDrawError, match="no ratio is recovered"):
         wheel.plot(axes(), kind="recovered-real")
 
 
-@pytest.mark.slow
-def test_a_map_of_what_is_stable_can_be_drawn_like_one_of_what_is_transparent() -> None:
-    plane = ["k", "tau"], [(20, 1000), ("0.001", "0.05")]
-    found = hs.design_map("delayed-spring", *plane, slices=3, that=["stable"], hand="light-touch")
-    told = [x.get_text() for x in found.plot(axes(), kind="map").get_legend().get_texts()]
-    assert any(x.endswith(", axis") for x in told)
-
-
-def test_the_first_scene_stays_in_sight() -> None:
-    ax = hs.evaluate("virtual-wall").plot(axes())
-    reach = ax.get_xlim()
-    assert hs.evaluate(PAPER).plot(ax).get_xlim() == reach
-
-
-@pytest.mark.slow
-def test_new_axes_are_those_of_pyplot_and_nothing_else_changes() -> None:
-    script = """
-import matplotlib
-matplotlib.use("agg")
-import haptisym as hs
-before = dict(matplotlib.rcParams)
-ax = hs.evaluate("fu2019").plot()
-from matplotlib import pyplot
-assert pyplot.gcf() is ax.figure and pyplot.get_fignums() == [1]
-assert dict(matplotlib.rcParams) == before
-"""
-    subprocess.run([sys.executable, "-W", "error", "-c", script], check=True)
+# Colours.
 
 
 def test_eyes_without_some_cones_confuse_what_they_are_known_to() -> None:
@@ -155,10 +213,3 @@ def test_colours_of_scenes_and_curves_are_told_apart_by_every_eye(eye: str) -> N
 def test_scenes_are_told_apart_in_print_and_curves_by_their_strokes() -> None:
     assert min(abs(lightness(x) - lightness(y)) for x, y in combinations(SCENES, 2)) > 10
     assert CURVES[0][1] != CURVES[1][1]
-    ax = axes()
-    for omega_n in (80, 60, 50, 40):
-        hs.evaluate(PAPER.with_values({"omega_n": omega_n})).plot(ax, label=f"{omega_n}")
-    lines = [x for x in ax.lines if str(x.get_label()).startswith("$r_") and x.get_linestyle() != "None"]
-    looks = [(str(x.get_linestyle()), lightness(str(x.get_color()))) for x in lines]
-    assert len(looks) == 8
-    assert all(a[0] != b[0] or abs(a[1] - b[1]) > 10 for a, b in combinations(looks, 2))

@@ -1,28 +1,49 @@
-"""Models fitted to measured responses: against linear least squares, against the truth, and said not to fit where they do not."""
+"""Models fitted to measured responses: against linear least squares and the truth, and said not to fit where they do not."""
 
 from __future__ import annotations
 
 import json
 import re
 import shlex
+import tomllib
 from collections.abc import Callable
+from decimal import Decimal
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import binom, norm
+from hypothesis import example, given
+from hypothesis import strategies as st
+from jnds import jnds, same_rows
+from refusals import refusal
+from scipy import stats
 from scipy.stats import f as f_distribution
+from scipy.stats import norm
 
 import haptisym as hs
-from haptisym.verbs.identify.fitting import Noise, fit
-from haptisym.verbs.identify.judging import estimates, verdict
-from haptisym.verbs.identify.wanted import wanted
+from haptisym.model.hand import Hand
+from haptisym.model.jndtables import read_threshold
+from haptisym.model.parameters import Rule
+from haptisym.model.quantities import Dimension, MotionKind
+from haptisym.model.scenetables import read_scenes
+from haptisym.verbs.identify.curve import Curve
+from haptisym.verbs.identify.entry import opened
+from haptisym.verbs.identify.fitting import Noise, fit, noise_of, usable
+from haptisym.verbs.identify.judging import Estimate, estimates, even, rounded, verdict
+from haptisym.verbs.identify.scenetext import band_value, environment_table, exactly, scene_text, threshold_value
+from haptisym.verbs.identify.wanted import Free, wanted
 
 Called = Callable[..., tuple[int, str, str]]
+
+
 OMEGA = np.linspace(1, 40, 50)
+
+
 RAYLEIGH = np.sqrt(-2 * np.log(0.05))
+
+
 """The radius of a disc of 95 %, in standard errors of a part."""
 
 
@@ -55,7 +76,7 @@ def test_a_linear_model_is_that_of_linear_least_squares() -> None:
     assert found.verdict.fits is False
 
 
-@pytest.mark.few(2)
+@pytest.mark.few("own1-mass-spring-damper:k-effects1", "own2-zener-effects2")
 @pytest.mark.parametrize(
     ("own", "environment", "effects"),
     [
@@ -135,31 +156,9 @@ def check_coverage(draws: int, seed: int, averages: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("averages", [6, 10, 50])
+@pytest.mark.parametrize("averages", [6, 50])
 def test_intervals_hold_the_truth_and_true_models_are_refuted_as_often_as_they_say(averages: int) -> None:
-    check_coverage(400, 11, averages)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("noise", "said"), [(0.02, (0.944, 0.964)), (0.2, (0.91, 0.94))])
-def test_boxes_of_a_model_that_bends_hold_the_truth_as_the_docs_say(noise: float, said: tuple[float, float]) -> None:
-    """No fewer of 400 than 99 % of all runs would have if each held it with the least share that is said, no more with the largest."""
-    asked = wanted("mass-spring-damper:m=1.8,b=15,k=100", ["second-order-lowpass"], None, None)
-    omega, truth = np.geomspace(1, 60, 30), np.array([80, 0.5])
-    draws, held = 400, 0
-    for seed in range(draws):
-        ends = estimates(fit(asked, noisy("fu2019", noise, seed, omega), [truth]))
-        held += all(e.least <= value <= e.most for e, value in zip(ends, truth, strict=True))
-    least, most = (binom.ppf(q, draws, share) for q, share in zip((0.01, 0.99), said, strict=True))
-    assert least <= held < most
-
-
-@pytest.mark.slow
-def test_errors_above_a_tenth_are_said_to_make_the_box_less_certain() -> None:
-    for noise, told in ((0.01, False), (0.2, True)):
-        found = hs.identify(noisy("fu2019", noise, 5), "mass-spring-damper:m=1.8,b=15,k=100", ["second-order-lowpass"])
-        assert any(x.error > 0.1 * x.value for x in found.estimates) is told
-        assert ("some percent less" in " ".join(str(found).split())) is told
+    check_coverage(200, 11, averages)
 
 
 def test_residuals_are_carried_to_chi_square_by_the_quantiles_of_f() -> None:
@@ -189,7 +188,7 @@ def test_a_parameter_that_the_lines_do_not_tell_is_named_and_has_no_range() -> N
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_two_delays_in_a_row_are_never_told_apart(seed: int) -> None:
     """Whichever of the two the search left at nothing: they add up, and nothing else of them is in the response."""
     late = hs.Scene(hs.environments.mass_spring_damper(2, 12, 150), (hs.effects.delay("20 ms"),))
@@ -231,40 +230,13 @@ def test_what_should_be_felt_is_known_of_a_measured_scene_and_kept(tmp_path: Pat
         hs.identify(path, "mass-spring-damper")
 
 
-@pytest.mark.few(2)
-@pytest.mark.parametrize("name", ["prony", "spring-pot", "expression"])
-def test_environments_of_every_kind_are_written_as_they_were(name: str) -> None:
-    own: Any = {
-        "prony": lambda: hs.environments.prony("200 N/m", ["300 N/m", "1/3 N/m"], ["6 N*s/m", "2 N*s/m"]),
-        "spring-pot": lambda: hs.environments.spring_pot(100, "0.25", k="20 N/m +- 5 %"),
-        "expression": lambda: hs.environments.expression("k + w*s/(s + w)", parameters={"k": "90 N/m", "w": 3}),
-    }[name]()
-    exact = hs.sampled(hs.Scene(own, (hs.effects.delay("5 ms"),)), np.linspace(1, 15, 9))
-    found = hs.identify(hs.MeasuredScene(own, exact, threshold="0.08 + 0.004*omega"), effects=["delay"])
-    assert found.scene.environment.H == own.H
-    assert {x.interval for x in found.scene.environment.parameters} == {x.interval for x in own.parameters}
-    assert found.estimates[0].value == pytest.approx(0.005, rel=1e-6)
-
-
 @pytest.mark.few(10)
 @pytest.mark.parametrize(
     ("words", "told"),
     [
         ([], "say which model is wanted, or give degrees"),
-        (["--environment", "mas-spring-damper"], 'did you mean "mass-spring-damper"?'),
-        (["--environment", "expression"], "a formula has no parameters"),
-        (["--environment", "kelvin-voigt:q"], 'unknown parameter "q"'),
-        (["--environment", "kelvin-voigt:k,k"], "k is there twice"),
         (["--environment", "kelvin-voigt:k=1 kg,b"], "not a stiffness"),
-        (["--environment", "kelvin-voigt:k=100,b=2"], "nothing is free"),
-        (["--environment", "prony"], "say how many, as in k=2"),
-        (["--environment", "kelvin-voigt", "--effect", "dely"], 'did you mean "delay"?'),
-        (["--environment", "kelvin-voigt", "--effect", "pade-delay"], "give it, as in order=1"),
         (["--environment", "kelvin-voigt", "--effect", "delay", "--effect", "delay"], "do not tell"),
-        (["--environment", "kelvin-voigt", "--degrees", "1", "1"], "in place of a model"),
-        (["--degrees", "1", "99"], "whole numbers from 0 to 12"),
-        (["--degrees", "1", "1", "--effect", "first-order-lag"], "goes with a delay alone"),
-        (["--degrees", "12", "5"], "at most 16"),
         (["--degrees", "1", "0", "--band", "50 rad/s", "60 rad/s"], "no line of bench.csv"),
         (
             ["--degrees", "1", "0", "--band", "30 rad/s", "3 rad/s"],
@@ -289,32 +261,14 @@ def test_what_cannot_be_fitted_is_refused_in_one_sentence(
 
 def test_discs_that_cannot_be_weights_are_refused() -> None:
     for certainty, told in (
-        ({"radius": [1, 0, 1]}, "has no radius"),
         ({"coherence": [0.9, 1, 0.9], "averages": 9}, "has no radius"),
-        ({"coherence": [0.9, 0.8, 0.9], "averages": 3}, "at least 4"),
         ({"coherence": [0, 0, 0], "averages": 9}, "tells anything"),
     ):
         with pytest.raises(hs.SceneError, match=told):
             hs.identify(hs.measured([1, 2, 3], [1, 1j, 2], **certainty), "kelvin-voigt")  # type: ignore[arg-type]
-    for given, told in ((3, "is no measured response"), ("fu2019.toml", "neither a scene file")):
+    for other, told in ((3, "is no measured response"), ("fu2019.toml", "neither a scene file")):
         with pytest.raises(hs.SceneError, match=told):
-            hs.identify(given, "kelvin-voigt")  # type: ignore[arg-type]
-
-
-def test_what_is_printed_has_the_digits_that_the_errors_support_and_the_scene_file_all() -> None:
-    found = hs.identify("fu2019-bench", effects=["second-order-lowpass"])
-    text = str(found)
-    [formula] = [line for line in text.splitlines() if "H_perc" in line]
-    assert max(len(x.replace(".", "").strip("0")) for x in re.findall(r"\d[\d.]*", formula.split("=")[-1])) <= 4
-    for x in found.estimates:
-        letter = {"omega_n": "ω_n", "zeta": "ζ"}[x.parameter.name]
-        [row] = [line.split() for line in text.splitlines() if line.split()[:1] == [letter]]
-        value, error, low, _, high = row[1:6]
-        assert abs(float(value) - x.value) <= 0.05 * x.error
-        assert len(error.replace(".", "").strip("0")) <= 2
-        assert x.low - 0.1 * x.error <= float(low) <= x.low
-        assert x.high <= float(high) <= x.high + 0.1 * x.error
-        assert repr(x.value) in found.text
+            hs.identify(other, "kelvin-voigt")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -374,3 +328,431 @@ def test_the_command_line_says_the_same_in_every_form(tmp_path: Path, call: Call
     assert "Estimated, not proven" in files["tex"].read_text(encoding="utf-8")
     assert "<svg" in files["html"].read_text(encoding="utf-8")
     assert call("evaluate", str(scene), "--json")[0] == 0
+
+
+W = np.linspace(1, 20, 24)
+S = 1j * W
+
+
+# What is wanted.
+
+
+@pytest.mark.parametrize(
+    ("environment", "effects", "paths"),
+    [
+        ("kelvin-voigt", [], "k b"), ("mass-spring-damper", [], "m b k"), ("mass-spring-damper:k", [], "k"), ("mass-spring-damper:k,m", [], "k m"),
+        ("kelvin-voigt:b=2", [], "k"), ("zener:b1", [], "b1 k0 k1"), ("prony:k=2,b=2", [], "k[1] k[2] b[1] b[2] k0"), ("spring-pot", [], "k_alpha alpha k"),
+        ("kelvin-voigt", ["delay", "delay"], "k b delay.tau delay-2.tau"), ("kelvin-voigt:k", ["shunt"], "k b shunt.m shunt.b shunt.k"),
+        ("kelvin-voigt", ["shunt:m,b=2"], "k b shunt.m"), ("kelvin-voigt", ["second-order-lowpass:zeta=0.5"], "k b second-order-lowpass.omega_n"),
+        ("kelvin-voigt", ["pade-delay:order=3"], "k b pade-delay.tau"), ("kelvin-voigt", ["sampled-loop:method=tustin"], "k b sampled-loop.T"),
+        (" kelvin-voigt : k , b = 2 ", [" delay "], "k delay.tau"), ("maxwell", ["compliance"], "k b compliance.k compliance.b"),
+    ],
+)  # fmt: skip
+def test_a_model_has_the_parameters_that_are_named_and_those_that_it_needs(
+    environment: str, effects: list[str], paths: str
+) -> None:
+    found = wanted(environment, effects, None, None)
+    assert [x.path.removeprefix("environment.").removeprefix("effects.") for x in found.free] == paths.split()
+    assert len({x.symbol for x in found.free}) == len(found.free)
+    assert [x.name for x in found.free] == [p.rpartition(".")[2] for p in paths.split()]
+    own, others = found.elements(lambda x: 0.5 if x.rule is Rule.FRACTION else 3.0)
+    assert own.model == environment.partition(":")[0].strip()
+    assert [x.model for x in others] == [x.partition(":")[0].strip() for x in effects]
+
+
+@pytest.mark.parametrize(
+    ("environment", "effects", "degrees", "told"),
+    [
+        ("kelvin", [], None, 'environment: unknown model "kelvin": did you mean "kelvin-voigt"?'), ("kelvin-voigt", ["dely"], None, 'effect: unknown model "dely"'),
+        ("expression", [], None, "expression: a formula has no parameters to be found by themselves"), ("kelvin-voigt", ["series"], None, "series: a formula"),
+        ("kelvin-voigt:q", [], None, 'kelvin-voigt: unknown parameter "q": valid are k, b'), ("kelvin-voigt:", [], None, 'unknown parameter ""'),
+        ("kelvin-voigt:k,k", [], None, "kelvin-voigt: k is there twice"), ("prony:k=0,b=1", [], None, "k: say how many, as in k=2"), ("prony:k=100,b=1", [], None, "say how many"),
+        ("kelvin-voigt", ["pade-delay"], None, "order: is no number to be found: give it, as in order=1"),
+        ("kelvin-voigt", ["sampled-loop"], None, "give it, as in method=backward-difference"), ("kelvin-voigt:k=1,b=2", [], None, "nothing is free: every parameter is given"),
+        (None, [], None, "environment: say which model is wanted, or give degrees"), ("kelvin-voigt", [], (1, 1), "degrees: a fraction stands in place of a model"),
+        (None, [], (13, 0), "degrees: 13 and 0 must be whole numbers from 0 to 12"), (None, [], (0, -1), "degrees: 0 and -1 must"), (None, [], (True, 1), "must be whole"),
+        (None, [], (12, 3), ""), (None, [], (12, 4), "17 parameters are free: at most 16"), (None, ["delay"], (12, 3), "17 parameters"), (None, ["delay"], (1, 1), ""),
+        (None, ["shunt"], (1, 1), "degrees: a fraction goes with a delay alone"), ("kelvin-voigt", ["shunt:Z"], None, 'unknown parameter "Z": valid are m, b, k'),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_wanted_is_told(environment: str | None, effects: list[str], degrees: Any, told: str) -> None:
+    said = refusal(wanted, environment, effects, degrees, None)
+    assert told in said
+    assert bool(told) == bool(said)
+
+
+@pytest.mark.parametrize(("above", "below"), [(0, 0), (1, 2), (3, 1)])
+def test_a_fraction_is_a_polynomial_over_one_that_begins_with_1(above: int, below: int) -> None:
+    found = wanted(None, ["delay"], (above, below), None)
+    values = {x.name: i + 2.0 for i, x in enumerate(found.free)}
+    own, _ = found.elements(lambda x: values[x.name])
+    top = sum(values[f"a{i}"] * S**i for i in range(above + 1))
+    bottom = 1 + sum(values[f"d{i}"] * S**i for i in range(1, below + 1))
+    assert found.words == "expression, delay"
+    assert pytest.approx(top / bottom, rel=1e-12) == hs.sampled(hs.Scene(own, (), (0, 20)), W).H
+    curve = Curve(found, W)
+    at = np.array([values[x.name] for x in found.free])
+    assert pytest.approx(top / bottom * np.exp(-S * values["tau"]), rel=1e-12) == curve.at(at)
+    both = curve(np.array([at, 2 * at]))
+    assert (both.shape, np.allclose(both[0], curve.at(at)), np.allclose(both[1], curve.at(2 * at))) == (
+        (2, 24),
+        True,
+        True,
+    )
+    slopes = curve.slopes(at, 1e-5 * at)
+    for i in range(len(at)):
+        step = np.where(np.arange(len(at)) == i, 1e-4 * at, 0)
+        assert (
+            pytest.approx(
+                (curve.at(at + step) - curve.at(at - step)) / (2 * step.max()),
+                rel=1e-4,
+                abs=1e-4 * np.abs(slopes[:, i]).max(),
+            )
+            == slopes[:, i]
+        )
+    known = hs.environments.kelvin_voigt(100, 2)
+    behind = wanted(None, [], (above, below), (known, environment_table(known)))
+    assert [x.path for x in behind.free] == [f"effects.fraction.{x}" for x in values if x != "tau"]
+    assert behind.elements(lambda x: values[x.name])[0] is known
+
+
+# Weights, residuals and curvature.
+
+
+def lines_of(kind: str, model_error: float = 0.0, seed: int = 1) -> hs.Measurement:
+    rng = np.random.default_rng(seed)
+    truth = 290 + 6 * S
+    errors = 0.03 * np.abs(truth) * (rng.normal(size=24) + 1j * rng.normal(size=24))
+    H = truth * (1 + model_error * np.sin(W / 3)) + errors
+    certainty: dict[str, Any] = {
+        "coherence": {"coherence": np.linspace(0.97, 0.99, 24), "averages": 12, "confidence": 0.9},
+        "radius": {"radius": 0.03 * np.sqrt(-2 * np.log(0.05)) * np.abs(truth)}, "none": {},
+    }[kind]  # fmt: skip
+    return hs.measured(W, H, name="bench.csv", **certainty)
+
+
+@cache
+def identified(kind: str, model_error: float = 0.0) -> hs.Identification:
+    """Fitted from one start: it is a linear model."""
+    felt = lines_of(kind, model_error)
+    found = fit(wanted("kelvin-voigt", [], None, None), felt, [np.array([250.0, 5.0])])
+    return hs.Identification(felt, hs.Threshold(), "kelvin-voigt, as measured", found, estimates(found), verdict(found))
+
+
+def sigma_of(m: hs.Measurement) -> tuple[Any, float | None]:
+    """Of each part of a line, by the quantile of its disc: chi-squared, or F where the disc is estimated."""
+    if m.coherence is not None:
+        freedom = 2 * m.averages - 2  # type: ignore[operator]
+        return m.discs / np.sqrt(2 * stats.f(2, freedom).ppf(m.confidence)), freedom
+    if m.radius is not None:
+        return m.radius / np.sqrt(stats.chi2(2).ppf(m.confidence)), np.inf
+    return np.abs(m.H), None
+
+
+@pytest.mark.parametrize("kind", ["coherence", "radius", "none"])
+def test_weights_are_standard_errors_of_the_discs_and_intervals_those_of_linear_least_squares(kind: str) -> None:
+    m = lines_of(kind)
+    sigma, freedom = sigma_of(m)
+    noise = noise_of(m)
+    assert noise.sigma == pytest.approx(sigma, rel=1e-9)
+    assert noise.freedom == freedom
+    found = identified(kind)
+    rows = (
+        np.vstack([(x / sigma).reshape(-1, 1) for x in (np.ones(24), np.zeros(24))]),
+        np.vstack([(x / sigma).reshape(-1, 1) for x in (np.zeros(24), W)]),
+    )
+    A, y = np.hstack(rows), np.concatenate([m.H.real / sigma, m.H.imag / sigma])
+    values, *_ = np.linalg.lstsq(A, y)
+    assert [x.value for x in found.estimates] == pytest.approx(values.tolist(), rel=1e-6)
+    rest = y - A @ values
+    widening = freedom / (freedom - 4) if freedom and np.isfinite(freedom) else 1.0
+    covariance = np.linalg.inv(A.T @ A) * widening * ((rest @ rest) / 46 if kind == "none" else 1)
+    assert found.fit.covariance == pytest.approx(covariance, rel=1e-4, abs=1e-12)
+    assert found.fit.freedom == 46
+    square = np.abs(rest[:24] + 1j * rest[24:]) ** 2
+    if freedom and np.isfinite(freedom):
+        square = stats.chi2(2).isf(stats.f(2, freedom).sf(square / 2))
+    if kind == "none":
+        assert (found.verdict.square, found.verdict.chance) == (None, None)
+    else:
+        assert found.verdict.square == pytest.approx(square.sum(), rel=1e-6)
+        assert found.verdict.chance == pytest.approx(stats.chi2(46).sf(square.sum()), rel=1e-5)
+    shown = (rest[:24] + 1j * rest[24:]) / np.abs(rest[:24] + 1j * rest[24:]) * np.sqrt(square)
+    assert pytest.approx(shown, rel=1e-4, abs=1e-6) == even(found.fit)
+    together = float((shown[1:] * np.conj(shown[:-1])).real.mean() / np.square(np.abs(shown)).mean())
+    assert found.verdict.neighbours == pytest.approx(together, abs=1e-4)
+    assert found.verdict.neighbours_chance == pytest.approx(stats.norm.sf(together * np.sqrt(2 * 23)), rel=1e-2)
+    spare = 1 - m.confidence
+    law = stats.t(46) if kind == "none" else stats.norm()
+    for x, value, error in zip(found.estimates, values, np.sqrt(np.diag(covariance)), strict=True):
+        assert x.error == pytest.approx(error, rel=1e-4)
+        for ends, share in (((x.low, x.high), spare / 2), ((x.least, x.most), spare / 4)):
+            reach = law.isf(share) * error
+            assert ends == pytest.approx((value - reach, value + reach), rel=1e-4, abs=1e-3 * reach)
+            assert ends[0] <= value <= ends[1]
+    assert found.fit.residuals == pytest.approx(rest[:24] + 1j * rest[24:], abs=1e-5)
+    d = found.to_dict()
+    errors = np.sqrt(np.diag(covariance))
+    assert np.array(d["correlation"]) == pytest.approx(covariance / np.outer(errors, errors), abs=1e-4)
+    assert (d["measurement"], d["lines"], d["left_out"], d["model"], d["certified"]) == (
+        "bench.csv",
+        24,
+        0,
+        "kelvin-voigt",
+        False,
+    )
+    assert d["parameters"] == [
+        {"path": x.parameter.path, "value": x.value, "error": x.error, "interval": [x.low, x.high], "box": [x.least, x.most], "unit": unit, "told": x.told}
+        for x, unit in zip(found.estimates, ("N/m", "N*s/m"), strict=True)
+    ]  # fmt: skip
+    told = found.verdict
+    assert (d["fits"], d["chi_square"], d["degrees_of_freedom"], d["probability"]) == (
+        told.fits,
+        told.square,
+        46,
+        told.chance,
+    )
+    assert (d["neighbours"], d["neighbours_probability"], d["scene"]) == (
+        told.neighbours,
+        told.neighbours_chance,
+        found.text,
+    )
+    assert (d["starts"], d["agreeing"], d["confidence"]) == (1, 1, m.confidence)
+    assert d["rows"][3] == {"omega": W[3], "model": [found.fit.model[3].real, found.fit.model[3].imag],
+                            "residual": [found.fit.residuals[3].real, found.fit.residuals[3].imag]}  # fmt: skip
+    assert [x["omega"] for x in d["rows"]] == W.tolist()
+
+
+def test_lines_without_discs_weigh_as_their_sizes_and_those_of_nothing_as_the_middle_one() -> None:
+    for sizes, sigma in (
+        ([0, 0, 0], [1, 1, 1]),
+        ([3, 0, 5], [3, 3, 5]),
+        ([0, 0, 7], [1, 1, 7]),
+        ([2, 1, 9, 0], [2, 1, 9, 1.5]),
+    ):
+        noise = noise_of(hs.measured(range(1, len(sizes) + 1), [1j * x for x in sizes]))
+        assert (noise.sigma.tolist(), noise.freedom) == (sigma, None)
+
+
+def test_all_parameters_that_lines_do_not_tell_apart_are_named() -> None:
+    w = np.linspace(1, 20, 24)
+    m = hs.measured(w, 100 + 3j * w, radius=np.full(24, 0.1))
+    for key, value in (("k", 50.0), ("b", 1.5)):
+        start = np.array([100 - value if key == "k" else 100, 3 - value if key == "b" else 3, value])
+        said = refusal(fit, wanted("kelvin-voigt", [f"shunt:{key}"], None, None), m, [start])
+        assert said.startswith(f"the lines do not tell environment.{key} and effects.shunt.{key} apart")
+
+
+def test_what_the_scene_file_says_follows_from_whether_the_model_holds() -> None:
+    told = {
+        (
+            "radius",
+            0.0,
+        ): "# Ranges: together they hold the true values with a confidence of about 95 %, if the model is right\n# and the errors are as the discs say.",
+        ("none", 0.0): "if the model is right,\n# which was not tested: no discs of the lines are known.",
+        (
+            "radius",
+            0.15,
+        ): "# This model does NOT fit what was measured: its parameters are those nearest to it, and have no ranges.",
+    }
+    for (kind, error), words in told.items():
+        found = identified(kind, error)
+        assert words in found.text
+        ranges = found.scene.ranges()
+        assert bool(ranges) == (error == 0)
+        for x in found.estimates if ranges else ():
+            low, high = ranges[x.parameter.path].interval  # type: ignore[misc]
+            assert (float(low), float(high), float(ranges[x.parameter.path].value)) == (x.least, x.most, x.value)
+        assert found.scene.title == "kelvin-voigt, as measured"
+        assert found.scene.source == "fitted to bench.csv by haptisym identify"
+        assert [float(x) for x in found.scene.band] == [1, 20]
+    assert identified("coherence").confidence_words == "about 90 %"
+    assert repr(identified("radius")).endswith(": 2 parameters, fits>")
+    assert repr(identified("radius", 0.15)).endswith(": 2 parameters, does NOT fit>")
+    assert repr(identified("none")).endswith(": 2 parameters, untested>")
+
+
+def estimate(rule: Rule, value: float, least: float, most: float) -> Estimate:
+    return Estimate(Free("x.y", hs.symbols("y"), Dimension.MASS, rule), value, 1.0, least, most, least, most)
+
+
+def test_a_parameter_is_told_where_its_range_means_something() -> None:
+    assert estimate(Rule.POSITIVE, 1, 0.5, 2).told
+    assert not estimate(Rule.POSITIVE, 1, 0.5, 2.001).told
+    assert [estimate(Rule.POSITIVE, 3, 2, most).told for most in (6, 6.001)] == [True, False]
+    assert [estimate(Rule.POSITIVE, 0.1, 0.01, most).told for most in (0.2, 0.201)] == [True, False]
+    assert estimate(Rule.FRACTION, 0.5, 0.06, 0.95).told
+    assert not estimate(Rule.FRACTION, 0.5, 0.04, 0.95).told
+    assert estimate(Rule.NONNEGATIVE, 1, 0, 90).told
+
+
+def test_intervals_keep_the_rules_of_their_parameters() -> None:
+    """On the logarithm of what is positive, on the odds of a fraction, and not below 0 of what may be nothing."""
+    asked = wanted("spring-pot:k_alpha,alpha", ["shunt:m", "second-order-lowpass"], None, None)
+    own = hs.Scene(
+        hs.environments.spring_pot(100, "0.3"),
+        (hs.effects.shunt(m="-0.2 kg"), hs.effects.second_order_lowpass(15, "0.05")),
+    )
+    exact = hs.sampled(own, W)
+    m = hs.measured(W, exact.H, radius=0.3 * np.abs(exact.H))
+    found = fit(asked, m, [np.array([100.0, 0.3, -0.2, 15.0, 0.05])])
+    seen = set()
+    for x in estimates(found):
+        value, error = x.value, x.error
+        seen.add(x.parameter.rule)
+        for (low, high), share in (((x.low, x.high), 0.025), ((x.least, x.most), 0.005)):
+            reach = stats.norm.isf(share) * error
+            if x.parameter.rule is Rule.POSITIVE:
+                ends = value * np.exp(-reach / value), value * np.exp(reach / value)
+            elif x.parameter.rule is Rule.FRACTION:
+                odds = np.log(value / (1 - value)) + np.array([-1, 1]) * reach / (value * (1 - value))
+                ends = tuple(1 / (1 + np.exp(-odds)))
+            else:
+                ends = max(value - reach, 0.0) if x.parameter.rule is Rule.NONNEGATIVE else value - reach, value + reach
+            assert (low, high) == pytest.approx(ends, rel=2e-5, abs=1e-12)
+    assert seen == {Rule.POSITIVE, Rule.FRACTION, Rule.NONNEGATIVE, Rule.ANY}
+
+
+@given(st.floats(-1e6, 1e6, allow_subnormal=False))
+def test_ends_are_rounded_outward_to_six_digits(x: float) -> None:
+    low, high = (Decimal(repr(rounded(x, way))) for way in ("ROUND_FLOOR", "ROUND_CEILING"))
+    assert low <= Decimal(x) <= high
+    assert all(len(y.normalize().as_tuple().digits) <= 6 for y in (low, high))
+    assert high - low <= abs(Decimal(x)) * Decimal("1e-5")
+
+
+def test_lines_without_a_phase_or_a_disc_are_not_fitted() -> None:
+    felt = hs.measured([0, 1, 2, 3], [1, 2, 3, 4], radius=[1, np.inf, 1, 0.5])
+    assert usable(felt).omega.tolist() == [2, 3]
+    assert usable(hs.measured([0, 1, 2], [1, 2, 3], coherence=[0.5, 0, 0.5], averages=9)).omega.tolist() == [2]
+    assert usable(hs.measured([0, 1], [1, 2])).omega.tolist() == [1]
+    assert "no line above 0 rad/s has a disc" in refusal(usable, hs.measured([0], [1]))
+    for averages, told in ((3.9, "averages: 3.9 are too few to weigh lines by: it takes at least 4"), (4, "")):
+        assert refusal(noise_of, hs.measured([1, 2], [1, 2], coherence=[0.9, 0.8], averages=averages)) == told
+    assert "the disc at 2 rad/s has no radius" in refusal(noise_of, hs.measured([1, 2], [1, 2], radius=[1, 0]))
+    assert noise_of(hs.measured([1, 2, 3], [0, 2, 4])).sigma.tolist() == [2, 2, 4]
+    asked = wanted("kelvin-voigt", [], None, None)
+    assert "1 line cannot tell 2 parameters: at least 2 lines are needed" in refusal(
+        fit, asked, hs.measured([1], [1 + 1j])
+    )
+    assert Noise(np.ones(1), 5.0).widening == 5
+    assert Noise(np.ones(1), np.inf).widening == Noise(np.ones(1), None).widening == 1
+
+
+# Scene files.
+
+TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=12)
+
+
+VALUES = st.recursive(
+    TEXTS | st.integers(-9, 9),
+    lambda x: st.lists(x, max_size=3) | st.dictionaries(st.sampled_from("abc"), x, max_size=3),
+    max_leaves=4,
+)
+
+
+@given(
+    TEXTS,
+    TEXTS,
+    st.lists(
+        st.tuples(st.sampled_from(["one", "two"]), st.dictionaries(st.sampled_from("pqr"), VALUES, max_size=3)),
+        max_size=2,
+        unique_by=lambda x: x[0],
+    ),
+)
+def test_a_scene_file_reads_back_as_it_was_written(
+    title: str, source: str, tables: list[tuple[str, dict[str, Any]]]
+) -> None:
+    text = scene_text(title, source, ["first", "second"], [(f"[{name}]", table) for name, table in tables])
+    assert text.startswith("# first\n# second\n")
+    assert tomllib.loads(text) == {"title": title, **({"source": source} if source else {}), **dict(tables)}
+
+
+ENVIRONMENTS = [
+    hs.environments.mass_spring_damper("1.8 kg", "15 N*s/m +- 5 %", ["90 N/m", "100 N/m", "120 N/m"]), hs.environments.kelvin_voigt("2 N*m/rad", 3),
+    hs.environments.zener(1, "2/3", 5), hs.environments.prony("200 N/m", ["300 N/m", "1/3 N/m"], ["6 N*s/m", "2 N*s/m"]), hs.environments.spring_pot(100, "0.25", k="20 N/m"),
+    hs.environments.two_mass(1, 2, 3, 4, 5, 6), hs.environments.expression("k + w*s/(s + w)", parameters={"k": "90 N/m", "w": [3, 5]}), hs.environments.maxwell(1, 2),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("own", ENVIRONMENTS, ids=[x.model for x in ENVIRONMENTS])
+def test_an_environment_is_written_as_it_is(own: hs.Environment) -> None:
+    again = read_scenes(scene_text("", "", [], [("[environment]", environment_table(own))])).only().environment
+    assert again.H == own.H
+    assert [(p.key, p.value, p.interval, p.motion) for p in again.parameters] == [
+        (p.key, p.value, p.interval, p.motion) for p in own.parameters
+    ]
+
+
+@example({"real": {"higher": "1/10", "lower": "1/5"}, "imag": "0.1 + omega", "floor": "3"})
+@example({"shape": "ellipse", "real": "1/10", "imag": "1/5", "tilt": "-1/2"})
+@example({"shape": "polygon", "corners": [["1", "0"], ["0", "1 + omega"], ["-1", "-1"]]})
+@given(jnds())
+def test_a_jnd_is_written_as_it_is(table: dict[str, Any]) -> None:
+    own = read_threshold(table)
+    again = read_threshold(threshold_value(own))
+    assert same_rows(again.row(), own.row())
+
+
+def test_ranges_sources_and_proportions_of_a_jnd_are_written_and_what_has_no_number_is_refused() -> None:
+    for given_ in ({"real": [0.1, 0.2], "imag": "0.2 +- 10 %", "proportion": 0.75}, {"like": "weight"}, {"real": {"higher": 0.1, "lower": 0.3}, "imag": 1, "floor": 2},
+                   {"shape": "polygon", "corners": [[1, 0], [0, 1], [-1, -1]], "proportion": "0.8"}, {"shape": "ellipse", "real": 1, "imag": 2, "tilt": 0.5}):  # fmt: skip
+        own = read_threshold(given_)
+        again = read_threshold(threshold_value(own))
+        assert (again, again.source, again.proportion, again.ranges) == (own, own.source, own.proportion, own.ranges)
+    root = hs.Threshold.of(hs.symbols("x").subs({hs.symbols("x"): 2}) ** (read_threshold("1/2").real))
+    assert "cannot be written in a scene file: give a rational number" in refusal(threshold_value, root)
+
+
+def test_a_number_is_written_exactly_and_in_hertz_where_pi_is_in_it() -> None:
+    from sympy import Rational, pi
+
+    assert exactly(30 * pi, Dimension.FREQUENCY, "rad/s") == "15 Hz"
+    assert exactly(Rational(7, 3), Dimension.FREQUENCY, "rad/s") == "7/3 rad/s"
+    assert exactly(Rational(7, 3), Dimension.MASS, "kg") == "7/3 kg"
+    assert exactly(pi / 3, Dimension.MASS, "") == repr(float(pi / 3))
+    assert band_value(0.1, 1 / 3) == ["0.1 rad/s", f"{1 / 3!r} rad/s"]
+
+
+# What is given.
+
+
+def test_a_measured_scene_gives_what_should_be_felt_its_band_its_jnd_and_its_title() -> None:
+    own = hs.environments.kelvin_voigt("290 N/m", 6)
+    scene = hs.MeasuredScene(own, lines_of("radius"), (2, 15), 0.2, title="On the bench")
+    found = hs.identify(scene, effects="shunt:b")
+    assert (found.title, found.threshold.real, found.motion) == (
+        "On the bench",
+        read_threshold(0.2).real,
+        MotionKind.TRANSLATION,
+    )
+    assert (found.fit.lines.omega.min() >= 2, found.fit.lines.omega.max() <= 15) == (True, True)
+    assert found.scene.environment.H == own.H
+    assert found.wanted.words == "kelvin-voigt, shunt"
+    both = hs.MeasuredScene(lines_of("radius"), lines_of("radius"))
+    for call, told in (
+        ((scene, "maxwell"), "what should be felt is given by the scene"), ((scene,), "nothing is free: what should be felt is given; say what stands behind it"),
+        ((both, "maxwell"), "[environment] is measured, too"), ((Hand("x"), "maxwell"), "Hand is no measured response"),
+        (("fu2019", "maxwell"), "its simulated bench run is fu2019-bench"), (("palpation-device", "maxwell"), "a scene of formulas that is shipped"),
+    ):  # fmt: skip
+        assert told in refusal(hs.identify, *call)
+    assert "averages: goes with a file of lines alone" in refusal(hs.identify, scene, effects=["delay"], averages=9)
+    assert "confidence: goes with a file of lines alone" in refusal(
+        hs.identify, lines_of("none"), "maxwell", confidence=0.9
+    )
+
+
+def test_a_file_is_opened_as_what_it_holds(tmp_path: Path) -> None:
+    lines, formulas, measured = (tmp_path / x for x in ("lines.csv", "formulas.toml", "bench.toml"))
+    hs.measured([1, 2], [3, 4]).to_csv(lines)
+    formulas.write_text('environment = { model = "kelvin-voigt", k = 1, b = 2 }', encoding="utf-8")
+    measured.write_text(formulas.read_text(encoding="utf-8") + '\n[perceived]\nfile = "lines.csv"\n', encoding="utf-8")
+    assert isinstance(opened(lines), hs.Measurement)
+    assert isinstance(opened(str(measured)), hs.MeasuredScene)
+    assert opened(lines, confidence=0.5).confidence == 0.5  # type: ignore[union-attr]
+    given_ = opened(lines)
+    assert opened(given_) is given_
+    for path, keys, said in ((formulas, {}, "formulas.toml: a scene of formulas: nothing in it was measured"), (measured, {"averages": 9}, "averages: goes with a file of lines alone"),
+                             (given_, {"confidence": 0.9}, "confidence: goes with"), (lines, {"averages": 9}, "averages is given, but no coherence"),
+                             (tmp_path / "none.csv", {}, "there is no such file")):  # fmt: skip
+        assert said in refusal(opened, path, **keys)

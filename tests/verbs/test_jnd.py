@@ -1,34 +1,49 @@
-"""A JND from answers: tables as programs write them, the curve against an independent solution, and what cannot be fitted."""
+"""A JND from answers: the curve against mpmath, its interval, tables as programs write them, and what cannot be fitted."""
 
 from __future__ import annotations
 
 import json
 import os
+from collections import defaultdict
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from statistics import NormalDist
+from typing import Any
 
 import mpmath as mp
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from fits import CHI_95, best_probit, likelihood
+from hypothesis import given
+from hypothesis import strategies as st
 from marks import required
-from scipy.optimize import minimize
+from refusals import refusal
+from scipy.optimize import minimize, minimize_scalar
 from scipy.special import log_ndtr, ndtr
+from scipy.stats import chi2
 
 import haptisym as hs
 from haptisym.cli import app
 from haptisym.programs.values import Array
 from haptisym.verbs.jnd.answers import Answers, Row, collected
-from haptisym.verbs.jnd.curve import Curve
+from haptisym.verbs.jnd.columns import TOLD, find_columns
+from haptisym.verbs.jnd.curve import Asked, Curve
+from haptisym.verbs.jnd.entry import Psychometric
+from haptisym.verbs.jnd.fit import Deviance, Estimate, Fit
 from haptisym.verbs.jnd.likelihood import Likelihood
-from haptisym.verbs.simulate.threads import one_thread
+from haptisym.verbs.jnd.tables import read_answers
 
 LEVELS, COUNTS, TRIALS = (4.4, 4.7, 5.0, 5.3, 5.6, 5.9), (5, 11, 19, 26, 33, 37), 40
+
+
 TABLE = "level,k,n\n" + "".join(f"{x},{k},{TRIALS}\n" for x, k in zip(LEVELS, COUNTS, strict=True))
+
+
 ROWS = tuple(Row(x, k, TRIALS) for x, k in zip(LEVELS, COUNTS, strict=True))
+
+
 DATA = Answers("answers", ROWS)
 
 
@@ -91,22 +106,6 @@ def test_the_interval_reaches_to_curves_whose_middle_is_far_away() -> None:
         assert abs(2 * (top - likelihood(told, *best_probit(told, slope))) - CHI_95) < 1e-6
 
 
-@pytest.mark.slow
-def test_a_parametric_bootstrap_gives_about_the_same_interval() -> None:
-    found = hs.jnd(DATA)
-    counts = np.random.default_rng(2026).binomial(TRIALS, found.fit.curve(np.array(LEVELS)), (200, len(LEVELS)))
-    drawn = [
-        Likelihood(tuple(Row(x, int(k), TRIALS) for x, k in zip(LEVELS, row, strict=True)), 0.0, 0.0) for row in counts
-    ]
-    with one_thread():
-        fits = [x.best(begun=found.fit.curve).curve for x in drawn]
-    low, high = np.quantile([0.6744897501960817 * x.sigma for x in fits], [0.025, 0.975])
-    assert found.jnd.low == pytest.approx(low, rel=0.1)
-    assert found.jnd.high == pytest.approx(high, rel=0.1)
-    deviances = [x.deviance(curve) for x, curve in zip(drawn, fits, strict=True)]
-    assert np.mean(deviances) == pytest.approx(found.deviance.degrees, abs=0.5)  # as chi-squared has it
-
-
 def test_another_proportion_is_the_same_sigma() -> None:
     at_71, at_84 = (hs.jnd(DATA, proportion=p).jnd.value for p in (0.71, 0.84))
     assert at_84 / at_71 == pytest.approx(1.79704616, abs=1e-8)
@@ -155,16 +154,23 @@ def test_answers_given_many_times_over_have_the_same_curve(lapse: float | None, 
 def test_a_curve_that_does_not_fit_is_said_not_to() -> None:
     rows = tuple(Row(float(x), k, 40) for x, k in enumerate((2, 30, 8, 33, 12, 38)))
     found = hs.jnd(Answers("two people", rows))
-    assert found.deviance.fits is False
     assert found.to_dict()["deviance"]["fits"] is False
-    assert "The curve does NOT fit" in str(found)
+
+
+def test_the_fit_is_tested_by_chi_squared_of_what_the_likelihood_lacks_to_that_of_the_shares() -> None:
+    found = hs.jnd(DATA)
+    kept = sum(k * mp.log(mp.mpf(k) / TRIALS) + (TRIALS - k) * mp.log(1 - mp.mpf(k) / TRIALS) for k in COUNTS)
+    lacking = 2 * (loss(mp.mpf(found.fit.curve.mu), mp.mpf(found.fit.curve.sigma)) + kept)
+    told = found.to_dict()["deviance"]
+    assert found.deviance.value == pytest.approx(float(lacking), rel=1e-9)
+    assert (found.deviance.degrees, told["fits"]) == (4, True)
+    assert found.deviance.p == pytest.approx(chi2(4).sf(float(lacking)), rel=1e-9)
 
 
 def test_two_levels_fit_exactly_and_cannot_be_tested() -> None:
     found = hs.jnd(Answers("two", (Row(1.0, 10, 40), Row(2.0, 30, 40))))
     assert found.jnd.value == pytest.approx(0.5, abs=1e-12)  # 25 % at 1, 75 % at 2
     assert found.deviance.p is None
-    assert "cannot be tested" in str(found)
 
 
 def test_single_answers_are_put_together_before_the_fit_is_tested() -> None:
@@ -177,21 +183,6 @@ def test_single_answers_are_put_together_before_the_fit_is_tested() -> None:
     assert found.deviance.groups == 60
     assert found.deviance.fits
     assert found.jnd.low < 0.4 * 0.6745 < found.jnd.high
-    assert "300 levels put into 60 groups" in str(found)
-
-
-@pytest.mark.slow
-def test_very_many_levels_are_put_together_and_give_the_same_curve() -> None:
-    random = np.random.default_rng(11)
-    level = random.normal(5, 1, 20_000)
-    answered = random.random(20_000) < Curve(5, 0.6)(level)
-    many = tuple(Row(float(x), int(y), 1) for x, y in sorted(zip(level, answered, strict=True)))
-    found = hs.jnd(Answers("many", many))
-    whole = Likelihood(many, 0.0, 0.0).best(begun=found.fit.curve).curve
-    assert len(found.answers.rows) == 1000
-    assert found.notes[0] == "20000 levels put into 1000 groups of neighbours, each at its mean"
-    assert found.fit.curve.sigma == pytest.approx(whole.sigma, rel=1e-3)
-    assert found.jnd.low < 0.6744897501960817 * 0.6 < found.jnd.high
 
 
 @pytest.mark.slow
@@ -199,13 +190,13 @@ def test_a_table_too_small_for_an_interval_has_no_upper_end() -> None:
     found = hs.jnd(Answers("few", (Row(1.0, 1, 4), Row(2.0, 2, 4), Row(3.0, 3, 4))), reference=2)
     assert found.jnd.high is None
     assert found.table["real"] == "0.5"  # 25 % at 1, 50 % at 2, 75 % at 3
-    assert "unbounded" in str(found)
-    assert "The interval has NO upper end" in str(found)
 
 
 # Tables.
 
 TRIALS_OF = "".join(f"{x},{int(i < k)}\n" for x, k in zip(LEVELS, COUNTS, strict=True) for i in range(TRIALS))
+
+
 SAME = {
     "counts": TABLE,
     "semicolons and decimal commas": TABLE.replace(",", ";").replace(".", ","),
@@ -226,34 +217,33 @@ SAME = {
 }  # fmt: skip
 
 
-@pytest.mark.few(2)
 @pytest.mark.parametrize("text", SAME.values(), ids=SAME)
 def test_tables_that_say_the_same_are_read_the_same(text: str, file: Callable[..., Path]) -> None:
-    assert hs.jnd(file(text)).answers.rows == ROWS
+    assert read_answers(file(text), {}, {}).rows == ROWS
 
 
 def test_columns_can_be_named_and_lines_chosen(file: Callable[..., Path]) -> None:
     other = "".join(f"b,{x},1,7\n" for x in LEVELS)
     text = "who,f (N),more,of\n" + "".join(f"a,{x},{k},{TRIALS}\n" for x, k in zip(LEVELS, COUNTS, strict=True)) + other
     columns = {"level": "f (N)", "count": "more", "trials": "of"}
-    assert hs.jnd(file(text), columns=columns, where={"who": "a"}).answers.rows == ROWS
+    assert read_answers(file(text), columns, {"who": "a"}).rows == ROWS
     with pytest.raises(hs.SceneError, match="no line has who = c"):
-        hs.jnd(file(text), columns=columns, where={"who": "c"})
+        read_answers(file(text), columns, {"who": "c"})
 
 
 def test_people_that_are_put_together_are_told(file: Callable[..., Path]) -> None:
     text = "participant,level,k,n\n" + "".join(
         f"{who},{x},{k},{TRIALS}\n" for who in "ab" for x, k in zip(LEVELS, COUNTS, strict=True)
     )
-    found = hs.jnd(file(text))
-    assert found.answers.rows[0] == Row(4.4, 10, 80)
+    found = read_answers(file(text), {}, {})
+    assert found.rows[0] == Row(4.4, 10, 80)
     assert found.notes == ("2 values of participant put together; choose with --where participant=...",)
-    assert hs.jnd(file(text), where={"participant": "b"}).answers.rows == ROWS
+    assert read_answers(file(text), {}, {"participant": "b"}).rows == ROWS
 
 
 def test_lines_without_an_answer_are_left_out_and_counted(file: Callable[..., Path]) -> None:
-    found = hs.jnd(file("level,response\n" + TRIALS_OF + "5.0,\n5.3,\n,\n"))
-    assert found.answers.rows == ROWS
+    found = read_answers(file("level,response\n" + TRIALS_OF + "5.0,\n5.3,\n,\n"), {}, {})
+    assert found.rows == ROWS
     assert found.notes == ("2 lines without a level or an answer left out",)
 
 
@@ -281,22 +271,6 @@ def test_psignifit_itself_finds_what_it_is_known_to_find(file: Callable[..., Pat
     assert found.to_dict()["method"] == "psignifit 4"
 
 
-@pytest.mark.slow
-def test_psignifit_and_the_likelihood_agree_on_a_forced_choice() -> None:
-    required("psignifit", find_spec("psignifit"))
-    curve = Curve(0.12, 0.05, 0.5)
-    level = np.array([0.02, 0.06, 0.1, 0.14, 0.18, 0.24])
-    data = Answers(
-        "choices", tuple(Row(float(x), round(p * 200), 200) for x, p in zip(level, curve(level), strict=True))
-    )
-    for proportion in (0.75, 0.8):
-        one, other = (
-            hs.jnd(data, alternatives=2, proportion=proportion, method=m) for m in ("likelihood", "psignifit")
-        )
-        assert other.jnd.value == pytest.approx(one.jnd.value, rel=0.03)
-        assert other.jnd.low < one.jnd.value < other.jnd.high
-
-
 def test_a_table_may_come_through_a_pipe() -> None:
     read, write = os.pipe()
     os.write(write, TABLE.encode())
@@ -305,12 +279,6 @@ def test_a_table_may_come_through_a_pipe() -> None:
         assert hs.jnd(f"/dev/fd/{read}").answers.rows == ROWS
     finally:
         os.close(read)
-
-
-@pytest.mark.slow
-def test_a_million_lines_are_read_as_their_counts(file: Callable[..., Path]) -> None:
-    rows = hs.jnd(file("level,response\n" + TRIALS_OF * 4167)).answers.rows
-    assert rows == tuple(Row(x, 4167 * k, 4167 * TRIALS) for x, k in zip(LEVELS, COUNTS, strict=True))
 
 
 BAD = {
@@ -368,27 +336,6 @@ def test_what_is_no_table_is_called_what_it_is(file: Callable[..., Path], tmp_pa
         hs.jnd(tmp_path / "none.csv")
 
 
-@pytest.mark.parametrize(
-    ("options", "told"),
-    [
-        ({"proportion": 0.5}, "must lie between chance, 0.5 of a comparison, and 1"),
-        ({"proportion": 0.3, "alternatives": 3}, "chance, 0.333333 of 3 alternatives"),
-        ({"proportion": float("nan")}, "proportion"),
-        ({"alternatives": 1}, "at least 2 alternatives"),
-        ({"alternatives": 2, "guess": 0.1}, "a forced choice has its own"),
-        ({"guess": 0.7}, "guess: 0.7 must lie"),
-        ({"lapse": -0.1}, "lapse: -0.1 must lie"),
-        ({"reference": 0.0}, "must be a level above 0"),
-        ({"confidence": 1.0}, "confidence"),
-        ({"method": "bayes"}, "valid are likelihood, psignifit"),
-        ({"method": "psignifit", "lapse": None}, "psignifit fits guesses and lapses itself"),
-    ],
-)
-def test_what_cannot_be_asked_is_refused(options: dict[str, object], told: str) -> None:
-    with pytest.raises(hs.SceneError, match=told):
-        hs.jnd(DATA, **options)
-
-
 # For a scene.
 
 
@@ -401,12 +348,6 @@ def test_the_line_for_a_scene_is_one_with_the_interval_as_its_range_and_its_prop
     low, high = threshold.real_interval
     assert float(low) <= found.fraction.low < found.fraction.high <= float(high)
     assert threshold.imag_interval == (low, high)
-    lines = [
-        line.strip().strip("`")
-        for line in str(found).split("In a scene")[1].split("The curve")[0].split("\n")
-        if line.strip()
-    ]
-    assert hs.parse_scene(own + "\n".join(lines)).threshold == threshold
     there = threshold.at_proportion("0.84")  # as another fit at that proportion has it
     assert float(there.real) == pytest.approx(hs.jnd(DATA, reference=5, proportion=0.84).fraction.value, rel=1e-3)
 
@@ -421,22 +362,21 @@ def test_the_line_of_a_forced_choice_tells_no_proportion_that_could_be_converted
         ).threshold.at_proportion("0.84")
 
 
-def test_the_command_says_the_same_as_python(file: Callable[..., Path], tmp_path: Path) -> None:
-    path, picture = file(TABLE), tmp_path / "a.svg"
-    done = CliRunner().invoke(app, ["jnd", str(path), "--reference", "5", "--json", "--figure", str(picture)])
+def test_the_command_says_the_same_as_python(file: Callable[..., Path]) -> None:
+    path = file(TABLE)
+    done = CliRunner().invoke(app, ["jnd", str(path), "--reference", "5", "--json"])
     assert done.exit_code == 0
     document = json.loads(done.stdout)
     assert document == hs.jnd(path, reference=5).to_dict()
     assert (document["schema"], document["certified"]) == ("haptisym.jnd/1", False)
-    assert picture.read_text().startswith("<?xml")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.few(1)
+@pytest.mark.parametrize("seed", range(3))
 def test_no_curve_is_likelier_than_the_one_that_is_found(seed: int) -> None:
     """Without guesses and lapses minus the log-likelihood is convex in a and b of Phi(a + b x): it has one bottom."""
     draw = np.random.default_rng(seed)
-    for _ in range(8):
+    for _ in range(4):
         many = int(draw.integers(2, 9))
         levels = np.sort(draw.choice(np.arange(1, 300), many, replace=False)) / 100
         spread = (levels[-1] - levels[0]) * 10 ** draw.uniform(-1.3, 1.2)
@@ -468,3 +408,283 @@ def test_a_flat_curve_beside_close_levels_is_found() -> None:
     found = Likelihood(rows, 0, 0.0).best()
     assert found.curve.sigma == pytest.approx(0.7107969972, rel=1e-9)
     assert found.loss == pytest.approx(44.0902272396582, abs=1e-12)
+
+
+BLOCKS = st.lists(
+    st.tuples(st.integers(-4, 12).map(lambda n: n / 4), st.integers(0, 9), st.integers(0, 9)), min_size=2, max_size=12
+)
+
+
+def blocks(drawn: list[tuple[float, int, int]]) -> list[tuple[float, int, int]]:
+    return [(level, k, k + more) for level, k, more in drawn]
+
+
+# Counting.
+
+
+@given(BLOCKS)
+def test_blocks_of_a_level_are_added_and_a_level_without_answers_is_none(drawn: list[tuple[float, int, int]]) -> None:
+    sums: dict[float, list[int]] = defaultdict(lambda: [0, 0])
+    for level, k, n in blocks(drawn):
+        sums[level][0] += k
+        sums[level][1] += n
+    expected = tuple(Row(x, *sums[x]) for x in sorted(sums) if sums[x][1])
+    assert collected(blocks(drawn)) == expected
+    assert all(x.share == x.count / x.trials for x in expected)
+    assert "2 of 1 answers cannot be" in refusal(collected, [(1.0, 2, 1)])
+    assert "-1 of 1 answers cannot be" in refusal(collected, [(1.0, -1, 1)])
+    assert "is not a finite number" in refusal(collected, [(float("inf"), 1, 1)])
+    assert collected([(1.0, 1, 1), (1.0, 0, 1), (0.0, 0, 0)]) == (Row(1.0, 1, 2),)
+
+
+# The likelihood.
+
+
+def by_mpmath(rows: tuple[Row, ...], mu: Any, spread: Any, guess: Any, lapse: Any) -> Any:
+    total = mp.mpf(0)
+    for x in rows:
+        p = guess + (1 - guess - lapse) * mp.ncdf((mp.mpf(x.level) - mu) / mp.exp(spread))
+        total -= (x.count * mp.log(p) if x.count else 0) + (
+            (x.trials - x.count) * mp.log(1 - p) if x.trials > x.count else 0
+        )
+    return total
+
+
+@given(
+    BLOCKS, st.integers(-8, 8), st.integers(-8, 8), st.sampled_from([0.0, 0.1, 0.5]), st.sampled_from([0.0, 0.02, 0.3])
+)
+def test_the_likelihood_and_its_slopes_are_those_of_many_digits(
+    drawn: list[tuple[float, int, int]], a: int, b: int, guess: float, lapse: float
+) -> None:
+    rows, mu, spread = collected(blocks(drawn)), 1 + a / 3, b / 5
+    if not rows:
+        return
+    with mp.workdps(400):  # of 1 - p, a p next to 1 takes most
+        point = tuple(map(mp.mpf, (mu, spread, lapse)))
+
+        def f(m: Any, s: Any, lapses: Any) -> Any:
+            return by_mpmath(rows, m, s, mp.mpf(guess), lapses)
+
+        loss, (by_mu, by_spread, by_lapse) = Likelihood(rows, guess, None).loss(mu, spread, lapse)
+        assert loss == pytest.approx(float(f(*point)), rel=1e-11, abs=1e-12)
+        exact = [float(mp.diff(f, point, order)) for order in ((1, 0, 0), (0, 1, 0))]
+        assert [-by_mu, -by_spread] == pytest.approx([-x for x in exact], rel=1e-8, abs=1e-9)
+        if lapse:
+            assert by_lapse == pytest.approx(float(mp.diff(f, point, (0, 0, 1))), rel=1e-8, abs=1e-9)
+        curve = Curve(mu, float(mp.exp(spread)), guess, lapse)
+        kept = sum((x.count * mp.log(mp.mpf(x.count) / x.trials) if x.count else 0)
+                   + ((x.trials - x.count) * mp.log(1 - mp.mpf(x.count) / x.trials) if x.trials > x.count else 0) for x in rows)  # fmt: skip
+        assert Likelihood(rows, guess, lapse).deviance(curve) == pytest.approx(
+            float(2 * (kept + f(*point))), rel=1e-9, abs=1e-9
+        )
+        assert float(curve(np.array([0.3]))[0]) == pytest.approx(
+            float(guess + (1 - guess - lapse) * mp.ncdf((mp.mpf("0.3") - mu) / mp.exp(spread))), rel=1e-12
+        )
+    assert [Likelihood(rows, guess, x).free for x in (None, 0.0)] == [3, 2]
+
+
+CHOICES = (
+    Row(0.02, 21, 40),
+    Row(0.06, 23, 40),
+    Row(0.1, 28, 40),
+    Row(0.14, 35, 40),
+    Row(0.18, 36, 40),
+    Row(0.24, 39, 40),
+)
+
+
+def test_counting_the_other_answers_on_levels_the_other_way_round_is_the_mirrored_curve() -> None:
+    """Of levels that are too high mu is as far below them as above those of the mirror; so is what is held."""
+    way = 5.0
+    for counts in ((26, 30, 33, 35), (2, 5, 7, 13)):
+        rows = tuple(Row(1.0 + x, k, 40) for x, k in zip((0.0, 0.2, 0.5, 0.7), counts, strict=True))
+        turned = tuple(Row(way - x.level, x.trials - x.count, x.trials) for x in reversed(rows))
+        one, other = Likelihood(rows, 0.01, 0.02), Likelihood(turned, 0.02, 0.01)
+        best, mirrored = one.best(), other.best()
+        assert best.loss == pytest.approx(mirrored.loss, rel=1e-9)
+        assert [way - mirrored.curve.mu, mirrored.curve.sigma] == pytest.approx(
+            [best.curve.mu, best.curve.sigma], rel=1e-5
+        )
+        assert (
+            (best.steep, best.flat, best.outside) == (mirrored.steep, mirrored.flat, mirrored.outside) == (False,) * 3
+        )
+        for value in (0.6, 1.4, 1.9):
+            held = one.best((1, 0.5, value), best.curve)
+            same = other.best((1, -0.5, way - value), mirrored.curve)
+            assert held.loss == pytest.approx(same.loss, rel=1e-9)
+            assert held.curve.mu + 0.5 * held.curve.sigma == pytest.approx(value, rel=1e-9)
+            assert held.loss >= best.loss - 1e-9
+
+
+def test_the_interval_of_a_forced_choice_ends_where_its_profile_has_fallen_by_half_of_chi_squared() -> None:
+    found = hs.jnd(Answers("choices", CHOICES), alternatives=2, proportion=0.8, lapse=0.02, confidence=0.9)
+    z = NormalDist().inv_cdf((0.8 - 0.5) / 0.5)
+    own = Likelihood(CHOICES, 0.5, 0.02)
+    curve = found.fit.curve
+    best = own.loss(curve.mu, float(np.log(curve.sigma)), 0.02)[0]
+    assert (curve.guess, curve.lapse, found.jnd.value) == (
+        0.5,
+        0.02,
+        pytest.approx(curve.mu + z * curve.sigma, rel=1e-12),
+    )
+    assert found.middle.value == curve.mu
+    for value, weight in ((found.jnd, z), (found.middle, 0.0)):
+        for end in (value.low, value.high):
+            assert end is not None
+            profile = minimize_scalar(
+                lambda t, e=end, w=weight: own.loss(e - w * np.exp(t), t, 0.02)[0],
+                bounds=(-8, 3),
+                method="bounded",
+                options={"xatol": 1e-9},
+            )
+            assert 2 * (profile.fun - best) == pytest.approx(chi2(1).ppf(0.9), abs=1e-5)
+    assert found.to_dict()["curve"] == {"mu": curve.mu, "sigma": curve.sigma, "guess": 0.5, "lapse": 0.02}
+    assert (found.line, found.fraction, found.to_dict()["line"]) == ("", None, None)
+
+
+def test_a_number_without_an_end_has_a_line_without_a_range() -> None:
+    assert Estimate(2.0, None, 3.0).scaled(0.5) == Estimate(1.0, None, 1.5)
+    answers = Answers("few", (Row(1.0, 1, 3), Row(2.0, 2, 3)))
+    for low, high, written in (
+        (None, 9.0, "0.1235"),
+        (2.0, None, "0.1235"),
+        (-2.0, 9.0, "0.1235"),
+        (0.0, 9.0, "0.1235"),
+        (1.00004, 1.98765, "[0.1000, 0.1235, 0.1988]"),
+    ):
+        fit = Fit(Curve(1.5, 1), Estimate(1.5, None, None), Estimate(1.23456, low, high), Deviance(0.0, 0, None, 2))
+        assert Psychometric(answers, Asked(0.75, 2), fit, reference=10).table == {"real": written, "imag": written}
+
+
+def test_a_jnd_of_a_forced_choice_is_above_zero() -> None:
+    rows = tuple(Row(float(x), k, 40) for x, k in zip(range(-8, -2), (20, 22, 28, 33, 38, 40), strict=True))
+    assert "x: the JND would be -" in refusal(hs.jnd, Answers("x", rows), alternatives=2)
+
+
+# What is asked.
+
+
+@pytest.mark.parametrize(
+    ("proportion", "alternatives", "value"),
+    [(None, None, (0, 0.75)), (0.84, None, (0, 0.84)), (None, 2, (1, 0.5)), (None, 4, (1, 0.5)), (0.9, 2, (1, 0.8)), (0.5, 4, (1, 1 / 3)), (0.51, None, (0, 0.51))],
+)  # fmt: skip
+def test_the_jnd_is_a_mu_plus_z_sigma(
+    proportion: float | None, alternatives: int | None, value: tuple[int, float]
+) -> None:
+    asked = Asked.of(proportion, alternatives)
+    assert asked.weights == (value[0], pytest.approx(NormalDist().inv_cdf(value[1]), abs=1e-12))
+    assert asked.chance == (0.5 if alternatives is None else 1 / alternatives)
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ({"proportion": 1.0}, "must lie between chance, 0.5 of a comparison, and 1"), ({"proportion": 0.25, "alternatives": 4}, "chance, 0.25 of 4 alternatives"),
+        ({"alternatives": 1}, "at least 2 alternatives, not 1"), ({"guess": 0.5}, "guess: 0.5 must lie from 0 to below 0.5"), ({"lapse": 0.5}, "lapse: 0.5 must lie"),
+        ({"guess": -0.01}, "guess: -0.01 must"), ({"reference": -1.0}, "reference: -1 must be a level above 0"),
+        ({"reference": float("inf")}, "reference: inf must"), ({"confidence": 0.0}, "confidence: 0 must lie between 0 and 1"), ({"confidence": 1}, "confidence: 1 must"),
+        ({"method": "psignifit", "guess": 0.1}, "psignifit fits guesses and lapses itself"), ({"method": "other"}, 'method: "other": valid are likelihood, psignifit'),
+        ({"alternatives": 2, "guess": 0.1}, "guess: a forced choice has its own"),
+    ],
+)  # fmt: skip
+def test_what_may_be_asked_has_its_limits(keys: dict[str, Any], told: str) -> None:
+    said = refusal(hs.jnd, Answers("x", (Row(1.0, 10, 40), Row(2.0, 30, 40))), **keys)
+    assert told in said
+    assert bool(told) == bool(said)
+
+
+@pytest.mark.parametrize(
+    ("header", "named", "told"),
+    [
+        (["x", "k", "n"], {}, (0, 1, 2, None)), (["x", "k", "n", "response"], {}, (0, 1, 2, None)), (["x", "k", "n", "response"], {"answer": "response"}, (0, None, None, 3)),
+        (["x", "k", "response"], {}, (0, None, None, 2)), (["x", "n", "correct"], {}, (0, 2, 1, None)), (["x", "correct"], {}, (0, None, None, 1)),
+        (["f", "k", "n"], {"level": "f"}, (0, 1, 2, None)), (["x", "y"], {"level": "y"}, "how many answers counted (k) of how many (n), nor one answer a line"),
+        (["f", "k", "n"], {}, "no column holds the levels: there are f, k, n; name it with --level COLUMN"), ([], {}, "there are none"),
+        (["x", "k"], {}, "name it with --count and --trials, or --answer, COLUMN"), (["x", "a.corr", "b.corr"], {}, 'answer: it may be column "a.corr" or "b.corr"'),
+        (["x", "k", "n"], {"level": "X"}, 'level: no column "X": there are x, k, n'), (["levle", "k", "n"], {"level": "level"}, 'did you mean "levle"?'),
+        ([f"c{i}" for i in range(12)], {}, "c10, c11; name"), ([f"c{i}" for i in range(13)], {}, "c10, c11, ...; name"),
+        (["q" * 50, "", "k"], {}, f"there are {'q' * 40}, k;"),
+    ],
+)  # fmt: skip
+def test_columns_are_found_by_their_names_or_it_is_said_which_there_are(
+    header: list[str], named: dict[str, str], told: Any
+) -> None:
+    if isinstance(told, str):
+        assert told in refusal(find_columns, header, named)
+        return
+    found = find_columns(header, named)
+    assert (found.level, found.count, found.trials, found.answer) == told
+    assert found.used == tuple(x for x in told if x is not None)
+
+
+def read(path: Path, text: str, **keys: Any) -> Any:
+    path.write_text(text, encoding="utf-8")
+    try:
+        return read_answers(path, keys.get("named", {}), keys.get("where", {}))
+    except hs.SceneError as error:
+        return str(error)
+
+
+def test_lines_of_a_table_are_counted_left_out_and_chosen_as_they_say(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    pair = "1,1,2\n2,3,4\n"
+    for text, rows in (
+        ("x,k,n\n" + pair, [(1, 1, 2), (2, 3, 4)]), ("x;k;n\n1,5;1;2\n2;3;4\n", [(1.5, 1, 2), (2, 3, 4)]), ("x\tk\tn\n1,5\t1\t2\n2\t3\t4\n", [(1.5, 1, 2), (2, 3, 4)]),
+        ("x,k,n,note\n1,1,2\n2,3,4,late\n", [(1, 1, 2), (2, 3, 4)]), ("x,k,n\n1,1,2\n1,1,2\n\n2,3.0,4e0\n", [(1, 2, 4), (2, 3, 4)]),
+        ("x,response\n1,yes\n1, NO \n2,True\n2,0.0\n2,1\n", [(1, 1, 2), (2, 2, 3)]), ("x,k,n\n1,1,2\n2,3,4\n ,5,6\n", [(1, 1, 2), (2, 3, 4)]),
+        ("\n\nx,k,n\n" + pair, [(1, 1, 2), (2, 3, 4)]), ('x,k,n\n"1",1,2\n2,3,4\n', [(1, 1, 2), (2, 3, 4)]),
+        ('[[1, 1, 2], [2, 3, 4.0]]', [(1, 1, 2), (2, 3, 4)]), ('{"data": [[1, 1, 2], [2, 3, 4]]}', [(1, 1, 2), (2, 3, 4)]),
+    ):  # fmt: skip
+        assert [(x.level, x.count, x.trials) for x in read(path, text).rows] == rows, text
+    assert read(path, "x,k,n\n" + pair + "3,,5\n").notes == ("1 line without a level or an answer left out",)
+    assert read(path, "x,k,n\n" + pair + ",,\n").notes == ()
+    assert read(path, "x,k,n\n" + pair + "3,1\n4\n\n,\n").notes == ("2 lines without a level or an answer left out",)
+    for told in TOLD:
+        text = f"{told},x,k,n\n" + "".join(f"{who},{row}\n" for who in ("a", "b", "a") for row in pair.split())
+        assert read(path, text).notes == (f"2 values of {told} put together; choose with --where {told}=...",)
+        assert read(path, text, where={told: "b"}).notes == ()
+        assert [x.trials for x in read(path, text, where={told: "a"}).rows] == [4, 8]
+    text = "hand,who,x,k,n\nl,a,1,1,2\nl,a,2,3,4\nr,a,1,0,2\nr,b,2,1,4\n"
+    assert [x.count for x in read(path, text, where={"hand": "l", "who": "a"}).rows] == [1, 3]
+    for bad, words in (
+        (("x,k,n\n" + pair, {"where": {"x": "7"}}), "a.csv: no line has x = 7"), ((text, {"where": {"hand": "r", "who": "c"}}), "no line has hand = r and who = c"),
+        (("x,k,n\n1,3,2\n2,1,2\n", {}), "line 2: k = 3 is more than n = 2"), (("x,k,n\n1,1,2\n2,1,1.5\n", {}), 'line 3: n: "1.5" is no count of answers'),
+        (("x,k,n\n1,-1,2\n2,1,2\n", {}), 'k: "-1" is no count'), (("x,k,n\n1,1,1e13\n2,1,2\n", {}), 'n: "1e13" is no count'),
+        (("x,response\n1,\n,1\n", {}), "no line has both a level and an answer"), (("x,response\n1,maybe\n2,1\n", {}), 'line 2: answer: "maybe" must be 1 or 0'),
+        (("1,2,3\n4,5,6\n", {}), "the first line holds numbers: it must name the columns"), (("x,k,n\n1;5,1,2\n2,1,2\n", {}), 'level: "1;5" is not a number'),
+        (("x,k,n\n1e999,1,2\n2,1,2\n", {}), 'level: "1e999" is not a finite number'), (('{"data": [[1, 1, 2]]}', {"named": {"level": "x"}}), "a document of JSON, which has no columns"),
+        (('{"data": [[1, 1, 2]]}', {"where": {"x": "1"}}), "which has no columns"), (('{"data": [[1, 1]]}', {}), "no result of psignifit 4"), (('{"dat": []}', {}), "no result of psignifit"),
+        (('{"data": [[1, true, 2], [2, 1, 2]]}', {}), "must be three numbers, level, k and n"), (('[[1, 0.5, 2], [2, 1, 2]]', {}), "k and n must be whole numbers, and k at most n"),
+        (('[[1, -1, 2], [2, 1, 2]]', {}), "k and n must be whole"), (('[[1, 1, 2.5], [2, 1, 2]]', {}), "k and n must be whole"), (('[[NaN, 1, 2], [2, 1, 2]]', {}), "must be three numbers"),
+    ):  # fmt: skip
+        assert words in read(path, bad[0], **bad[1]), bad
+
+
+def test_what_psignifit_was_told_and_found_is_kept_where_it_is_a_forced_choice_of_a_gaussian(tmp_path: Path) -> None:
+    data = [[1, 1, 4], [2, 3, 4]]
+    told, map_ = (
+        {"experiment_type": "nAFC", "experiment_choices": 3, "sigmoid": "norm"},
+        {"threshold": 1.5, "width": 0.25},
+    )
+    words = "psignifit found threshold 1.5 and width 0.25"
+    for settings, found, alternatives, earlier in (
+        (told, map_, 3, words), (told | {"experiment_type": "yes/no"}, map_, None, words), (told | {"experiment_choices": 1}, map_, None, words),
+        (told | {"experiment_choices": "3"}, map_, None, words), (told | {"sigmoid": "logistic"}, map_, 3, ""), (told, {"threshold": 1.5}, 3, ""),
+        (told, {"threshold": 1.5, "width": float("inf")}, 3, ""), (told, None, 3, ""), (None, map_, None, ""),
+    ):  # fmt: skip
+        read_ = read(
+            tmp_path / "p.json", json.dumps({"data": data, "configuration": settings, "parameter_estimate_MAP": found})
+        )
+        assert (read_.alternatives, read_.earlier, read_.name) == (alternatives, earlier, "p.json")
+
+
+def test_published_thresholds_are_listed_as_their_table_says_and_those_of_other_things_are_refused() -> None:
+    told = hs.published().to_dict()
+    assert len(told["thresholds"]) == len(hs.published()) > 9
+    for row, x in zip(told["thresholds"], hs.published(), strict=True):
+        assert (row["name"], row["fraction"], row["usable"]) == (x.name, [float(x.low), float(x.high)], not x.apart)
+        assert x.low <= x.high
+        if x.apart:
+            assert x.apart in refusal(hs.Threshold.like, x.name)
+        else:
+            assert hs.Threshold.like(x.name).real_interval == (x.low, x.high) or x.low == x.high

@@ -1,0 +1,321 @@
+"""What holds of every figure that the package writes, and the files: readable words, real signs, no text on another, the same bytes again."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from drawn import overlaps, texts
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.text import Annotation
+
+import haptisym as hs
+from haptisym.figures import pen
+from haptisym.figures.effects import influences_figure
+from haptisym.figures.family import family_figure, save_family_figures
+from haptisym.figures.files import draw_figure, save_figures
+from haptisym.figures.jnd import jnd_figure
+from haptisym.figures.kinds import checked_report
+from haptisym.figures.measured import measured_figure
+from haptisym.figures.metrics import metrics_figure
+from haptisym.figures.ratios import draw_ratios
+from haptisym.figures.regions import family_regions_figure
+from haptisym.figures.require import requirement_figure
+from haptisym.figures.sensitivity import elasticities_figure
+from haptisym.figures.sheet import one_column, save, save_all, save_as, stacked
+from haptisym.figures.stability import stability_figure
+from haptisym.figures.sweep import swept_figure
+from haptisym.figures.tolerances import tolerances_figure
+from haptisym.figures.wishes import map_figure
+from haptisym.verbs.jnd.answers import Answers, Row
+from haptisym.verbs.sweep.swept import Swept
+
+SHEETS = ["ratios", "nyquist", "projections-real", "projections-imag", "jnd-square"]
+HEAVY = hs.Hand("heavy", m="600 kg", b="5 kN*s/m", k="20 kN/m")
+
+
+@cache
+def paper() -> hs.Evaluation:
+    return hs.evaluate("fu2019")
+
+
+def sheets(scene: str, *names: str, **more: Any) -> list[Figure]:
+    e = hs.evaluate(hs.load_scene(scene).with_values(more) if more else scene)
+    return [draw_figure(e, name) for name in names or SHEETS]
+
+
+def swept(**values: Any) -> list[Figure]:
+    scene = hs.load_scene("fu2019")
+    return [swept_figure(Swept(scene, hs.sweep(scene, values)))]
+
+
+def answered(alternatives: int | None) -> list[Figure]:
+    base = 20 if alternatives else 3
+    rows = tuple(Row(4.4 + 0.3 * i, base + (i * (30 - base)) // 5, 40) for i in range(6))
+    return [jnd_figure(hs.jnd(Answers("answers", rows), alternatives=alternatives))]
+
+
+def loose() -> hs.Scene:
+    """Two parameters that vary, whose box is searched in a moment."""
+    spring = hs.environments.mass_spring_damper(k="100 N/m +- 10 %")
+    return hs.Scene(spring, (hs.effects.first_order_lag("40 rad/s +- 10 %"),))
+
+
+def measured() -> hs.MeasuredEvaluation:
+    exact = hs.sampled("fu2019", np.linspace(1, 15, 15))
+    felt = hs.measured(exact.omega, exact.H * 1.02, radius=[4.0] * 15)
+    return hs.evaluate(hs.MeasuredScene(hs.load_scene("fu2019").environment, felt))
+
+
+FIGURES: dict[str, Callable[[], list[Figure]]] = {
+    "evaluation": lambda: [draw_figure(paper(), name) for name in SHEETS],
+    "in Hz": lambda: sheets("steering-wheel"),
+    "resonance": lambda: sheets("two-mass-resonance"),
+    "thresholds": lambda: sheets("two-mass-resonance", "bandwidths", c=["0.02", "0.1", "0.4"]),
+    "family": lambda: [family_figure(hs.evaluate_all(hs.load_scenes("palpation-device")))],
+    "family, regions": lambda: [family_regions_figure(hs.evaluate_all(hs.load_scenes("palpation-device"), regions=True))],
+    "jnd": lambda: answered(None),
+    "forced choice": lambda: answered(2),
+    "requirement": lambda: [requirement_figure(hs.require("fu2019", "omega_n"))],
+    "requirement on a JND": lambda: [requirement_figure(hs.require("fu2019", "evaluation.jnd"))],
+    "requirement, in vain": lambda: [requirement_figure(hs.require("fu2019", "omega_n", (5, 20)))],
+    "map": lambda: [map_figure(hs.design_map("fu2019", ["omega_n", "zeta"], [(60, 200), ("0.1", 1)], slices=5))],
+    "map, in vain": lambda: [map_figure(hs.design_map("fu2019", ["omega_n", "zeta"], [(10, 20), ("0.1", 1)], slices=5))],
+    "sweep": lambda: swept(m=np.linspace(0.5, 5, 30)),
+    "sweep in the plane": lambda: swept(omega_n=np.linspace(20, 200, 12), m=np.linspace(0.5, 5, 12)),
+    "sensitivity": lambda: [elasticities_figure(hs.sensitivity("two-mass-resonance"))],
+    "tolerances": lambda: [tolerances_figure(hs.tolerances(loose(), samples=20))],
+    "effects": lambda: [influences_figure(hs.relevance("sidestick"))],
+    "metrics": lambda: [metrics_figure(hs.metrics("fu2019"))],
+    "measured": lambda: [measured_figure(measured())],
+}  # fmt: skip
+
+
+@pytest.mark.few("requirement", "tolerances")
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_is_one_readable_size_with_words_and_signs_of_print_and_no_text_on_another(name: str) -> None:
+    for figure in FIGURES[name]():
+        figure.draw_without_rendering()
+        assert overlaps(figure) == []
+        assert pen.WIDTH - 1e-9 <= figure.get_figwidth() <= 1.5 * pen.WIDTH
+        for text in texts(figure):
+            said = text.get_text()
+            assert text.get_fontsize() >= 6, said
+            assert not re.search(r"\b(effects|environments?|evaluation|rendered)\.|\w_\w+\.\w", said), "a path"
+            assert not re.search(r"(?<!\w)-\d|\d\^|\de[-+]?\d|\bus\b", re.sub(r"\$[^$]*\$", "", said)), said
+        for ax in figure.axes:
+            entries = [x.get_text() for x in ax.get_legend().get_texts()] if ax.get_legend() else []
+            assert len(entries) == len(set(entries))
+            labels = {str(x.get_label()) for x in (*ax.lines, *ax.patches, *ax.collections)}
+            own = {x for x in labels if x and not x.startswith("_")} - {
+                "tolerance"
+            }  # that is named where its line ends
+            assert own <= set(entries), own - set(entries)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", hs.scene_names())
+def test_no_text_lies_on_another_in_any_shipped_scene(name: str) -> None:
+    e = hs.evaluate(name)
+    drawings: list[Callable[[], Figure]] = [
+        *(lambda own=own: draw_figure(e, own) for own in SHEETS),  # type: ignore[misc]
+        lambda: elasticities_figure(hs.sensitivity(name)), lambda: influences_figure(hs.relevance(name)),
+        lambda: metrics_figure(hs.metrics(name)),
+    ]  # fmt: skip
+    for draw in drawings:
+        try:
+            figure = draw()
+        except hs.SceneError:  # nothing to draw
+            continue
+        figure.draw_without_rendering()
+        assert overlaps(figure) == []
+
+
+@pytest.mark.slow
+def test_where_a_peak_is_cut_is_told_with_an_exponent_of_print() -> None:
+    """It was 5·10⁸ at 1e+12."""
+    spring = hs.environments.mass_spring_damper(m="1e-12 kg", k="1e12 N/m")
+    ringing = hs.Scene(spring, (hs.effects.second_order_lowpass("1e12 rad/s", "1e-9"),), (0, "1e13 rad/s"))
+    e = hs.evaluate(ringing)
+    for name in SHEETS:
+        figure = draw_figure(e, name)
+        figure.draw_without_rendering()
+        assert not [x.get_text() for x in texts(figure) if re.search(r"\de[+-]?\d", x.get_text())]
+
+
+@pytest.mark.slow
+def test_environments_of_long_names_leave_room_for_what_is_drawn() -> None:
+    """A name of thirty letters took the axes' whole width; matplotlib warned, which is an error here."""
+    names = (
+        "soft",
+        "hard with a long name, indeed",
+        "of so many words that no figure of one column has the room for them all",
+    )
+    found = hs.evaluate_all(hs.SceneFamily(dict.fromkeys(names, hs.load_scene("fu2019"))), regions=True)
+    for figure in (family_figure(found), family_regions_figure(found)):
+        figure.draw_without_rendering()
+        assert overlaps(figure) == []
+        assert all(ax.get_window_extent().width > 0.4 * figure.bbox.width for ax in figure.axes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["fu2019", "delayed-spring"])
+def test_names_of_hands_stand_free(name: str) -> None:
+    """At fu2019 one lay on the line of the root at 0; behind a delay two left the axes or met the number."""
+    figure = stability_figure(hs.stability(name, "postural-arm"))
+    figure.draw_without_rendering()
+    [ax] = figure.axes
+    boxes = [x.get_window_extent() for x in ax.texts if isinstance(x, Annotation)]
+    assert len(boxes) >= 6
+    at_0, edge = float(ax.transData.transform((-100.0, 0.0))[0]), ax.get_window_extent()  # both have 100 N/m
+    for i, box in enumerate(boxes):
+        assert edge.x0 < box.x0
+        assert box.x1 < edge.x1
+        if box.height < 12 * figure.dpi / 72 and box.width > 3 * box.height:  # a name, no number
+            assert not box.x0 < at_0 < box.x1
+        others = [x for x in boxes[:i] if box.overlaps(x)]
+        assert all(box.intersection(box, x).height <= 0.3 * box.height for x in others)
+
+
+@pytest.mark.slow
+def test_hands_whose_marks_cover_each_other_have_one_name() -> None:
+    """Beside a hand of 20 kN/m all published ones lie in one mark; their names lay on each other."""
+    [ax] = stability_figure(hs.stability("satellite-contact", HEAVY)).axes
+    names = [x.get_text() for x in ax.texts if isinstance(x, Annotation) and not x.get_text().isdigit()]
+    assert sorted(names) == [f"{len(hs.hands)} published hands", "heavy"]
+
+
+# Sheets.
+
+
+def legended(count: int) -> Callable[[Axes], None]:
+    """A drawing with a legend of so many rows above it."""
+
+    def draw(ax: Axes) -> None:
+        ax.plot([0, 1], [0, 1])
+        handles = [Line2D([], [], label=f"entry {n}") for n in range(count)]
+        ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0, borderpad=0)
+
+    return draw
+
+
+def test_a_legend_has_room_above_a_drawing_that_keeps_its_height() -> None:
+    few, many = one_column(2.2, legended(1)), one_column(2.2, legended(4))
+    assert few.get_figwidth() == many.get_figwidth() == pytest.approx(pen.WIDTH)
+    heights = [ax.get_window_extent().height / figure.dpi for figure in (few, many) for ax in figure.axes]
+    assert heights[0] == pytest.approx(heights[1], abs=0.02)
+    assert all(x.axes[0].get_legend().get_window_extent().y1 <= x.bbox.y1 + 1 for x in (few, many))
+
+
+def test_a_drawing_at_equal_scales_is_as_high_as_it_needs() -> None:
+    def equal(ax: Axes) -> None:
+        ax.set(xlim=(0, 4), ylim=(0, 2))
+        ax.set_aspect("equal", adjustable="box")
+
+    figure = one_column(2.6, equal)
+    box = figure.axes[0].get_window_extent()
+    assert box.width / box.height == pytest.approx(2, rel=0.02)
+    assert figure.get_figheight() < 2.6
+
+
+def test_drawings_above_each_other_share_their_frequencies_whose_numbers_stand_below_the_last() -> None:
+    figure = stacked(3.0, (1, legended(1)), (2, legended(1)))
+    first, last = figure.axes
+    first.set_xlim(3, 5)
+    assert last.get_xlim() == (3, 5)
+    assert not first.xaxis.get_tick_params()["labelbottom"]
+    assert last.get_position().height == pytest.approx(2 * first.get_position().height, rel=0.01)
+
+
+# Files.
+
+
+def test_figures_are_written_in_all_kinds_into_a_folder_that_is_made(tmp_path: Path) -> None:
+    folder = tmp_path / "not" / "there"
+    figures = {name: Figure(figsize=(0.5, 0.25)) for name in ("one", "two.b")}
+    paths = save_all(figures, folder, (".svg", ".png"))
+    assert [x.relative_to(folder).as_posix() for x in paths] == ["one.svg", "one.png", "two.b.svg", "two.b.png"]
+    data = paths[1].read_bytes()
+    assert data[:4] == b"\x89PNG"
+    assert (int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")) == (200, 100)  # 400 per inch
+    assert [x.name for x in save(folder / "a.b", Figure(figsize=(0.5, 0.5)))] == ["a.b.svg", "a.b.pdf", "a.b.png"]
+
+
+def test_an_ending_is_read_in_any_case_and_another_one_is_told(tmp_path: Path) -> None:
+    assert save_as(Figure(figsize=(0.1, 0.1)), tmp_path / "loud.PNG").exists()
+    with pytest.raises(hs.SceneError, match=r'"x\.jpeg" must end in \.svg, \.pdf or \.png'):
+        save_as(Figure(), tmp_path / "x.jpeg")
+    with pytest.raises(hs.SceneError, match=r'"x\.txt" must end in \.html or \.pdf'):
+        checked_report("x.txt")
+
+
+@pytest.mark.slow
+def test_figures_of_an_evaluation_are_one_column_wide_without_a_date_and_the_same_bytes_again(tmp_path: Path) -> None:
+    before = dict(mpl.rcParams)
+    first, again = (save_figures(paper(), tmp_path / name) for name in ("first", "again"))
+    assert dict(mpl.rcParams) == before
+    assert [x.name for x in first] == [f"{name}.{kind}" for name in SHEETS for kind in ("svg", "pdf", "png")]
+    for one, two in zip(first, again, strict=True):
+        data = one.read_bytes()
+        assert data == two.read_bytes(), one.name
+        assert not re.search(rb"CreationDate|<dc:date>|/Type3", data)
+        if one.suffix == ".svg":
+            assert re.search(rb'<svg [^>]*width="244\.8pt"', data)
+        elif one.suffix == ".pdf":
+            assert re.search(rb"/MediaBox \[ 0 0 244\.8 ", data)
+        else:
+            assert int.from_bytes(data[16:20], "big") == 3.4 * 400
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("regions", [False, True])
+def test_a_family_saves_its_worst_case_and_its_regions_where_they_were_asked_for(
+    tmp_path: Path, *, regions: bool
+) -> None:
+    found = hs.evaluate_all(hs.load_scenes("fu2019", ["fu2019"]), regions=regions)
+    names = ["worst-case", *(["regions"] if regions else [])]
+    assert sorted({x.stem for x in save_family_figures(found, tmp_path)}) == sorted(names)
+
+
+def test_the_square_drawn_is_of_the_middle_of_the_first_percept() -> None:
+    [ax] = draw_figure(paper(), "jnd-square").axes
+    middle = (float(paper().percepts[0].band.low.omega) + float(paper().percepts[0].band.high.omega)) / 2
+    assert float(re.findall(r"= ([\d.]+) rad/s", ax.get_title())[0]) == pytest.approx(middle, rel=1e-3)
+
+
+def test_drawing_touches_only_the_axes_given() -> None:
+    before, figure = dict(mpl.rcParams), Figure()
+    first, second = figure.subplots(1, 2)
+    draw_ratios(first, paper())
+    assert dict(mpl.rcParams) == before
+    assert figure.axes == [first, second]
+    assert [*second.lines, *second.patches, *second.texts, *figure.texts, *figure.legends] == []
+
+
+@pytest.mark.slow
+def test_drawing_needs_no_pyplot_and_new_axes_are_those_of_pyplot() -> None:
+    script = """
+import sys, matplotlib
+matplotlib.use("agg")
+import haptisym as hs
+from matplotlib.figure import Figure
+from haptisym.figures.ratios import draw_ratios
+e, before = hs.evaluate("fu2019"), dict(matplotlib.rcParams)
+draw_ratios(Figure().add_subplot(), e)
+assert "matplotlib.pyplot" not in sys.modules
+ax = e.plot()
+from matplotlib import pyplot
+assert pyplot.gcf() is ax.figure and pyplot.get_fignums() == [1]
+assert dict(matplotlib.rcParams) == before
+"""
+    subprocess.run([sys.executable, "-W", "error", "-c", script], check=True)

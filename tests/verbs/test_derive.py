@@ -1,0 +1,470 @@
+"""``derive``: formulas against the certified numbers and the physics; leading terms for fast devices; dimensionless groups."""
+
+from __future__ import annotations
+
+import json
+import re
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator
+from functools import cache
+from math import factorial, prod
+from pathlib import Path
+from typing import Annotated, Any
+
+import mpmath
+import numpy as np
+import pytest
+from jnds import picked
+from marks import QUICK_SCENES, often
+from pdflatex import check_layout, compiled
+from refusals import refusal
+from regions import margin
+from strategies import Seeded
+from sympy import Rational, Symbol, cosh, exp, lambdify, sinh, sqrt, symbols
+
+import haptisym as hs
+from haptisym.commands.spelling import spelt
+from haptisym.kernel.lattices import Lattice, Piece
+from haptisym.kernel.symbols import X, omega, s
+from haptisym.model.catalogue import EFFECTS, Slot, effect
+from haptisym.model.jnd import Part
+from haptisym.model.jndtables import read_threshold
+from haptisym.model.quantities import Dimension
+from haptisym.verbs.derive.asymptotics import expansion
+from haptisym.verbs.derive.derivation import QUANTITIES, bare, listed_name
+from haptisym.verbs.derive.groups import groups
+from haptisym.writing.plain import plain
+
+PAPER = hs.load_scene("fu2019")
+SPRING = hs.environments.mass_spring_damper(k=100)
+M, B, K, OMEGA_N, ZETA = symbols("m b k omega_n zeta", positive=True)
+
+
+@cache
+def paper() -> hs.Derivation:
+    return hs.derive(PAPER)
+
+
+# --- formulas --------------------------------------------------------------------------------------------------------
+
+SHORT = ["fu2019", "delayed-spring", "undamped-resonance", "zener-tissue", "stick-with-friction"]
+
+
+@pytest.mark.parametrize("name", often(SHORT, {"fu2019", "delayed-spring"}.__contains__))
+def test_every_quantity_in_symbols_has_the_numeric_scenes_value(name: str) -> None:
+    scene = hs.load_scene(name)
+    symbolic, numeric = hs.derive(scene), hs.derive(scene, keep=())
+    values = {p.symbol: p.value for p in scene.parameters} | {omega: Rational(37, 7), s: Rational(5, 3)}
+    values |= {symbolic.threshold(Part.REAL): scene.threshold.real}
+    for quantity in QUANTITIES:
+        left, right = (x[quantity].xreplace(values).evalf(40) for x in (symbolic, numeric))
+        if quantity in ("p_r", "p_i"):  # their scale is free
+            assert (left > 0) == (right > 0)
+        elif quantity.startswith("F_"):
+            assert abs((left - right).expand().coeff(X).evalf(20)) < 1e-12
+        else:
+            assert abs(left - right) < 10**-30 * (1 + abs(right)), quantity
+
+
+def test_the_sign_of_a_threshold_polynomial_is_that_of_ratio_minus_threshold() -> None:
+    """Of the paper by its ratios; of a lag r_r = w^2/(w^2 + 400) and r_i = 20 w/(w^2 + 400) by hand."""
+    d = hs.derive(PAPER, keep=())
+    for w in (5, 7, 9, 11, 13, 15):
+        for part, ratio in (("p_r", "r_r"), ("p_i", "r_i")):
+            inside = d[ratio].xreplace({omega: Rational(w)}).evalf(30) - Rational(1, 10)
+            assert (d[part].xreplace({omega: Rational(w)}) > 0) == (inside > 0)
+    lag = hs.derive(hs.Scene(SPRING, (hs.effects.first_order_lag(20),), (0, 15), "0.2"), keep=())
+    low, high = (20 * (5 / 2 + sign * (21 / 4) ** 0.5) for sign in (-1, 1))
+    known = [
+        ("p_r", 0, -1),
+        ("p_r", 9, -1),
+        ("p_r", 10, 0),
+        ("p_r", 11, 1),
+        ("p_r", 400, 1),
+        ("p_i", 1, -1),
+        ("p_i", 50, 1),
+    ]
+    known += [
+        ("p_i", w + step, sign * turn) for w, turn in ((low, 1), (high, -1)) for step, sign in ((-0.01, -1), (0.01, 1))
+    ]
+    for name, w, expected in known:
+        value = float(lag[name].xreplace({omega: Rational(str(w))}))
+        assert (value > 0) - (value < 0) == expected, (name, w)
+
+
+@pytest.mark.parametrize("parameter", ["m", "b", "k", "omega_n", "zeta"])
+def test_a_sensitivity_is_the_slope_of_the_certified_crossing(parameter: str) -> None:
+    d = paper()
+    symbol = next(p for p in d.scene.parameters if p.symbol.name == parameter)
+    values, step = {p.symbol: p.value for p in d.scene.parameters}, Rational(1, 10**12)
+    up, down, here = (d.at(**{parameter: symbol.value * (1 + n * step)}).crossings for n in (1, -1, 0))
+    for i, part in enumerate(Part):
+        slope = (Rational(up[i].omega.digits(60)) - Rational(down[i].omega.digits(60))) / (2 * step * symbol.value)
+        known = {**values, omega: Rational(here[i].omega.digits(60)), d.threshold(part): Rational(1, 10)}
+        assert d.sensitivity(part, symbol.symbol).xreplace(known).evalf(30) == pytest.approx(float(slope), rel=1e-12)
+
+
+def test_formulas_hold_where_their_conditions_say_so() -> None:
+    d = paper()
+    low, high = d.changeovers("perc")
+    assert all(x.conditions for x in (low, high))
+    values = {p.symbol: p.value for p in d.scene.parameters}
+    wide = hs.evaluate(d.scene.with_band(0, 200))
+    assert sorted(float(x.omega.xreplace(values)) for x in (low, high)) == pytest.approx(
+        [float(p.omega) for p in wide.changeovers_perceived], rel=1e-14
+    )
+    assert [x.omega for x in d.changeovers("env")] == [sqrt(hs.symbols("k")) / sqrt(hs.symbols("m"))]
+
+
+def test_other_values_are_answered_with_certainty() -> None:
+    result = paper().at(omega_n="40 Hz", c=0.2)
+    env = hs.environments.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
+    expected = hs.evaluate(hs.Scene(env, (hs.effects.second_order_lowpass("40 Hz", 0.5),), (0, 15), 0.2))
+    assert [c.omega.digits(30) for c in result.crossings] == [c.omega.digits(30) for c in expected.crossings]
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [({"m": -1}, r'm: "-1" must be >= 0'), ({"q": 1}, 'no parameter "q"'), ({"omega_n": "3 kg"}, "is not a frequency")],
+)
+def test_a_wrong_value_is_an_error_that_names_it(values: dict[str, Any], words: str) -> None:
+    with pytest.raises(hs.SceneError, match=words):
+        paper().at(**values)
+
+
+def chained(scene: hs.Scene, at: Any) -> Any:
+    """H_perc - H_env, one chain matrix after the other."""
+    H = found = lambdify(s, scene.environment.H, "mpmath")(at)
+    for x in scene.effects:
+        a, b, c, d = (lambdify(s, entry, "mpmath")(at) for entry in x.matrix)
+        found = (a * found + b) / (c * found + d)
+    return found - H
+
+
+@pytest.mark.few("7")
+@pytest.mark.parametrize("seed", [1, 3, 5, 7, 10])
+def test_what_is_judged_is_told_by_its_pieces_and_each_piece_by_its_factors(seed: int) -> None:
+    """The largest of the smallest is positive where the JND is exceeded; the product of all factors changes its sign as a piece does."""
+    felt, places = hs.environments.mass_spring_damper("0.5", 3, 40), [0.3, 1.1, 2.3, 3.7, 5.2, 7.1, 8.3, 11.9, 14.6]
+    jnd = picked(Seeded(seed))
+    between = hs.effects.first_order_lag(9) if seed % 2 else hs.effects.delay("200 ms")
+    scene = hs.Scene(felt, (between,), (0, 15), read_threshold(jnd))
+    d = hs.derive(scene, keep=())
+    signs: dict[Any, list[int]] = {}
+    lattices = {own: own.function(d.distortion) for own in d.criteria}
+    for name, function in lattices.items():
+        for key in function.pieces(name) if isinstance(function, Lattice) else (name,):
+            at = lambdify(omega, (d.piece(key) if isinstance(key, Piece) else d.excess(key)).factored(), "math")
+            signs[key] = [1 if at(w) > 0 else -1 for w in places]
+            factors = [(lambdify(omega, x.ring.expression(x.F), "math"), n) for x, n in d.factors(key)]
+            product = [prod(f(w) ** n for f, n in factors) for w in places]
+            assert len({x * y > 0 for x, y in zip(signs[key], product, strict=True)}) == 1, (jnd, key)
+    for i, w in enumerate(places):
+        now = {key: row[i] for key, row in signs.items()}
+        H, dH = complex(lambdify(s, felt.H)(1j * w)), complex(chained(scene, 1j * w))
+        noticed = max(
+            x.sign(name, now.__getitem__) if isinstance(x, Lattice) else now[name] for name, x in lattices.items()
+        )
+        assert (noticed > 0) is (margin(jnd, H, H + dH, w) > 0), (jnd, w)
+
+
+# --- leading terms for fast devices ----------------------------------------------------------------------------------
+
+
+def test_leading_terms_are_those_of_the_series_known_by_hand() -> None:
+    """A fast filter adds its damping and takes inertia in proportion; of a delay each order is that of the exponential series."""
+    found = expansion(PAPER)
+    assert found.part(Part.REAL) == 2 * B * omega**2 * ZETA / OMEGA_N
+    assert (found.part(Part.IMAG) - 2 * ZETA * omega * (M * omega**2 - K) / OMEGA_N).expand() == 0
+    x = omega * symbols("tau", positive=True)
+    late = expansion(hs.Scene(SPRING, (hs.effects.delay("5 ms"),)), order=5)
+    assert late.part(Part.REAL).expand() == -K * x**2 / 2 + K * x**4 / 24
+    assert late.part(Part.IMAG).expand() == (-K * x + K * x**3 / 6 - K * x**5 / 120).expand()
+
+
+DEVICES: dict[str, Any] = {
+    "a lag": lambda x: hs.effects.first_order_lag(f"{20 / x} rad/s"),
+    "a low-pass": lambda x: hs.effects.second_order_lowpass(f"{50 / x} rad/s", "0.7"),
+    "a delay": lambda x: hs.effects.delay(f"{Rational(1, 30) * x} s"),
+    "a hold": lambda x: hs.effects.zero_order_hold(f"{Rational(1, 40) * x} s"),
+    "a Pade delay": lambda x: hs.effects.pade_delay(f"{Rational(1, 20) * x} s", 2),
+    "wave variables": lambda x: hs.effects.wave_variables(12, f"{Rational(1, 50) * x} s"),
+    "four channels": lambda x: hs.effects.four_channel_teleoperator(1, 2, 30, 2, 40, 50, f"{Rational(1, 60) * x} s"),
+}
+COUPLED: dict[str, tuple[list[hs.Effect], list[str]]] = {
+    **{name: ([], [name]) for name in DEVICES},
+    "two behind a damper": ([hs.effects.shunt(b=2)], ["a lag", "wave variables"]),
+    "one behind a cable": ([hs.effects.compliance(900, 3)], ["a hold"]),
+}
+
+
+@pytest.mark.few("a lag-1", "a delay-3", "a hold-0", "wave variables-1", "one behind a cable-1")
+@pytest.mark.parametrize("order", [0, 1, 3])
+@pytest.mark.parametrize("name", COUPLED)
+def test_what_leading_terms_leave_falls_with_the_next_power_of_how_fast_devices_are(name: str, order: int) -> None:
+    """With time constants a thousandth and a two-thousandth it is smaller by 2 to that power."""
+    between, devices = COUPLED[name]
+    env = hs.environments.mass_spring_damper(2, 15, 100)
+    made = [hs.Scene(env, (*between, *(DEVICES[x](Rational(1, k)) for x in devices))) for k in (1, 1000, 2000)]
+    found = expansion(made[0], order)
+    assert len(found.terms) == order + 1
+    with mpmath.workdps(60):
+        at, left, sums = mpmath.mpc(0, 3), [], []
+        for scene in made[1:]:
+            values = {p.symbol: p.value for p in scene.parameters}
+            sums.append(sum(lambdify(s, x.expression().xreplace(values), "mpmath")(at) for x in found.terms))
+            left.append(abs(chained(scene, at) - sums[-1]))
+        assert left[0] < mpmath.mpf(10) ** (-3 * (order + 1) + 4)
+        assert left[1] == 0 or abs(left[0] / left[1] / 2 ** (order + 1) - 1) < 0.02
+        parts = [lambdify(omega, found.part(x).xreplace(values), "mpmath")(mpmath.mpf(3)) for x in Part]
+        assert abs(mpmath.mpc(*parts) - sums[-1]) < 1e-40
+
+
+@pytest.mark.few("fu2019", "delayed-spring", "undamped-resonance")
+@pytest.mark.parametrize(
+    "name", [x for x in hs.scene_names() if x not in ("admittance-display", "control-stick-in-detail")]
+)
+def test_no_frequency_of_the_band_has_a_larger_error_than_the_bound_and_one_has_it(name: str) -> None:
+    scene = hs.load_scene(name)
+    found = expansion(scene)
+    values = {p.symbol: p.value for p in scene.parameters}
+    low, high = (float(x) for x in scene.band)
+    grid = np.append(np.linspace(low, high, 4001)[1:-1] + 1e-7 * high, high)  # beside the undamped resonance
+    exact = scene.distortion().compile()(grid)
+    modulus = np.hypot(exact.environment_real, exact.environment_imag)
+    for part, own in ((Part.REAL, exact.real), (Part.IMAG, exact.imag)):
+        terms = lambdify([omega], found.part(part).xreplace(values).evalf(30), "numpy")(grid)
+        error, bound = np.max(np.abs(own - terms) / modulus), found.bounds[part]
+        assert bound is None or error <= float(bound) * (1 + 1e-9)
+        assert bound is None or float(bound) == 0 or error > 0.99 * float(bound)
+
+
+def test_higher_orders_are_closer() -> None:
+    errors = [float(expansion(PAPER, order).bounds[Part.REAL]) for order in range(6)]
+    assert all(later < earlier / 9 for earlier, later in zip(errors, errors[3:], strict=False))
+
+
+Time = Annotated[Any, Slot(Dimension.TIME)]
+
+
+def of_time(name: str, form: Any) -> hs.Effect:
+    """A device that is fast where its time constant is short: a function of s times that."""
+
+    @effect(name)
+    def own(late: Time) -> Any:
+        return form(s * late), 0, 0, 1
+
+    return own("5 ms")
+
+
+@pytest.fixture
+def own_models() -> Iterator[None]:
+    before = dict(EFFECTS)
+    yield
+    EFFECTS.clear()
+    EFFECTS.update(before)
+
+
+MADE: dict[str, tuple[Any, Any]] = {
+    "divided": (lambda x: (exp(x) - 1 - x - x**2 / 2 - x**3 / 6) * 24 / x**4, lambda n: Rational(24, factorial(n + 4))),
+    "arched": (lambda x: 2 * (cosh(x) - 1) / x**2, lambda n: Rational(2 * (n % 2 == 0), factorial(n + 2))),
+    "slanted": (lambda x: sinh(x) / x / (1 - 2 * x), lambda n: Rational(2) ** n * (1 + Rational(n > 1, 24))),
+    "bent": (lambda x: (3 + x) / (3 - x), lambda n: Rational(2 if n else 1, 3**n)),
+}
+
+
+@pytest.mark.usefixtures("own_models")
+@pytest.mark.parametrize("name", MADE)
+def test_leading_terms_of_a_users_own_device_are_its_taylor_series(name: str) -> None:
+    """As far as a device divides by its time constant to the fourth."""
+    (form, known), k, order = MADE[name], Symbol("k", real=True), 3
+    found = expansion(hs.Scene(SPRING, (of_time(name, form),)), order)
+    [late] = found.fast
+    assert len(found.terms) == order + 1
+    for n, term in enumerate(found.terms):
+        own = term.expression().xreplace(dict.fromkeys(term.expression().free_symbols - {s, late}, k))
+        assert (own - k * (known(n) - int(n == 0)) * (s * late) ** n).expand() == 0, n
+
+
+@pytest.mark.usefixtures("own_models")
+def test_what_has_no_leading_terms_says_so() -> None:
+    for name, grows in {"pushing": lambda x: 1 / x + x, "pulling": lambda x: (1 + x**2) / (x + x**2)}.items():
+        assert "grows without bound" in refusal(expansion, hs.Scene(SPRING, (of_time(name, grows),)))
+    assert "nothing that could be fast" in refusal(expansion, hs.Scene(SPRING, (hs.effects.shunt(m=1),)))
+
+
+# --- groups without a unit -------------------------------------------------------------------------------------------
+
+
+def test_the_papers_five_parameters_become_three_groups_and_there_and_back_is_the_same_formula() -> None:
+    found = groups(PAPER)
+    assert {g.symbol.name: g.value for g in (found.frequency, *found.groups)} == {
+        "x": omega * sqrt(M) / sqrt(K), "zeta_env": B / (2 * sqrt(K * M)), "rho": OMEGA_N * sqrt(M) / sqrt(K), "zeta": ZETA,
+    }  # fmt: skip
+    form, original = found.forwards(found.distortion.relative_imag), PAPER.symbolic_distortion().relative_imag
+    assert (found.back(form) ** 2 - original**2).together().expand() == 0
+
+
+@pytest.mark.parametrize("name", often(hs.scene_names(), QUICK_SCENES.__contains__))
+def test_the_ratios_of_the_dimensionless_scene_are_the_scenes_own_at_other_values(name: str) -> None:
+    """Exact: tenth powers of all units, so that the roots in the groups come out even; as many groups as Buckingham counts."""
+    scene = hs.load_scene(name)
+    found = groups(scene)
+    orders = {x for o in scene.chain.ring.orders for x in o.free_symbols}
+    fixed = {p.symbol: p.value for p in scene.parameters if p.symbol in orders}
+    at = {omega: Rational(7, 5) ** 10}
+    numbers = {p.symbol: Rational(n + 2, 3) ** 10 for n, p in enumerate(scene.parameters)} | fixed
+    own = scene.chain.steps.at(numbers | at)
+    values = {g.symbol: g.value.xreplace(numbers | at) for g in (found.frequency, *found.groups)}
+    steps = found.chain.at(found.values).steps.at({**values, omega: values[found.frequency.symbol]})
+    for key in ("ratio_real", "ratio_imag", "relative_real"):
+        assert abs((own[key] - steps[key]).evalf(40)) < 10**-30
+    perceived, scale = own["perceived_real"], found.stiffness.xreplace(numbers)
+    assert abs((perceived - scale * steps["perceived_real"]).evalf(40)) < 10**-25 * abs(perceived.evalf())
+    assert len(found.groups) == len(scene.parameters) - len(found.units) - len(orders)
+    assert len({g.symbol for g in (found.frequency, *found.groups)}) == len(found.groups) + 1
+
+
+SIZES = {
+    "m1": (1, 0), "b1": (1, -1), "k1": (1, -2), "m2": (1, 0), "b2": (1, -1), "k2": (1, -2), "tau": (0, 1), "b": (1, -1),
+    "omega_n": (0, -1), "zeta": (0, 0),
+}  # fmt: skip
+"""Powers of mass and of time."""
+
+
+def test_groups_have_no_unit_and_say_which_sign_they_have() -> None:
+    """Scaled by other units of mass and time each group is what it was; parameters > 0 make a group > 0."""
+    scene = hs.Scene(
+        hs.environments.two_mass("0.5 kg", "4 N*s/m", "200 N/m", "0.3 kg", "1 N*s/m", "120 N/m"),
+        (hs.effects.delay("5 ms"), hs.effects.shunt(b="-1 N*s/m"), hs.effects.second_order_lowpass("30 rad/s", "0.5")),
+    )
+    found, mass, time = groups(scene), Rational(9), Rational(1, 4)
+    powers = {p.symbol: SIZES[p.symbol.name.split("_shunt")[0]] for p in scene.parameters}
+    scale = {x: x * mass**m * time**t for x, (m, t) in powers.items()} | {omega: omega / time}
+    for group in (found.frequency, *found.groups):
+        assert (group.value.xreplace(scale) / group.value).expand() == 1
+        own = group.value.has(Symbol("b_shunt", real=True), Symbol("b", real=True))
+        assert group.symbol.is_positive is (None if own else True)
+    assert len({g.symbol.name for g in found.groups}) == len(found.groups) == len(scene.parameters) - len(found.units)
+
+
+def test_an_order_of_a_power_of_s_is_no_group_and_without_a_scale_of_time_omega_stays() -> None:
+    tissue = hs.environments.spring_pot("80 N*s^0.3/m", "0.3", "50 N/m")
+    found = groups(hs.Scene(tissue, (hs.effects.first_order_lag("20 rad/s"),)))
+    assert {str(x): v for x, v in found.values.items() if str(x) == "alpha"} == {"alpha": Rational(3, 10)}
+    assert "alpha" not in {g.symbol.name for g in found.groups}
+    still = groups(hs.Scene(hs.environments.mass_spring_damper(k="100 N/m"), (hs.effects.shunt(k="5 N/m"),)))
+    assert still.frequency.value == omega
+    assert [g.symbol.name for g in still.groups] == ["kappa"]
+
+
+@pytest.mark.parametrize("place", range(4))
+def test_units_that_do_not_fit_in_any_entry_of_a_chain_matrix_are_refused(place: int) -> None:
+    """A frequency where a number, a stiffness, a compliance and a number belong; the last entry may be nothing."""
+    env = hs.environments.mass_spring_damper(m="2 kg", k="100 N/m")
+    for others in (["1", "0", "0", "1"], ["1", "k*2", "1/k", "0"]):
+        entries = [*others[:place], "w", *others[place + 1 :]]
+        port = hs.effects.two_port(*entries, parameters={"k": "50 N/m", "w": "3 rad/s"})
+        assert "its units do not fit together" in refusal(groups, hs.Scene(env, (port,)))
+    unknown = hs.environments.expression("k + b*s", parameters={"k": "100 N/m", "b": 3})
+    assert "give every parameter in it its unit" in refusal(groups, hs.Scene(unknown, (hs.effects.delay("1 ms"),)))
+
+
+# --- names, pages, the command ---------------------------------------------------------------------------------------
+
+
+def test_every_name_of_a_quantity_is_found_however_it_is_typed(call: Any) -> None:
+    for name in QUANTITIES:
+        for typed in (name, name.lower(), name.replace(" ", "_"), f" {name.upper()}! "):
+            assert bare(typed) == bare(name)
+            assert bare(listed_name(typed) or "") == bare(name)
+    assert listed_name("dq") is None
+    one, two = (call("derive", "fu2019", "--of", name)[1] for name in ("Re dH", "re_dh"))
+    assert one == two
+    assert "Re dH = " in one
+
+
+def test_what_is_kept_as_a_symbol_is_what_was_asked_for() -> None:
+    kept = hs.derive("fu2019", keep=["omega_n", "zeta"])
+    assert ({x.name for x in kept.kept}, kept.kept_thresholds) == ({"omega_n", "zeta"}, ())
+    assert hs.derive("fu2019", keep="evaluation.jnd").kept_thresholds == (Part.REAL, Part.IMAG)
+    assert hs.derive("fu2019", keep=())["H_perc"].free_symbols == {s}
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("kept", [(), ("omega_n",), ("m", "zeta"), ("m", "b", "k", "omega_n", "zeta")])
+def test_the_table_of_parameters_says_which_stay_symbols_and_what_all_are_in_the_scene(kept: tuple[str, ...]) -> None:
+    values = {"m": "1.8", "b": "15", "k": "100", "omega_n": "80", "zeta": "0.5"}
+    shown = plain(hs.derive(PAPER, keep=kept).document())
+    for name, value in values.items():
+        written = {"omega_n": "ω_n", "zeta": "ζ"}.get(name, name)
+        [row] = [x.split() for x in shown.splitlines() if x.split()[:1] == [written]]
+        assert " ".join(row).endswith(f"a symbol; {value} in the scene") == (name in kept)
+        assert name in kept or row[-1] == value
+
+
+@pytest.mark.few("delayed-spring")
+@pytest.mark.parametrize("name", often(hs.scene_names(), QUICK_SCENES.__contains__))
+def test_every_shipped_scene_has_a_page_in_each_form(name: str, call: Any) -> None:
+    for form in ("text", "latex", "mathml", "json"):
+        status, out, err = call("derive", name, "--to", form)
+        assert (status, err) == (0, "")
+        if form == "json":
+            assert json.loads(out)["schema"] == "haptisym.derivation/1"
+        if form == "mathml":
+            ElementTree.fromstring(f"<div>{out}</div>")
+
+
+@pytest.mark.few("delayed-spring")
+@pytest.mark.parametrize("name", ["delayed-spring", "fu2019"])
+def test_the_json_of_a_page_says_the_same_as_its_text(name: str, call: Any) -> None:
+    d = hs.derive(name)
+    document = d.to_dict()
+    assert json.loads(call("derive", name, "--json")[1]) == document
+    assert document["operations"] == d.steps.operations
+    flat = re.sub(r"\s+", " ", spelt(call("derive", name)[1].replace("≈", "~"), "ascii"))
+    assert all(row["text"] in flat for section in document["sections"] for row in section["equations"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["fu2019", "organ-tissue"])
+def test_the_latex_of_a_page_compiles(name: str, call: Any, tmp_path: Path) -> None:
+    body = call("derive", name, "--to", "latex")[1]
+    head = r"\documentclass[a4paper,11pt]{article}\usepackage{amsmath}\usepackage[margin=2.5cm]{geometry}"
+    check_layout(compiled(rf"{head}\begin{{document}}{body}\end{{document}}", tmp_path))
+
+
+@pytest.mark.parametrize("language", ["numpy", "c", "octave", "julia", "javascript"])
+def test_code_keeps_the_parameters_that_are_asked_for(language: str, call: Any) -> None:
+    out = call("derive", "fu2019", "--to", language, "--keep", "omega_n")[1]
+    assert "omega_n" in out
+    assert "zeta = 0.5" in out
+
+
+@pytest.mark.parametrize(
+    "arguments", [("--keep", "q"), ("--of", "Re dQ"), ("--to", "fortran"), ("--keep",), ("--to", "c", "--of", "dH")]
+)
+def test_a_wrong_request_is_one_clear_message(arguments: tuple[str, ...], call: Any) -> None:
+    status, out, err = call("derive", "fu2019", *arguments)
+    assert (status, out) == (2, "")
+    assert len(err.strip()) > 20
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("name", ["omega_env", "omega_perc", "omega_i", "d omega_r/d m", "F_si_perc", "F_d_env"])
+def test_solutions_slopes_and_forces_can_be_asked_for(name: str, call: Any) -> None:
+    status, out, err = call("derive", "delayed-spring" if name == "omega_i" else "fu2019", "--of", name)
+    assert (status, err) == (0, "")
+    assert name in out.replace("ω", "omega").replace("(d m)", "d m").replace("F_si_perc(omega j)", "F_si_perc")
+
+
+@pytest.mark.slow
+def test_a_chain_of_thirty_effects_is_derived_in_steps_without_being_multiplied_out() -> None:
+    devices = [
+        (hs.effects.shunt(m="0.001"), hs.effects.second_order_lowpass(9000 + i, "0.7"), hs.effects.compliance(10**6))
+        for i in range(10)
+    ]
+    wall = hs.environments.mass_spring_damper(2, 15, 100)
+    text = str(hs.derive(hs.Scene(wall, tuple(x for row in devices for x in row), (0, 15))))
+    assert "H_env(s) = m s^2 + b s + k" in text
+    assert "Closed forms of this chain are long" in text

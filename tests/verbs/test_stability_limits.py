@@ -1,0 +1,960 @@
+"""How far a number may go before a display in a hand shakes, and all values with which it does not: against counts of roots."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import inf
+from random import Random
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from heldloops import by_eigenvalues, display, drawn, number, on_the_right
+from sympy import Poly, Rational, Symbol, expand, lambdify, pi, sympify
+from windings import late_mass, winding
+
+import haptisym as hs
+from haptisym.judge.passiveparts import takes_energy
+from haptisym.kernel.budget import limited, timed_by
+from haptisym.kernel.rootcount import RootChain
+from haptisym.kernel.symbols import s
+from haptisym.verbs.require.required import Requirement
+from haptisym.verbs.stability.critical import Critical, Nearest, critical
+from haptisym.verbs.stability.held import held, roots_in_hand
+
+E, F = hs.environments, hs.effects
+LATE = 'environment = {{ model = "mass-spring-damper", k = "{k} N/m" }}\neffects = [{{ model = "delay", tau = "36 ms" }}]\n'
+ARM = hs.hands["postural-arm"]
+Count = Callable[[float], int | None]
+q = Symbol("q")
+
+
+def nearest(scene: hs.Scene, path: str) -> Nearest:
+    """Of a number of a display or of its first hand."""
+    return critical(scene, scene.hands[0], scene.knobs[scene.knobs.chosen([path])[0].path])
+
+
+def rows_of(scene: hs.Scene, path: str) -> tuple[Critical, ...]:
+    found = nearest(scene, path)
+    assert not found.reason
+    return found.found
+
+
+def counted_at(scene: hs.Scene, path: str, reach: float = 500.0) -> Count:
+    """Roots at one value after another, by winding numbers."""
+
+    def count(value: float) -> int | None:
+        return on_the_right(scene.with_values({scene.knobs.chosen([path])[0].path: Rational(value)}), reach)
+
+    return count
+
+
+def need_nearest(found: Nearest, start: float, count: Count, far: tuple[float, float]) -> None:
+    """One count holds up to each value that is told, or up to far out where none is; and beyond it the one that is told."""
+    home = count(start)
+    assert home is not None
+    for side, end in zip((-1, 1), far, strict=True):
+        row = next((x for x in found.found if (float(x.value) > start) == (side > 0)), None)
+        if row is None and found.reason:
+            continue
+        is_near = row is not None and (float(row.value) - end) * side <= 0
+        last = float(row.value) if row and is_near else end
+        assert {count(start + x * (last - start)) for x in (0.02, 0.3, 0.6, 0.9, 0.999)} <= {home, None}, (found, side)
+        if row and is_near and last and row.omega is not None:
+            for way, told in ((-1, row.below), (1, row.above)):
+                assert count(last + way * 1e-4 * abs(last)) in (told, None), (row, way)
+
+
+# --- the nearest changes -----------------------------------------------------------------------------------------------
+
+CRITICAL = [  # spring, hand, path, value, rad/s, stable side: computed elsewhere
+    (100, {"m": "0.5 kg", "b": 1}, "hand.b", "3.4635997327677041014", 13.320697368492448, "above"),
+    (100, {"m": "0.5 kg", "b": 9, "k": 100}, "hand.b", "3.3297497532862287950", 18.858713273231587, "above"),
+    (100, {"m": "0.5 kg", "b": 1, "k": 500}, "hand.b", "2.8197283310552300722", 32.802726231761795, "above"),
+    (100, {"m": "0.5 kg", "b": 1, "k": 1000}, "hand.b", "2.2386594085525189552", 44.64024101711087, "above"),
+    (290, {"m": "0.5 kg", "b": 1}, "hand.b", "9.5037390727713175455", 20.660047835266866, "above"),
+    (290, {"m": "0.5 kg", "b": 1, "k": 100}, "hand.b", "9.1877001353127948759", 24.010212956148372, "above"),
+    (290, {"m": "0.5 kg", "b": 1, "k": 500}, "hand.b", "7.9599529917453498043", 34.4665745428735, "above"),
+    (290, {"m": "0.5 kg", "b": 1, "k": 1000}, "hand.b", "6.5113668307878865184", 44.515059476572006, "above"),
+    (100, {"m": "0.554 kg", "b": "6.45", "k": 135}, "environment.k", "199.85210225871012834", 22.244306341605846, "below"),
+]  # fmt: skip
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize(("k", "hand", "path", "value", "omega", "side"), CRITICAL)
+def test_how_far_a_number_may_go_is_told_to_any_digits(
+    k: int, hand: dict[str, Any], path: str, value: str, omega: float, side: str
+) -> None:
+    scene = hs.parse_scene(LATE.format(k=k))
+    found = hs.stability(scene, hs.Hand("hand", **hand), ["environment.k"], digits=20).to_dict()
+    [row] = [x for x in found["held"][0]["critical"] if x["path"] == path]
+    assert (row["digits"], row["stable_side"]) == (value, side)
+    assert row["omega"] == pytest.approx(omega, rel=1e-15)
+    low, high = row["enclosure"]
+    assert Rational(low) < Rational(high)
+    assert float(low) == float(high) == pytest.approx(float(value), rel=1e-15)
+
+
+def test_the_delay_that_a_hand_bears_is_the_one_at_which_its_spring_is_critical() -> None:
+    """K exp(-j w tau) = -Z: at K = 199.85... and tau = 36 ms; the other way round tau is critical at 36 ms for that K."""
+    scene = hs.parse_scene(LATE.format(k="199.85210225871012834")).with_hands(ARM)
+    assert float(rows_of(scene, "tau")[0].value) == pytest.approx(0.036, rel=1e-14)
+
+
+def test_how_far_a_hand_is_from_shaking_is_told_of_its_nominal_values() -> None:
+    scene = hs.load_scene("delayed-spring").with_hands(hs.Hand("hand", "0.5 kg", "5 N*s/m +- 10 %"))
+    [row] = rows_of(scene, "hand.b")
+    assert row.value.digits(15) == "3.46359973276770"
+
+
+def lagged(k: float = 20, b: float = 1, w: float = 7, m: float = 0.5) -> list[float]:
+    """A spring of 100 N/m behind a lag of w, in a hand: (m s^2 + b s + k) (s + w) + 100 w."""
+    return [m, b + m * w, k + b * w, (k + 100) * w]
+
+
+@pytest.mark.parametrize("path", ["hand.m", "hand.b", "hand.k", "environment.k", "omega_c"])
+def test_of_a_rational_display_the_critical_values_are_those_of_routh(path: str) -> None:
+    """a1 a2 = a0 a3 of the third order, at sqrt(a2/a0)."""
+    scene = hs.Scene(
+        E.mass_spring_damper(k=100), (F.first_order_lag("7 rad/s"),), hands=(hs.Hand("hand", "0.5", 1, 20),)
+    )
+    found = rows_of(scene, path)
+    assert found or path in ("hand.m", "omega_c")
+    for x in found:
+        value = float(x.value)
+        row = (
+            [*lagged()[:3], (20 + value) * 7]
+            if path == "environment.k"
+            else lagged(**{path.replace("omega_c", "w")[-1]: value})
+        )
+        assert row[1] * row[2] == pytest.approx(row[0] * row[3], rel=1e-9)
+        assert float(x.omega or 0) == pytest.approx((row[2] / row[0]) ** 0.5, rel=1e-9)
+
+
+@pytest.mark.few(8)
+@pytest.mark.parametrize("seed", range(24))
+def test_beside_a_rational_display_the_count_of_eigenvalues_changes_at_what_is_told_and_nowhere_nearer(
+    seed: int,
+) -> None:
+    """H_perc = row/(s^2 + q1 s + q0), in each number of the hand."""
+    draw = Random(seed)
+    row, below = [draw.randint(-9, 9) for _ in range(draw.choice([2, 3]))], [1, draw.randint(1, 9), draw.randint(1, 9)]
+    hand = {key: draw.randint(1, 9) for key in "mbk"}
+    top = "+".join(f"({c})*s^{n}" for n, c in enumerate(reversed(row)))
+    scene = display(f"({top})/(s^2 + {below[1]}*s + {below[2]})").with_hands(hs.Hand("hand", **hand))
+    for key, start in hand.items():
+
+        def count(value: float, key: str = key) -> int | None:
+            own = {**hand, key: value}
+            return by_eigenvalues(lambda _: np.polyadd(row, np.polymul([own[x] for x in "mbk"], below)), value)
+
+        need_nearest(nearest(scene, f"hand.{key}"), start, count, (1e-3 * start, 50 * start))
+
+
+@pytest.mark.few("5-3", "4-3", "7-3", "6-2", "1-2", "5-1")
+@pytest.mark.parametrize("degree", [1, 2, 3])
+@pytest.mark.parametrize("seed", range(8))
+def test_a_number_may_stand_in_powers_in_all_coefficients(degree: int, seed: int) -> None:
+    """C = (s^2 + w^2) A + (q - v) B, so that +-j w are roots at q = v."""
+    draw = Random(10 * degree + seed)
+    w, v = Rational(draw.randint(2, 9), draw.randint(1, 4)), Rational(draw.randint(1, 9), draw.randint(1, 4))
+
+    def polynomial(most: int, powers: int) -> Any:
+        return sum(draw.randint(-2, 3) * q**i * s**n for i in range(powers + 1) for n in range(most + 1))
+
+    C = expand((s**2 + w**2) * (s + 2 + polynomial(1, degree - 1)) + (q - v) * (s**2 + 2 + polynomial(2, degree - 1)))
+    start = v * Rational(draw.choice([9, 11]), 10)
+    scene = display(str(expand(C - s**2 - 2 * s - 3)).replace("**", "^"), q=start).with_hands(hs.Hand("hand", 1, 2, 3))
+    rows = lambdify(q, Poly(C, s).all_coeffs())
+
+    def count(value: float) -> int | None:
+        return by_eigenvalues(rows, value)
+
+    found = nearest(scene, "q")
+    assert degree == 3 or not found.reason
+    need_nearest(found, float(start), count, (float(start) - 8, float(start) + 8))
+    if count(float(v) * 0.9999) != count(float(v) * 1.0001):
+        low, high = sorted(map(float, (start, v)))
+        assert any(low * (1 - 1e-12) <= float(x.value) <= high * (1 + 1e-12) for x in found.found)
+
+
+LAGS = {"one": ("1/40", 0), "multiples": ("1/50", "1/100"), "pi": (pi / 200, "3/200")}
+PORTS: dict[str, tuple[Any, str, str, str]] = {
+    "once": (Rational(1, 5), "q", "1", "1"),
+    "twice": (2, "q", "q", "1"),
+    "a damper": (2, "1", "q*s/5", "1"),
+    "in all": (3, "9", "20*q", "1 + q/30"),
+    "squared": (1, "q + 2", "q*s/9 + q^2/200", "1"),
+    "squared, far": (40, "q", "q^2/200", "1"),
+}
+
+
+@pytest.mark.few("once-one", "twice-pi", "a damper-pi", "in all-multiples")
+@pytest.mark.parametrize("lags", LAGS)
+@pytest.mark.parametrize("port", PORTS)
+def test_a_number_may_stand_before_several_products_of_delays(port: str, lags: str) -> None:
+    """C = 11 a exp(-s (t1 + t2)) + b exp(-s t2) + d (0.5 s^2 + 6 s + 50)."""
+    start, a, b, d = PORTS[port]
+    one, other = (Rational(x) if isinstance(x, str) else x for x in LAGS[lags])
+    late = F.delay(one), F.two_port(a, b, "0", d, parameters={"q": start}), *([F.delay(other)] if other else [])
+    scene = hs.Scene(E.mass_spring_damper(k=11), late, hands=(hs.Hand("hand", "1/2", 6, 50),))
+    parts = [lambdify((s, q), sympify(x, {"s": s, "q": q}, convert_xor=True), "numpy") for x in (a, b, d)]
+
+    def count(value: float) -> int | None:
+        def f(z: Any) -> Any:
+            A, B, D = (x(z, value) + 0 * z for x in parts)
+            return (11 * A * np.exp(-z * float(one)) + B) * np.exp(-z * float(other)) + D * (z * z / 2 + 6 * z + 50)
+
+        return winding(f, 3000.0)
+
+    found = nearest(scene, "q")
+    assert found.found
+    need_nearest(found, float(start), count, (float(start) - 5, float(start) + 20))
+
+
+@pytest.mark.slow
+def test_fifty_digits_of_a_number_in_two_products_of_delays_are_those_of_another_root_finder() -> None:
+    port = F.two_port("q", "q^2/200", "0", "1", parameters={"q": 40})
+    scene = hs.Scene(
+        E.mass_spring_damper(k=11), (F.delay("1/50"), port, F.delay(pi / 200)), hands=(hs.Hand("hand", "1/2", 6, 50),)
+    )
+    found = rows_of(scene, "q")[0]
+    exact = mpmath.mp.clone()
+    exact.dps = 70
+
+    def parts(omega: Any, x: Any) -> list[Any]:
+        z = exact.mpc(0, omega)
+        late = 11 * x * exact.exp(-z / 50) + x**2 / 200
+        y = late * exact.exp(-z * exact.pi / 200) + z * z / 2 + 6 * z + 50
+        return [y.real, y.imag]
+
+    assert found.omega is not None
+    omega, value = exact.findroot(parts, (float(found.omega), float(found.value)))
+    assert exact.almosteq(exact.mpf(found.value.digits(52)), value, rel_eps=exact.mpf(10) ** -50)
+    assert exact.almosteq(exact.mpf(found.omega.digits(52)), omega, rel_eps=exact.mpf(10) ** -50)
+
+
+@pytest.mark.few(4)
+@pytest.mark.parametrize("seed", range(24))
+def test_beside_a_late_display_the_winding_number_changes_at_what_is_told_and_nowhere_nearer(seed: int) -> None:
+    draw = Random(seed)
+    hand = hs.Hand("hand", number(draw, 0.5, 2), number(draw, 2, 25), number(draw, 1, 300))
+    scene = drawn(draw, late=True).with_hands(hand)
+    knob = draw.choice([x for x in scene.knobs if "jnd" not in x.path and not x.path.endswith(".m")])
+    start = float(knob.value)
+    found = critical(scene, scene.hands[0], knob)
+    if not found.reason:
+        need_nearest(found, start, counted_at(scene, knob.path), (start / 20, 6 * start))
+
+
+@pytest.mark.few("delayed-spring")
+@pytest.mark.parametrize(
+    "name", ["delayed-spring", "position-force-teleoperation", "four-channel-teleoperation", "zener-tissue", "fu2019"]
+)
+def test_beside_each_critical_value_of_a_shipped_scene_a_contour_winds_around_as_many_roots_as_are_told(
+    name: str,
+) -> None:
+    scene = hs.load_scene(name).with_hands(hs.hands["device-operator"])
+    paths = [x.path for x in scene.parameters if x.key not in ("alpha", "m")]
+    told = [
+        (path, x) for path in paths for x in nearest(scene, path).found if x.omega is not None and 1 < float(x.omega) < 2000
+    ]  # fmt: skip
+    assert told
+    for path, x in told:
+        count = counted_at(scene, path, 3000.0)
+        assert [count(float(x.value) * share) for share in (0.98, 1.02)] == [x.below, x.above], path
+
+
+def test_a_root_passes_through_0_at_an_exact_value() -> None:
+    """s^2 + (2 + q) s + q^2 + q/2 - 1: stable from the root of q^2 + q/2 = 1 on."""
+    scene = display("q*s + q^2 + q/2 - 4", q=1).with_hands(hs.Hand("hand", 1, 2, 3))
+    row = next(x for x in rows_of(scene, "q") if float(x.value) > 0)
+    assert (row.value.digits(12), float(row.omega or 0), row.below, row.above) == ("0.780776406404", 0, 1, 0)
+
+
+def test_two_roots_that_turn_real_value_for_all_values_count_where_their_number_changes() -> None:
+    """s^4 + 5 s^2 + 4 + q s^2 has all its roots on the axis for q >= -1: double ones at -1, and four off the axis below."""
+    scene = display("s^4 + 4*s^2 + q*s^2 + 4", q=2).with_hands(hs.Hand("hand", 1))
+    [row] = nearest(scene, "q").found
+    assert (float(row.value), float(row.omega or 0)) == pytest.approx((-1, 2**0.5), rel=1e-14)
+
+
+def test_beside_a_critical_value_that_is_also_the_end_of_what_was_looked_at_the_count_is_that_beside_it() -> None:
+    """m s^2 + s + (1 + 15 s/8) exp(-s pi/2) is 0 at s = j for m = 15/8; at 0 there is a chain."""
+    scene = hs.Scene(E.kelvin_voigt(1, "15/8"), (F.delay(pi / 2),), hands=(hs.Hand("hand", 2, 1),))
+    [row] = rows_of(scene, "hand.m")
+    assert (float(row.value), row.below, row.above, row.stable_side) == (1.875, 2, 0, "above")
+    count = counted_at(scene, "hand.m", 60)
+    assert [count(x) for x in (1.85, 1.9)] == [2, 0]
+
+
+@pytest.mark.slow
+def test_a_root_that_comes_to_the_axis_and_goes_back_changes_no_count() -> None:
+    """s^2 + (q - 2)^2 s (2 + exp(-s/10)) + 1: at q = 2 alone it has roots at +-j; that may stay open, but is never lost."""
+    port = F.two_port("(q - 2)^2*s", "2*(q - 2)^2*s", "0", "1", parameters={"q": 1})
+    scene = hs.Scene(E.mass_spring_damper(k=1), (F.delay("1/10"), port), hands=(hs.Hand("hand", 1, 0, 1),))
+    found = nearest(scene, "q")
+    assert found.reason or not found.found
+
+
+@pytest.mark.slow
+def test_what_moves_together_is_critical_by_its_sum() -> None:
+    """The master's mass and the hand's stand in one place: 0.1 kg and 0.5 kg in the scene."""
+    scene = hs.load_scene("position-force-teleoperation").with_hands(hs.hands["light-touch"])
+    masses = []
+    for path, other in (("effects.teleoperator.Mm", "0.1"), ("hand.m", "0.5")):
+        [row] = rows_of(scene, path)
+        assert (row.below, row.above) == (2, 0)
+        masses.append(mpmath.mpf(row.value.digits(15)) + mpmath.mpf(other))
+    assert abs(masses[0] - masses[1]) < 1e-14
+
+
+@pytest.mark.slow
+def test_the_order_of_a_tissue_has_a_critical_value() -> None:
+    """(80 s^alpha + 120) exp(-s/500) 50 pi/(s + 50 pi), held by 0.1 kg and 0.1 N s/m."""
+    scene = hs.load_scene("organ-tissue").with_hands(hs.hands["light-touch"])
+    [value] = rows_of(scene, "environment.alpha")
+    at = float(value.value)
+    assert (value.below, value.above, at) == (2, 0, pytest.approx(0.461113, abs=1e-6))
+
+    def roots(alpha: float) -> int | None:
+        def f(x: Any) -> Any:
+            return (80 * x**alpha + 120) * np.exp(-x / 500) * 50 * np.pi + (x**2 / 10 + x / 10) * (x + 50 * np.pi)
+
+        return winding(f, 5000.0)
+
+    assert [roots(at * x) for x in (0.8, 0.9999, 1.0001, 1.2)] == [2, 2, 0, 0]
+    allowed = hs.require(scene, "environment.alpha", that="stable")
+    [(low, high)] = spans(allowed)
+    assert (low, high, allowed.certified) == (at, pytest.approx(0.808841, abs=1e-6), True)
+    assert [roots(high * x) for x in (0.9999, 1.0001, 1.1)] == [0, 2, 2]
+
+
+# --- all values ---------------------------------------------------------------------------------------------------------
+
+
+def spans(found: Requirement) -> list[tuple[float, float]]:
+    return [
+        (-inf if x.low.value is None else float(x.low.value), inf if x.high.value is None else float(x.high.value))
+        for x in found.feasible
+    ]
+
+
+def verdict(found: Requirement, value: float) -> bool | None:
+    """Whether a value is in the set; None where that is open."""
+    if any((a is None or float(a) <= value) and (b is None or value <= float(b)) for a, b in found.undecided):
+        return None
+    return any(low < value < high for low, high in spans(found))
+
+
+def need_set(found: Requirement, count: Count, values: Sequence[float]) -> None:
+    """What is said agrees with a count, on both sides of each end and at further values."""
+    near = [end * share for span in spans(found) for end in span if 0 < abs(end) < inf for share in (0.9999, 1.0001)]
+    for value in (x for x in (*near, *values) if min(values) <= x <= max(values)):
+        told, wound = verdict(found, value), count(value)
+        assert told is None or wound is None or told == (wound == 0), (value, told, wound)
+
+
+def stable(scene: hs.Scene, path: str, *span: Any, **keys: Any) -> Requirement:
+    return hs.require(scene, path, *span, that="stable", **keys)
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("seed", range(32))
+def test_all_values_of_a_random_display_are_told_with_which_a_contour_winds_around_no_root(seed: int) -> None:
+    draw = Random(seed)
+    hand = hs.Hand("hand", number(draw, 0.5, 2), number(draw, 1, 25), number(draw, 1, 300))
+    scene = drawn(draw, late=seed % 3 > 0).with_hands(hand)
+    knob = draw.choice([x for x in scene.knobs if "jnd" not in x.path])
+    own = float(knob.value)
+    found = stable(scene, knob.path, (own / 20, own * 8))
+    need_set(found, counted_at(scene, knob.path), [own * x for x in (0.051, 0.3, 0.9, 1.6, 4, 7.9)])
+
+
+@pytest.mark.few("400")
+@pytest.mark.parametrize("high", [400, 10**6, None])
+def test_a_stiffness_that_is_critical_is_the_end_of_all_that_will_do_however_wide_the_range(high: int | None) -> None:
+    found = stable(
+        hs.load_scene("delayed-spring").with_hands(ARM), "environment.k", *([] if high is None else [(0, high)])
+    )
+    assert [x.high.value and x.high.value.digits(15) for x in found.feasible] == ["199.852102258710"]
+    assert ([x.high.closed for x in found.feasible], found.undecided) == ([False], ())
+
+
+SHAKING: dict[
+    str, tuple[float, float, float, str, float, tuple[float, float]]
+] = {  # hand and shunt, what comes late, and by how much
+    "stiffer": (0.5, 8, 50, "k", 1 / 40, (1, 4000)),
+    "a spring 25 ms late": (0.5, -8, 50, "k", 1 / 40, (0.3, 300)),
+    "a spring 5 ms late": (1, -2, 50, "k", 1 / 200, (0.3, 300)),
+    "a damper 25 ms late": (1, -2, 50, "b", 1 / 40, (0.3, 300)),
+    "one that never holds": (0.5, -20, 50, "b", 1 / 40, (0.3, 300)),
+}
+
+
+@pytest.mark.few("stiffer", "a spring 5 ms late", "one that never holds")
+@pytest.mark.parametrize("case", SHAKING)
+def test_what_shakes_shakes_for_all_values_unless_some_are_told_that_hold_it(case: str) -> None:
+    """m s^2 + b s + k + q exp(-s tau), or with q s; with b < 0 two roots are on the right at q = 0."""
+    m, b, k, key, lag, (low, high) = SHAKING[case]
+    felt = E.mass_spring_damper(**{key: 3})
+    scene = hs.Scene(felt, (F.delay(Rational(lag)), F.shunt(b=b)), hands=(hs.Hand("hand", Rational(m), 0, k),))
+    found = stable(scene, f"environment.{key}")
+
+    def count(value: float) -> int | None:
+        return winding(lambda z: m * z * z + b * z + k + value * (z if key == "b" else 1) * np.exp(-z * lag), 3000)
+
+    assert found.undecided == ()
+    need_set(found, count, np.geomspace(low, high, 7).tolist())
+
+
+CUBIC = "s^3 + 5/2*s^2"  # beside a hand of 1/2 kg
+DELAYS: dict[str, tuple[str, str, tuple[Any, Any, Any]]] = {  # A and B of A + B exp(-s tau), the first less the hand
+    "a spring": ("0", "120", ("1/2", 6, 50)),
+    "spring and damper": ("0", "3*s + 30", ("1/2", 2, 50)),
+    "several frequencies": (CUBIC, "40*s + 20", ("1/2", 60, 90)),
+    "a mass": (CUBIC, "4*s^2 + 150", ("1/2", 60, 90)),
+    "one that is held again and again": ("0", "1/5", (1, "1/50", 4)),
+    "frequencies far apart": ("s^3/400 + s^2*7/60", "3*s^2/40 + 4*s + 700", ("2/45", "290/9", 600)),
+}
+
+
+def delays_of(A: list[float], B: list[float], limit: float) -> list[float]:
+    """All from 0 to a limit at which A + B exp(-s tau) has roots on the axis, by NumPy."""
+    a, b = np.poly1d(A), np.poly1d(B)
+    mirrored = [np.poly1d([c * (-1) ** (len(x) - n) for n, c in enumerate(x.coeffs)]) for x in (a, b)]
+    found: list[float] = []
+    for w in (x.imag for x in (a * mirrored[0] - b * mirrored[1]).roots if abs(x.real) < 1e-7 and x.imag > 1e-7):
+        angle = np.angle(-b(1j * w) / a(1j * w))
+        found += [(angle + 2 * np.pi * n) / w for n in range(int(limit * w) + 2)]
+    return sorted(x for x in found if 0 <= x < limit)
+
+
+@pytest.mark.few("a spring", "spring and damper", "several frequencies", "frequencies far apart")
+@pytest.mark.parametrize("case", DELAYS)
+def test_of_a_delay_all_values_are_told_and_their_ends_are_delays_at_which_roots_are_on_the_axis(case: str) -> None:
+    more, late, hand = DELAYS[case]
+    device = () if more == "0" else (F.shunt(Z=more, parameters={}),)
+    scene = hs.Scene(
+        E.mass_spring_damper(k=1), (F.series(late), F.delay("1 ms"), *device), hands=(hs.Hand("hand", *hand),)
+    )
+    found = stable(scene, "tau")
+    m, b, k = map(Rational, map(str, hand))
+    A, B = (
+        Poly(sympify(x, {"s": s}, convert_xor=True, rational=True) + z, s)
+        for x, z in ((more, m * s**2 + b * s + k), (late, 0 * s))
+    )
+    rows = [[float(c) for c in x.all_coeffs()] for x in (A, B)]
+
+    def count(tau: float) -> int | None:
+        return winding(lambda z: np.polyval(rows[0], z) + np.polyval(rows[1], z) * np.exp(-z * tau), reach)
+
+    values, reach = (
+        ([0.1, *range(1, 41, 3)], 10) if "again" in case else ([1e-3, 0.0131, 0.112, 0.373, 0.92, 1.7, 3.3], 300)
+    )
+    assert found.undecided == ()
+    need_set(found, count, values)
+    known = delays_of(*rows, 60)
+    for end in (x for span in spans(found) for x in span if 0 < x < inf):
+        assert min(abs(end - x) for x in known) < 1e-9
+
+
+def test_without_a_frequency_at_which_both_are_of_one_size_no_delay_changes_anything() -> None:
+    scene = hs.Scene(E.mass_spring_damper(k=3), (F.delay("1 ms"),), hands=(hs.Hand("hand", 1, 20, 50),))
+    assert spans(stable(scene, "tau")) == [(0, inf)]
+    assert rows_of(scene, "tau") == ()
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("order", [1, 2])
+def test_an_all_pass_in_place_of_a_delay_is_held_up_to_where_its_order_allows_it(order: int) -> None:
+    """Of second order at 14.54 rad/s both tau, and another one, are roots of real and imaginary part."""
+    scene = hs.Scene(E.kelvin_voigt(120, 3), (F.pade_delay("10 ms", order),), hands=(hs.Hand("hand", "0.6", 1),))
+    found = stable(scene, "effects.pade-delay.tau", ("1 ms", "100 ms"))
+    assert found.certified
+    assert order == 1 or spans(found)[-1][1] == pytest.approx(0.03182965, abs=1e-8)
+    need_set(found, counted_at(scene, "effects.pade-delay.tau", 3000), [0.0011, 0.01, 0.04, 0.09])
+
+
+@pytest.mark.slow
+def test_a_long_delay_of_a_soft_display_is_told_though_the_rest_of_it_is_stiff() -> None:
+    """5000 (200 + 2 s) exp(-s tau) + (5200 + 2 s) (0.7 s^2 + 31 s + 110): far out the rest has a root at -2600."""
+    late, felt = F.delay("12 ms"), F.shunt(m="0.2 kg", b=1, k=10)
+    own = hs.Scene(
+        E.kelvin_voigt(200, 2), (F.compliance(k="5 kN/m"), late, felt), hands=(hs.Hand("hand", "0.5", 30, 100),)
+    )
+    [found] = rows_of(own, "tau")
+    exact = mpmath.mp.clone()
+    exact.dps = 30
+
+    def loop(w: Any, tau: Any) -> list[Any]:
+        z = exact.mpc(0, w)
+        value = 5000 * (200 + 2 * z) * exact.exp(-z * tau) + (5200 + 2 * z) * (0.7 * z * z + 31 * z + 110)
+        return [value.real, value.imag]
+
+    w, tau = exact.findroot(loop, (5.5, 0.38))
+    assert abs(exact.mpf(found.value.digits(14)) - tau) < 1e-13
+    assert abs(exact.mpf(found.omega.digits(14) if found.omega else 0) - w) < 1e-12
+    assert (found.below, found.above, found.stable_side) == (0, 2, "below")
+    for span in ((), ((0, 1),)):
+        asked = stable(own, "tau", *span)
+        assert (asked.undecided, spans(asked)) == ((), [(0, pytest.approx(float(tau)))])
+
+
+# --- roots that come from infinity, and chains of them --------------------------------------------------------------------
+
+
+def satellite(b: float, k: float, m: float = 600) -> hs.Scene:
+    return hs.load_scene("satellite-contact").with_hands(hs.Hand("hand", m=m, b=b, k=k))
+
+
+def late_roots(numbers: Sequence[float], lag: float, most: float = 1e4) -> float | None:
+    """Of a late mass in a hand, by its contour; infinite beside a chain; None where the delay turns further than ``most``."""
+    loop = late_mass(tuple(numbers[:3]), tuple(numbers[3:]), lag)  # type: ignore[arg-type]
+    if loop is None:
+        return inf
+    f, reach = loop
+    return winding(f, reach) if reach * lag < most else None
+
+
+def test_a_mass_of_500_kilograms_is_where_the_chain_of_a_satellite_is_lost() -> None:
+    mass, damping, stiffness = hs.stability("satellite-contact", "postural-arm").critical[0]
+    [found] = mass.found
+    assert (found.value.digits(5), found.omega, found.below, found.stable_side) == ("500.00", None, None, None)
+    assert (damping.found, stiffness.found) == ((), ())
+
+
+SATELLITES = [  # damping, stiffness and mass of the hand, the masses that are told with the counts beside them, others with theirs
+    ((5000, 0, 600), [(500, None, 0, "above")], {501: 0, 505: 0, 600: 0, 5000: 0}),
+    (
+        (300, 5000, 505),
+        [(500, None, 0, "above"), (576.650343874, 0, 2, "below")],
+        {500.5: 0, 540: 0, 576.6: 0, 576.7: 2},
+    ),
+    ((100, 0, 600), [(500, None, 2, None)], {500.5: 2, 505: 2, 600: 2, 5000: 2}),
+]
+
+
+@pytest.mark.parametrize(("hand", "rows", "counts"), SATELLITES)
+def test_masses_at_which_a_chain_is_lost_or_roots_go_over_are_told_with_the_counts_beside_them(
+    hand: tuple[float, float, float], rows: list[Any], counts: dict[float, int]
+) -> None:
+    """Far out on the axis |m s^2 + b s + k| > |500 s^2 + 131.4 s + 11691| if b^2 - 2 m k + 2 500 11691 - 131.4^2 > 0."""
+    found = rows_of(satellite(*hand), "hand.m")
+    assert [(float(x.value), x.below, x.above, x.stable_side) for x in found] == [
+        (pytest.approx(row[0], rel=1e-11), *row[1:]) for row in rows
+    ]
+    for mass, expected in counts.items():
+        assert late_roots([500, 131.4, 11691, mass, *hand[:2]], 0.108) == expected
+
+
+def test_a_heavy_hand_is_held_between_two_masses() -> None:
+    found = stable(satellite(100, 20000), "hand.m", (501, 2000))
+    assert spans(found) == [pytest.approx((509.842, 1151.41), rel=1e-5)]
+    assert not found.undecided
+    for mass, expected in ((509.84, 2), (509.85, 0), (1151.4, 0), (1151.5, 2)):
+        assert late_roots([500, 131.4, 11691, mass, 100, 20000], 0.108) == expected
+
+
+@pytest.mark.slow
+def test_where_more_and_more_roots_stay_behind_a_chain_no_value_beside_it_will_do() -> None:
+    """A hand of 20 kN/m: m k outweighs 500 11691, and so roots lie on the axis at ever higher frequencies as m falls to 500."""
+    scene = satellite(100, 20000, 400)
+    found = stable(scene, "hand.m")
+    assert spans(found) == [pytest.approx((509.842, 1151.41), rel=1e-5)]
+    assert (found.undecided, found.reason) == ((), "")
+    for mass, expected in ((500.5, 4), (502, 2), (509.8, 2), (509.9, 0), (1151, 0), (1152, 2)):
+        assert late_roots([500, 131.4, 11691, mass, 100, 20000], 0.108) == expected
+        own = satellite(100, 20000, mass)
+        assert held(own, own.hands[0]).unstable == expected
+
+
+def test_where_more_and_more_roots_stay_behind_a_chain_no_side_of_it_is_called_stable() -> None:
+    [near] = rows_of(satellite(100, 20000, 400), "hand.m")
+    assert (near.below, near.stable_side, near.is_crowded) == (None, None, True)
+
+
+def test_beside_a_chain_that_is_lost_no_side_is_called_stable() -> None:
+    """-0.002 s^2 that comes 4 ms late: in a hand of 2 kg no root lies on the right, in one of 2.1 g there are four."""
+    wheel, column = (
+        E.mass_spring_damper("0.04 kg*m^2", "0.3 N*m*s/rad", "4 N*m/rad"),
+        F.compliance("600 N*m/rad", "0.2 N*m*s/rad"),
+    )
+    scene = hs.Scene(wheel, (column, F.shunt(m="-0.002 kg*m^2", b="-0.01 N*m*s/rad"), F.delay("4 ms")))
+    firm = hs.Hand("firm", b="1 N*m*s/rad")
+    [mass] = rows_of(scene.with_hands(firm), "hand.m")
+    assert (float(mass.value), mass.chain_side, mass.stable_side) == (0.002, "below", None)
+    heavier = [hs.Hand(m, m=f"{m} kg*m^2", b="1 N*m*s/rad") for m in ("0.0021", "2")]
+    assert [held(scene, x).unstable for x in heavier] == [4, 0]
+
+
+def test_a_chain_is_there_as_long_as_there_is_a_delay() -> None:
+    light = satellite(100, 0, 400)
+    [delay] = rows_of(light, "tau")
+    assert (float(delay.value), delay.below, delay.above) == (0, 0, None)
+    found = stable(light, "tau")
+    assert (spans(found), found.undecided) == ([(0, 0)], ())
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("mass", ["1/2", "99/100", "1", "101/100", "2"])
+def test_the_delays_that_will_do_do_not_hang_on_the_one_that_a_scene_has_not_even_if_it_is_0(mass: str) -> None:
+    """m s^2 + M s^2 exp(-s tau) + b s + k: with M >= m no delay but 0 will do, as a chain of roots comes."""
+    felt, hand = E.mass_spring_damper(m=mass), hs.Hand("mine", m=1, b=1, k=1)
+    found = [stable(hs.Scene(felt, (F.delay(x),), hands=(hand,)), "tau").to_dict() for x in ("0 ms", "1 ms", "3 s")]
+    assert found[0] == found[1] == found[2]
+    assert found[0]["certified"]
+    assert (found[0]["feasible"] == [[0.0, 0.0]]) is bool(Rational(mass) >= 1)
+
+
+@pytest.mark.few("masses1-10 ms", "masses1-20 ms", "masses1-other2")
+@pytest.mark.parametrize("other", ["10 ms", "20 ms", pi / 300])
+@pytest.mark.parametrize("masses", [("1", "1/2"), ("1/3", "2"), ("2", "-1/2")])
+def test_where_delayed_masses_meet_a_chain_is_lost_when_no_zero_is_left_inside_of_the_unit_circle(
+    masses: tuple[str, str], other: Any
+) -> None:
+    """m + m2 z^a + m1 z^b: of multiples of one delay by their zeros, else at m = |m1| + |m2|."""
+    m1, m2 = map(float, map(Rational, masses))
+    own = hs.Scene(E.mass_spring_damper(masses[0], 1, 10), (F.delay("10 ms"), F.shunt(m=masses[1]), F.delay(other)))
+    least = abs(m1) + abs(m2)
+    if isinstance(other, str):
+        a, b = {"10 ms": (1, 2), "20 ms": (2, 3)}[other]
+        z = np.exp(1j * np.linspace(0, 2 * np.pi, 400_001))
+        on_circle = -(m2 * z**a + m1 * z**b)
+        i = np.flatnonzero(on_circle.imag[:-1] * on_circle.imag[1:] <= 0)
+        least = float(on_circle.real[i].max())
+        [near] = rows_of(own.with_hands(hs.Hand("hand", f"{0.9 * least:.6g}", 8)), "hand.m")
+        assert (float(near.value), near.below) == (pytest.approx(least, rel=1e-4), None)
+    for mass, chain in ((0.9 * abs(abs(m1) - abs(m2)), RootChain.RIGHT), (1.2 * least, None)):
+        assert (roots := held(own, hs.Hand("hand", f"{mass:.9g}", 8)).roots) is not None
+        assert roots.chain is chain
+
+
+def test_delays_that_are_multiples_of_one_for_few_values_alone_are_not_said_to_be_alike_for_all() -> None:
+    """1 + 0.6 exp(-s/100) + 0.6 exp(-s/100 - s tau): no chain at tau = 10 ms, where zeros multiply to 1/0.6, one at 12 ms."""
+    behind = F.delay("12 ms"), F.shunt(m="0.6 kg"), F.delay("10 ms")
+    own = hs.Scene(E.mass_spring_damper("0.6 kg", 1, 10), behind, hands=(hs.Hand("hand", m=1, b=8, k=3),))
+    found = critical(own, own.hands[0], own.knobs["effects.delay.tau"])
+    assert (found.found, bool(found.reason)) == ((), True)
+    alike = own.with_values({"effects.delay.tau": "10 ms"})
+    assert (held(own, own.hands[0]).stable, held(alike, own.hands[0]).stable) == (False, True)
+
+
+def test_a_chain_that_no_mass_of_a_hand_moves_is_there_for_all_of_them() -> None:
+    """m s^2 D(exp(-s ms)), D of the display alone: its zeros inside the circle stay where they are."""
+    late, link = F.delay("10 ms"), F.wave_variables("5 N*s/m", "7 ms")
+    own = hs.Scene(E.kelvin_voigt("200 N/m", "2 N*s/m"), (late, link), hands=(hs.Hand("hand", "0.5", 30, 100),))
+    assert rows_of(own, "hand.m") == ()
+    for mass in ("1 g", "100 t"):
+        assert held(own, hs.Hand("hand", m=mass, b=30, k=100)).unstable is None
+
+
+@pytest.mark.slow
+def test_four_channels_are_held_again_by_a_stiffer_environment() -> None:
+    own = hs.load_scene("four-channel-teleoperation").with_hands(hs.Hand("hand", m=1, b=1, k=10))
+    assert [x for span in spans(stable(own, "environment.k")) for x in span] == pytest.approx(
+        [0, 5972.49797743441, 775971, 1120950], rel=1e-5
+    )
+
+
+sizes = (
+    [1, 2, 5],
+    [1, 3, 10, 30],
+    [3, 40, 700],
+    ["0.5", 4, 12],
+    [0, "0.7", 9, 80],
+    [0, 6, 300, 2000],
+    ["0.01", "0.06", "0.3"],
+)
+PATHS = ["environment.m", "environment.b", "environment.k", "hand.m", "hand.b", "hand.k"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(16))
+def test_random_late_masses_are_held_where_their_contours_wind_around_no_root(seed: int) -> None:
+    draw = Random(seed)
+    *numbers, lag = (draw.choice(x) for x in sizes)
+    i = draw.randrange(6)
+    hand = hs.Hand("hand", *numbers[3:])
+    scene = hs.Scene(E.mass_spring_damper(*numbers[:3]), (F.delay(lag),), hands=(hand,))
+    row = [float(Rational(str(x))) for x in numbers]
+    base = row[i] or 1.0
+
+    def count(value: float) -> Any:
+        return late_roots([*row[:i], value, *row[i + 1 :]], float(lag), 2e3)
+
+    need_set(stable(scene, PATHS[i], (base / 20, base * 20)), count, [base * x for x in (0.051, 0.2, 0.9, 1.6, 7, 19)])
+
+
+# --- values without end -----------------------------------------------------------------------------------------------------
+
+
+def counts_as_told(
+    scene: hs.Scene, path: str, values: Sequence[Any], found: Requirement | None = None
+) -> list[bool | None]:
+    """What is said of values, each of which is counted by itself as well: on a contour, without what is known of parts."""
+    found = found or stable(scene, path)
+    told = [verdict(found, float(Rational(x))) for x in values]
+    for value, said in zip(values, told, strict=True):
+        moved = scene.with_values({path: value})
+        assert said is None or said is (roots_in_hand(moved.distortion().perc, moved.hands[0]).number == 0), value
+    return told
+
+
+def in_hand(felt: hs.Environment, *effects: hs.Effect, m: Any, b: Any, k: Any) -> hs.Scene:
+    return hs.Scene(felt, effects, hands=(hs.Hand("hand", m, b, k),))
+
+
+@pytest.mark.parametrize("alpha", ["1/10", "1/2"])
+def test_fractional_tissue_behind_a_cable_is_stable_for_every_order(alpha: str) -> None:
+    own = in_hand(E.spring_pot(30, alpha), F.compliance(k=5809), F.shunt(m="0.3 kg"), m="0.4 kg", b=3, k=391)
+    for path, high in (("environment.alpha", 1), ("environment.k_alpha", inf)):
+        found = stable(own, path)
+        assert (found.undecided, spans(found)) == ((), [(0, high)])
+    assert counts_as_told(own, "environment.alpha", ["1/50", "0.3", "0.97"]) == [True] * 3
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("mass", ["0 kg", "0.4 kg"])
+def test_an_order_behind_a_delay_is_answered_though_it_is_a_power_that_changes(mass: str) -> None:
+    """The highest power of s is 2, whatever the order is; with a mass that comes late it is so twice."""
+    own = in_hand(E.spring_pot(300, "1/2"), F.shunt(m=mass, b=1), F.delay("13 ms"), m="1.8 kg", b=14, k=196)
+    told = counts_as_told(own, "environment.alpha", ["0.02", "0.35", "0.5", "0.65", "0.8", "0.98"])
+    assert None not in told
+
+
+def test_a_chain_that_reflects_all_is_at_the_axis_for_every_order_and_delay() -> None:
+    tissue, hand = E.spring_pot(30, "1/2"), {"m": "1.8 kg", "b": 14, "k": 196}
+    link, other = F.wave_variables(13, "19 ms"), F.wave_variables(4, "15 ms")
+    one, two = in_hand(tissue, link, **hand), in_hand(E.mass_spring_damper("0.2 kg", 2, 30), link, other, **hand)
+    for own, path in (
+        (one, "environment.alpha"),
+        (two, "effects.wave-variables.tau"),
+        (two, "effects.wave-variables-2.tau"),
+    ):
+        found = stable(own, path)
+        assert (found.feasible, found.undecided) == ((), ()), path
+        roots = roots_in_hand(own.distortion().perc, own.hands[0])
+        assert roots.chain is RootChain.NEAR
+        assert roots == held(own, own.hands[0]).roots
+    far_apart = two.with_values({"effects.wave-variables.tau": "0.0193711"})
+    assert (roots := held(far_apart, two.hands[0]).roots) is not None
+    assert roots.chain is RootChain.NEAR
+
+
+def test_a_link_with_nothing_that_damps_its_waves_is_stable_for_no_impedance() -> None:
+    """A spring-pot reflects ever more, the higher the frequency: a chain comes to the axis, whatever the link's impedance is."""
+    own = in_hand(E.spring_pot(30, "1/2"), F.wave_variables(21, "2 ms"), F.compliance(k=5809), m="0.4 kg", b=3, k=391)
+    found = stable(own, "effects.wave-variables.b")
+    assert (found.feasible, found.undecided) == ((), ())
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize(("free", "low"), [("hand.b", 8.819064481568287), ("effects.shunt.b", 5.0)])
+def test_damping_without_end_is_told_though_two_delays_have_a_fine_common_unit(free: str, low: float) -> None:
+    """14 ms and 24 ms are multiples of 1 ms: powers of a tangent of 0.5 ms that nearly cancel."""
+    parts = F.delay("14 ms"), F.first_order_lag(543), F.delay("24 ms")
+    device = (F.shunt(b=5),) if "shunt" in free else ()
+    own = in_hand(E.kelvin_voigt(300, 3), *parts, *device, m="1.75 kg", b=39, k=9)
+    found = stable(own, free)
+    assert found.undecided == ()
+    assert free != "hand.b" or spans(found)[-1] == (pytest.approx(low, rel=1e-12), inf)
+    assert None not in counts_as_told(own, free, [1, 7, 30, 1000, 10**6, 10**9], found)
+
+
+@pytest.mark.slow
+def test_a_delay_behind_tissue_of_a_broken_order_is_told_without_end() -> None:
+    """At rest tissue of order 1/2 does not pull, so that |A| > |B| there, and one frequency alone brings roots over."""
+    own = in_hand(E.spring_pot(100, "1/2"), F.first_order_lag(352), F.delay("40 ms"), m="0.8 kg", b=4, k=109)
+    found = stable(own, "effects.delay.tau")
+    [(_, last)] = spans(found)
+    assert found.undecided == ()
+    values = [f"{x:.12g}" for x in (last * 0.9999, last * 1.0001, 3 * last, 0.9)]
+    assert counts_as_told(own, "effects.delay.tau", values, found) == [True, False, False, False]
+
+
+@pytest.mark.slow
+def test_a_delay_is_free_beside_others_of_which_products_are_made() -> None:
+    """The shunt makes the display neutral whatever the delay is: nowhere does it become stable, as each one asked alone says."""
+    late, device = F.delay("20 ms", name="late"), F.shunt(m="0.1 kg", b="1 N*s/m")
+    own = in_hand(E.kelvin_voigt(300, 2), late, device, F.wave_variables("8 N*s/m", "7 ms"), m="0.5 kg", b=5, k=200)
+    assert nearest(own, "late.tau").found == ()
+    for tau in ("1 ms", "20 ms", "507 ms", "2 s"):
+        moved = own.with_values({"late.tau": tau})
+        assert held(moved, moved.hands[0]).stable is False
+
+
+def test_where_all_vanishes_at_rest_whatever_the_number_is_no_value_is_left_out() -> None:
+    """Line and shunt share a zero at s = 0 that is no root: no value of the shunt has one there; nor does it take energy for all."""
+    shunt = F.shunt(Z="(10-a)*s", parameters={"a": 5})
+    own = in_hand(E.kelvin_voigt(100, 1), F.wave_variables(10, "5 ms"), shunt, m=1, b=5, k=20)
+    found = stable(own, "effects.shunt.a", (0, 100))
+    assert spans(found) == [(0, pytest.approx(15.909426991833095, rel=1e-14))]
+    assert counts_as_told(own, "effects.shunt.a", [12, 20, 50], found) == [True, False, False]
+
+
+@pytest.mark.slow
+def test_a_highest_power_that_comes_late_in_all_its_terms_is_unstable_for_every_delay() -> None:
+    """A late mass behind a line without losses: s^4 comes with exp(-s tau) alone."""
+    block = E.mass_spring_damper("0.3 kg", 2, 100)
+    own = in_hand(block, F.delay("29 ms"), F.wave_variables(21, "5 ms"), m="1.55 kg", b=19, k=56)
+    for free in ("effects.delay.tau", "effects.wave-variables.tau"):
+        found = stable(own, free)
+        assert (found.feasible, found.undecided) == ((), ())
+    assert (roots := held(own, own.hands[0]).roots) is not None
+    assert roots.chain is RootChain.RIGHT
+
+
+@pytest.mark.parametrize(
+    ("felt", "device", "path", "span"),
+    [
+        (E.kelvin_voigt(100, 1), F.shunt(b=1), "effects.shunt.b", (-6, inf)),
+        (E.kelvin_voigt(100, 1), F.shunt(m=1), "effects.shunt.m", (-1, inf)),
+        (E.expression("k+b*s", parameters={"k": 100, "b": 3}), F.compliance(k=5000), "environment.b", (0, inf)),
+    ],
+)
+def test_a_number_that_may_be_negative_is_not_told_by_what_positive_ones_do(
+    felt: hs.Environment, device: hs.Effect, path: str, span: tuple[float, float]
+) -> None:
+    """(m + m_h) s^2 + (b + 6) s + 120 of a shunt, and of a formula b s (s^2 + 5 s + 20)/5000 to the third power."""
+    assert spans(stable(in_hand(felt, device, m=1, b=5, k=20), path)) == [span]
+
+
+def test_in_a_hand_that_does_not_damp_passive_parts_are_stable_for_no_value() -> None:
+    own = in_hand(E.mass_spring_damper(k=100), m=1, b=0, k=0)
+    found = stable(own, "environment.k")
+    assert (found.feasible, found.undecided) == ((), ())
+
+
+def test_a_value_with_which_there_is_no_display_will_not_do() -> None:
+    """3 + 1/(q - 3) > 0 for q < 8/3 and for q > 3."""
+    found = stable(display("1/(q - 3)", q=1).with_hands(hs.Hand("hand", 1, 2, 3)), "q", (0, 10))
+    assert (spans(found), found.undecided) == ([(0, pytest.approx(8 / 3)), (3, 10)], ())
+    assert not found.feasible[1].low.closed
+
+
+def test_a_wave_variable_link_holds_whatever_the_damping_of_a_hand_without_mass() -> None:
+    own = hs.load_scene("wave-variable-link").with_hands(hs.hands["firm-grip"])
+    found = stable(own, "hand.b")
+    assert (spans(found), found.feasible[0].low.closed, found.undecided) == ([(0, inf)], False, ())
+    [damping] = rows_of(own, "hand.b")
+    assert (float(damping.value), damping.above, damping.stable_side) == (0, 0, "above")
+
+
+@pytest.mark.slow
+def test_two_wave_variable_links_are_passive_and_stable_for_every_delay_and_impedance() -> None:
+    links = F.wave_variables(13, "19 ms"), F.wave_variables(4, "15 ms")
+    own = in_hand(E.kelvin_voigt(400, 3), *links, m="1.8 kg", b=14, k=196)
+    for path in ("effects.wave-variables.tau", "effects.wave-variables-2.b", "environment.b", "hand.b"):
+        for that in ("stable", "passive"):
+            found = hs.require(own, path, that=that)
+            assert (found.undecided, [high for _, high in spans(found)]) == ((), [inf]), (path, that)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(6))
+def test_in_a_hand_that_damps_passive_parts_are_stable_for_all_values_or_where_a_chain_allows_it(seed: int) -> None:
+    pick = Random(seed)
+    tissue = pick.choice([E.kelvin_voigt(pick.randint(0, 900), pick.randint(1, 9)), E.maxwell(pick.randint(10, 500), pick.randint(1, 9)),
+                          E.zener(pick.randint(10, 500), pick.randint(10, 500), pick.randint(1, 9))])  # fmt: skip
+    parts = [pick.choice([F.wave_variables(pick.randint(2, 40), Rational(pick.randint(1, 30), 1000)),
+                          F.compliance(k=pick.randint(100, 9000), b=pick.randint(1, 9)),
+                          F.shunt(m=Rational(pick.randint(0, 20), 10), b=pick.randint(0, 4))]) for _ in range(pick.randint(1, 3))]  # fmt: skip
+    own = in_hand(tissue, *parts, m=Rational(pick.randint(1, 30), 10), b=pick.randint(1, 40), k=pick.randint(0, 500))
+    for knob in (x for x in own.knobs if "jnd" not in x.path and "shunt" not in x.path and "hand.b" not in x.path):
+        found = stable(own, knob.path, limit=10)
+        for value in (knob.value * x for x in (Rational(1, 300), Rational(1, 7), 1, Rational(9, 2), 130)):
+            moved = own.with_values({knob.path: value})
+            try:
+                with limited(1):
+                    told = roots_in_hand(moved.distortion().perc, moved.hands[0]).number == 0
+            except hs.HaptisymError:
+                continue
+            assert verdict(found, float(value)) in (told, None), (knob.path, value)
+
+
+x, y = Symbol("x", positive=True), Symbol("y", positive=True)
+H = [x + q * s, x * s**2 + y * s + q, q * s**2 + y * s + x, x + q * s**y, x + y * s**q, q + x * y * s / (x + y * s), x * q * s / (x + q * s),
+     x - q * s, q / (s + x), (s + q) / (s + x), (s**2 + q) / (s**2 + x), q * s / (s**2 + y * s + 1), s**4 + y * s + q, q * s**4 + s + x,
+     (s**4 + q * s + 1) / (s**2 + 3 * s + 1), s ** Rational(9, 2) + q * s]  # fmt: skip
+
+
+@pytest.mark.parametrize("form", range(len(H)))
+def test_an_environment_that_is_said_to_take_energy_does_for_all_values_that_are_open(form: int) -> None:
+    pick = Random(form)
+    for _ in range(3):
+        own = H[form].subs({x: Rational(pick.randint(1, 900), pick.randint(1, 9)), y: Rational(pick.randint(1, 9), 10)})
+        if not takes_energy(own):
+            continue
+        value = lambdify((s, q), own, "numpy")
+        values = np.array([pick.uniform(1e-3, 1) for _ in range(200)]) * (1 if own.has(s**q) else 1000)
+        w, right = np.array([[10.0 ** pick.uniform(-3, n) for _ in range(200)] for n in (4, 3)])
+        parts = np.imag(value(1j * w, values))
+        assert parts.min() >= -1e-12 * abs(parts).max()
+        inside = right + 1j * w
+        ratio = value(inside, values[0]) / inside
+        assert (ratio.real >= -1e-12 * abs(ratio)).all()
+
+
+# --- what stays open ----------------------------------------------------------------------------------------------------------
+
+
+def late_link() -> hs.Scene:
+    """Position-force teleoperation behind 13 ms: three products of delays."""
+    link = F.position_force_teleoperator(Mm="0.5 kg", Ms="2 kg", Bs="64 N*s/m", Ks="40 N/m", tau="10 ms")
+    return in_hand(E.kelvin_voigt("120 N/m", "3 N*s/m"), F.delay("13 ms"), link, m="0.6 kg", b=9, k=200)
+
+
+@pytest.mark.slow
+def test_a_stiffness_behind_three_late_products_is_required_up_to_its_critical_value() -> None:
+    found = stable(late_link(), "environment.k", (50, 1000))
+    assert (spans(found), found.undecided) == ([(50, pytest.approx(251.1710946, rel=1e-8))], ())
+    counts_as_told(late_link(), "environment.k", ["251.17", "251.18", 600], found)
+
+
+@pytest.mark.slow
+def test_mass_in_the_hand_that_holds_three_late_products_is_told_without_end() -> None:
+    found = stable(late_link(), "hand.m")
+    assert found.certified
+    counts_as_told(late_link(), "hand.m", ["0.003", "0.6", 40, 3000, 10**6, 10**9], found)
+
+
+@pytest.mark.slow
+def test_a_link_that_comes_back_late_holds_whatever_the_hand_damps() -> None:
+    """Two multiples of one delay stand with the highest power of s, whose factor keeps clear of 0 on the unit circle."""
+    chain = F.wave_variables("10 N*s/m", "20 ms"), F.shunt(m="0.3 kg", b="1 N*s/m", k="20 N/m"), F.delay("20 ms")
+    own = in_hand(E.kelvin_voigt("120 N/m", "3 N*s/m"), *chain, m="0.6 kg", b=9, k=200)
+    found = stable(own, "hand.b", (0, 2000))
+    assert (found.certified, spans(found)) == (True, [(0, 2000)])
+    counts_as_told(own, "hand.b", ["0.5", 40, 700], found)
+
+
+BOTH_WAYS = in_hand(
+    E.mass_spring_damper("250 g", 0, 282), F.first_order_lag(348), F.delay("4 ms"), m="1.8 kg", b=14, k=196
+)
+OPEN: dict[str, tuple[Callable[[], hs.Scene], str, int, float, float]] = {  # ..., spans that are told, open from beyond, up to
+    "a mass behind a lag and a delay holds again and again": (lambda: BOTH_WAYS, "hand.k", 1, 3000, inf),
+    "chains": (lambda: in_hand(E.mass_spring_damper("0.15 kg", 0, 23), F.delay("20 ms"), m="1.8 kg", b=14, k=196), "hand.k", 1, 5e6, inf),
+    "friction": (lambda: hs.Scene(late_link().environment, (*late_link().effects, F.coulomb_friction("0.2 N", "5 mm")), hands=late_link().hands), "hand.m", 0, 0, inf),
+}  # fmt: skip
+
+
+@pytest.mark.few("a mass behind a lag and a delay holds again and again")
+@pytest.mark.parametrize("case", OPEN)
+def test_values_of_which_nothing_is_known_are_told_as_open_for_a_reason(case: str) -> None:
+    scene, path, least, beyond, high = OPEN[case]
+    found = stable(scene(), path)
+    assert not found.certified
+    assert found.reason
+    assert len(found.feasible) >= least
+    last = found.undecided[-1]
+    assert float(last[0] or 0) >= beyond
+    assert (inf if last[1] is None else float(last[1])) == high
+
+
+def test_a_question_is_cut_short_when_its_time_is_over() -> None:
+    clock = iter(range(10**6))
+    with timed_by(lambda: float(next(clock))), limited(3):
+        found = nearest(late_link(), "environment.k")
+    assert (found.found, "limit of 3 s" in found.reason) == ((), True)

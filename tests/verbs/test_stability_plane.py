@@ -1,0 +1,270 @@
+"""Planes of two numbers in which a display is held or shakes: by Hurwitz, by counts at single values, by roots on the boundary."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from itertools import count
+from random import Random
+from typing import Any
+
+import numpy as np
+import pytest
+from lagged import lagged, room, text
+from strategies import Seeded, case, scene
+from sympy import Expr, Rational, Symbol
+
+import haptisym as hs
+from haptisym.kernel.budget import limited, timed_by
+from haptisym.kernel.errors import UndecidedError
+from haptisym.programs.taylormodels import Array
+from haptisym.verbs.require.plane import held_rectangles
+from haptisym.verbs.stability.held import held, unstable_roots
+from haptisym.verbs.stability.plane import boundary, plane
+from haptisym.verbs.tolerances.heldplane import HeldPlane, held_plane
+
+E, F = hs.environments, hs.effects
+SPRING, ARM = hs.load_scene("delayed-spring"), hs.hands["postural-arm"]
+Spans = Mapping[str, tuple[Any, Any]]
+
+# --- the plane of a hand of one mass, as it is drawn ---------------------------------------------------------------------
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize(
+    ("name", "hand", "counts"),
+    [
+        ("delayed-spring", "light-touch", {0, 1, 2}), ("fu2019", "postural-arm", {0, 1}), ("satellite-contact", "postural-arm", {None}),
+        ("position-force-teleoperation", "postural-arm", {0, 2}),
+    ],
+)  # fmt: skip
+def test_the_cells_of_a_hands_plane_bear_the_number_of_roots_that_every_hand_in_them_has(
+    name: str, hand: str, counts: set[int | None]
+) -> None:
+    scene, own = hs.load_scene(name), hs.hands[hand]
+    low, high, least, most = window = (-130.0 if name in ("fu2019", "delayed-spring") else -25.0, 1800.0, -0.6, 12.5)
+    found = plane(scene, own, window)
+    assert {x.roots.number for x in found.cells if x.roots} == counts
+    for x in found.cells:
+        rows, columns = (i + 0.5 for i in np.nonzero(x.pixels))
+        k, b = low + rows * (high - low) / len(x.pixels), least + columns * (most - least) / len(x.pixels)
+        for i in (i for i in range(0, len(k), len(k) // 5 + 1) if k[i] >= 0 and b[i] >= 0):
+            inside = hs.Hand("inside", own.m.value, Rational(float(b[i])), Rational(float(k[i])))
+            assert x.roots is not None
+            assert held(scene, inside).unstable == x.roots.number
+
+
+def test_the_boundary_is_where_roots_lie_on_the_axis() -> None:
+    """K exp(-j w tau) - m w^2 + j w b + k = 0 at every point of it."""
+    found = boundary(SPRING, hs.Hand("hand", "0.5 kg"), (-130.0, 500.0, 0.0, 10.0))
+    for x in np.linspace(1, 34, 300):
+        at = (0.5 * x**2 - 100 * np.cos(0.036 * x), 100 * np.sin(0.036 * x) / x)
+        assert np.hypot((found.k - at[0]) / 100, found.b - at[1]).min() < 0.02
+    assert found.at_0 == -100
+
+
+# --- rectangles of any two numbers -----------------------------------------------------------------------------------------
+
+
+def told_of(found: hs.Scene, spans: Spans, others: tuple[str, ...] = (), **how: Any) -> HeldPlane:
+    """The plane of two numbers by their paths; ``others`` vary as the scene says."""
+    knobs = [found.knobs[x] for x in spans]
+    ends: dict[Symbol, tuple[Expr, Expr]] = {
+        x.symbol: (x.number(a), x.number(b)) for x, (a, b) in zip(knobs, spans.values(), strict=True)
+    }
+    more: Any = {found.knobs[x].symbol: found.knobs[x].interval for x in others}
+    return held_plane(found, found.hands, ends, more, **how)
+
+
+def area(cells: Array) -> float:
+    return float((cells[..., 1] - cells[..., 0]).prod(-1).sum())
+
+
+def need_filled(told: HeldPlane, pixels: int) -> None:
+    """Rectangles fill the plane once."""
+    filled = np.zeros((pixels, pixels), int)
+    for x in np.concatenate([told.stable, told.unstable, told.left]):
+        (a, b), (c, d) = (x * pixels).astype(int).tolist()
+        filled[a:b, c:d] += 1
+    assert (filled == 1).all()
+
+
+def need_counted(found: hs.Scene, told: HeldPlane, spans: Spans, others: tuple[str, ...] = (), times: int = 6) -> None:
+    """Sets of values, within rectangles and at their ends, count as is told of them."""
+    rng = np.random.default_rng(7)
+    for cells, is_stable in ((told.stable, True), (told.unstable, False)):
+        for cell in cells[rng.integers(0, len(cells), times)] if len(cells) else ():
+            values: dict[str, Expr] = {}
+            for (path, (a, b)), (low, high) in zip(spans.items(), cell.tolist(), strict=True):
+                share = Rational(low) + Rational(int(rng.integers(0, 5)), 4) * (Rational(high) - Rational(low))
+                start, end = found.knobs[path].number(a), found.knobs[path].number(b)
+                values[path] = start + share * (end - start)
+            for path in others:
+                low, high = found.knobs[path].interval or (0, 0)
+                values[path] = low + Rational(int(rng.integers(0, 5)), 4) * (high - low)
+            now = found.with_values(values)
+            assert all(unstable_roots(now, x).number == 0 for x in now.hands) is is_stable, values
+
+
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("varies", [False, True])
+def test_a_plane_of_stiffness_and_damping_is_told_as_the_condition_says(seed: int, *, varies: bool) -> None:
+    """The room falls with k and grows with b: of a rectangle one corner decides that all are stable, the other that none is."""
+    pick = Random(seed)
+    m, omega_c = Fraction(pick.randint(5, 20), 10), Fraction(pick.randint(5, 12))
+    heavy = [m, m * Fraction(11, 10)] if varies else [m, m]
+    spans: Spans = {"environment.k": (1, pick.randint(40, 80)), "hand.b": (Rational(1, 2), pick.randint(3, 5))}
+    told = told_of(lagged(20, text(heavy), 2, omega_c), spans, ("hand.m",) if varies else (), finest=2.0**-5)
+    need_filled(told, 32)
+    assert area(told.left) < 0.25
+
+    def worst(cell: Any, way: int) -> Any:
+        ends = [(Fraction(int(a)) if a == int(a) else Fraction(1, 2), Fraction(b)) for a, b in spans.values()]
+        (k0, k1), (b0, b1) = (
+            tuple(low + Fraction(x) * (high - low) for x in side) for side, (low, high) in zip(cell, ends, strict=True)
+        )
+        k, b = (k1, b0) if way < 0 else (k0, b1)
+        return (min if way < 0 else max)(room(k, y, b, omega_c) for y in heavy)
+
+    assert all(worst(x, -1) > 0 for x in told.stable.tolist())
+    assert all(worst(x, 1) < 0 for x in told.unstable.tolist())
+    near = [x for x in told.left.tolist() if worst(x, -1) <= 0 <= worst(x, 1)]
+    assert len(near) > 0.3 * len(told.left)
+    assert (told.left[..., 1] - told.left[..., 0] == 2.0**-5).all()
+
+
+def test_the_boundary_of_a_late_spring_in_an_arm_lies_in_what_is_left() -> None:
+    """36 ms: up to K = 199.8521; in between less than a hundredth of the area."""
+    own, spans = SPRING.with_hands(ARM), {"tau": ("1 ms", "60 ms"), "environment.k": (10, 1000)}
+    told = told_of(own, spans)
+    need_filled(told, 256)
+    assert area(told.left) < 0.01
+    at = 35 / 59, (199.8521022587101 - 10) / 990
+    assert any((x[:, 0] <= at).all() and (x[:, 1] >= at).all() for x in told.left)
+    need_counted(own, told, spans)
+
+
+@pytest.mark.parametrize(("how", "seconds"), [({"most": 20}, None), ({"most": 400}, None), ({}, 5)])
+def test_whatever_ends_the_search_all_of_a_plane_is_told_and_nothing_wrong(
+    how: dict[str, int], seconds: int | None
+) -> None:
+    clock = count()
+    own, spans = lagged(20, 1, 2, 10), {"environment.k": (1, 60), "hand.b": (Rational(1, 2), 4)}
+    with timed_by(lambda: float(next(clock))), limited(seconds):
+        told = told_of(own, spans, finest=2.0**-6, **how)
+    need_filled(told, 64)
+    assert area(told.left) > 0.1
+    need_counted(own, told, spans)
+
+
+SOFT = hs.load_scene("sampled-wall").with_hands(hs.Hand("soft", m="45 g +- 10 %", b=1, k=100))
+TWO = F.delay("1 ms"), F.shunt(b="-20 N*s/m"), F.delay("1 s")  # m s^2 + b s + k + 20 s (e^(-s (1 + tau)) - e^(-s))
+VARIED: dict[str, tuple[hs.Scene, Spans, tuple[str, ...], int, tuple[float, float]]] = {  # and least areas of stable and unstable
+    "a stiffness varies": (SPRING.with_values({"environment.k": "100 N/m +- 20 %"}).with_hands(ARM), {"hand.k": (0, 500), "hand.b": (0, 10)}, ("environment.k",), 6, (0.2, 0.2)),
+    "five roots, whose coefficients all vary with the mass": (SOFT, {"hand.k": (90, 110), "hand.b": (2, 4)}, ("hand.m",), 3, (0.9, 0)),
+    "two delays cancel at 0 and add up far from it": (hs.Scene(E.mass_spring_damper(b=20), TWO, hands=(hs.Hand("mine", 1, 1, 1),)), {"effects.delay.tau": ("1 ms", "100 ms"), "hand.b": (1, 2)}, (), 4, (0.1, 0.1)),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", VARIED)
+def test_what_else_varies_is_counted_in(case: str) -> None:
+    found, spans, others, finest, least = VARIED[case]
+    told = told_of(found, spans, others, finest=2.0**-finest)
+    assert area(told.stable) > least[0]
+    assert area(told.unstable) >= least[1]
+    need_counted(found, told, spans, others)
+
+
+@pytest.mark.slow
+def test_a_sampled_wall_is_told_all_over_its_plane() -> None:
+    """Held by nothing but its device, 0.04 kg and 0.8 N s/m, T = 1 ms: K < 1605.35 for B = 0, 2384.3034697805 for B = 0.4."""
+    loop = F.sampled_loop("1 ms", "backward-difference"), F.shunt(m="40 g", b="0.8 N*s/m")
+    own = hs.Scene(E.kelvin_voigt(1000, "0.4 N*s/m"), loop, hands=(hs.Hand("none"),))
+    spans = {"environment.b": (0, 1), "environment.k": (1000, 3000)}
+    told = told_of(own, spans, finest=2.0**-6)
+    need_filled(told, 64)
+    assert area(told.left) < 0.2
+    for at, critical in ((0.0, 1605.35113477512), (0.4, 2384.3034697805)):
+        for cells, side in ((told.stable, 1), (told.unstable, -1)):
+            there = cells[(cells[:, 0, 0] <= at) & (cells[:, 0, 1] >= at)]
+            assert len(there)
+            assert (side * (critical - 1000 - 2000 * there[:, 1, (1 + side) // 2]) > 0).all()
+    need_counted(own, told, spans)
+
+
+@pytest.mark.parametrize("hidden", [1, 2])
+def test_what_is_hidden_at_one_value_alone_does_not_make_its_neighbours_stable(hidden: int) -> None:
+    """s^2 - c s + 4 over s^2 - s + 4 between hold and sampler: at c = 1, the middle of the first rectangles, alone it cancels."""
+    wall = E.expression("k*(s^2 - c*s + 4)/(s + 3)^2", parameters={"k": 1, "c": 1})
+    device = F.shunt(Z=f"(s^2 - s + 4)*(s + 5)/(s + {hidden})", parameters={})
+    own = hs.Scene(wall, (F.zero_order_hold("10 ms"), device), hands=(hs.Hand("none"),))
+    spans = {"environment.c": ("0.9875", "1.1875"), "environment.k": (1, 2)}
+    assert [unstable_roots(own.with_values({"environment.c": c}), own.hands[0]).number for c in (1, "1.1")] == [0, 2]
+    need_counted(own, told_of(own, spans, finest=2.0**-3), spans)
+
+
+def test_what_shakes_by_more_roots_than_could_be_hidden_is_told_to_shake() -> None:
+    """(s^2 + s + 4 + k) (s - 1) + b s (s - 2) over s - 1, which could hide one root on the right, and no more."""
+    own = hs.Scene(
+        E.expression("k + b*s*(s - c)/(s - 1)", parameters={"k": 2, "b": -3, "c": 2}), hands=(hs.Hand("mine", 1, 1, 4),)
+    )
+    spans = {"environment.b": (-5, 5), "environment.k": (1, 40)}
+    told = told_of(own, spans, finest=2.0**-4)
+    assert area(told.unstable) > 0.1
+    need_filled(told, 16)
+    need_counted(own, told, spans, times=12)
+
+
+def test_stable_in_several_hands_is_stable_in_each() -> None:
+    spans = {"tau": ("1 ms", "60 ms"), "environment.k": (10, 1000)}
+    loose = hs.Hand("loose", m="0.1 kg", b="3 N*s/m")
+    both, one = (told_of(SPRING.with_hands(*x), spans, finest=2.0**-4) for x in ((ARM, loose), (ARM,)))
+    assert 0 < area(both.stable) < area(one.stable)
+    need_counted(SPRING.with_hands(ARM, loose), both, spans)
+
+
+@pytest.mark.parametrize("hands", [(ARM,), (hs.Hand("heavy", m=2000, b=10), ARM)])
+def test_a_plane_into_which_roots_come_from_infinity_is_told_as_open_in_all_hands(hands: tuple[hs.Hand, ...]) -> None:
+    own = hs.load_scene("satellite-contact").with_hands(*hands)
+    path = f"hands.{ARM.name}" if len(hands) > 1 else "hand"
+    with pytest.raises(UndecidedError, match="infinity"):
+        told_of(own, {f"{path}.m": (100, 1000), f"{path}.b": (0, 10)})
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("seed", range(5, 29))
+def test_no_set_of_values_of_a_random_plane_is_against_it(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    plain = scene(case(Seeded(7000 + seed), order=4))
+    m, b, k = (Rational(int(x), 8) for x in rng.integers(1, 60, 3))
+    own = plain.with_hands(hs.Hand("mine", m=m, b=b, k=k))
+    free = [p.path for p in plain.parameters if p.value.is_Rational and p.value > 0][:1]
+    spans = {path: (own.knobs[path].value / 2, own.knobs[path].value * 2) for path in [*free, "hand.b", "hand.k"][:2]}
+    try:
+        told = told_of(own, spans, finest=2.0**-5)
+    except UndecidedError:
+        return
+    need_counted(own, told, spans, times=3)
+
+
+def test_thresholds_are_sides_of_a_plane_that_move_no_root() -> None:
+    """Of two of them all is stable, or nothing; beside a damper its own condition decides, b (b + 10) > 20."""
+    jnds = "evaluation.jnd.real", "evaluation.jnd.imag"
+    ranges = [(Rational(1, 10), Rational(1, 2)), (Rational(1), Rational(4))]
+    for k, part in ((20, 0), (90, 1)):
+        now = lagged(k, 1, 2, 10)
+        found = held_rectangles(now, (now.knobs[jnds[0]], now.knobs[jnds[1]]), ranges)
+        assert found is not None
+        assert [i for i, x in enumerate(found.parts) if len(x)] == [part]
+        whole = np.concatenate(found.parts)
+        assert [whole[:, i, 0].min() for i in (0, 1)] == pytest.approx([0.1, 1])
+        assert [whole[:, i, 1].max() for i in (0, 1)] == pytest.approx([0.5, 4])
+    loose, least = lagged(20, 1, 2, 10), -5 + 45**0.5
+    own = held_rectangles(loose, (loose.knobs["evaluation.jnd"], loose.knobs["hand.b"]), ranges)
+    assert own is not None
+    assert (own.kept[:, 1, 0] > least).all()
+    assert (own.broken[:, 1, 1] < least).all()
+    assert (own.left[:, 1, 0] <= least).all()
+    assert (own.left[:, 1, 1] >= least).all()
+    assert own.share_left == pytest.approx(1 / 512, rel=1e-9)
