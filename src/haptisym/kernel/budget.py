@@ -26,7 +26,7 @@ _clock: ContextVar[Callable[[], float]] = ContextVar("clock", default=monotonic)
 
 @contextmanager
 def timed_by(clock: Callable[[], float]) -> Iterator[None]:
-    """Limits that are set inside are measured by that clock, in s: one that counts its readings cuts short at the same place on every machine.
+    """Limits that are set inside are measured by that clock, in s; one that counts its readings is the same on every machine.
 
     >>> from itertools import count
     >>> with timed_by(count().__next__), limited(3):  # a second passes whenever the clock is read

@@ -218,7 +218,9 @@ def in_place(form: Expr, known: Mapping[Symbol, Expr]) -> Expr:
     found = form.xreplace(known)
     if found.has(zoo, nan):
         told = ", ".join(sorted(f"{x} = {known[x]}" for x in form.free_symbols & known.keys()))
-        raise SceneError(f"{form} is divided by zero with {told}")
+        raise SceneError(
+            f"{form} is divided by zero with {told}" if told else f"it is divided by zero: {form} is no number"
+        )
     return found
 
 
