@@ -261,7 +261,7 @@ def in_laplace(given: Expr, variable: Symbol | None = None) -> Expr:
     >>> in_laplace(3 * I * Symbol("w") + 100)
     Traceback (most recent call last):
       ...
-    haptisym.kernel.errors.SceneError: "3*I*w + 100" contains I, which does not cancel: write it in s, not in j*omega, with real numbers
+    haptisym.kernel.errors.SceneError: "3*I*w + 100" contains I, which does not cancel: write it in s, with real numbers
     """
     called_s = {x for x in given.free_symbols if x.name == "s"} - {variable}
     if called_s and (variable is not None or len(called_s) > 1):
@@ -281,7 +281,7 @@ def _without_i(expression: Expr, given: Expr) -> Expr:
     """The same as a quotient of real polynomials; SceneError where it is none."""
     above, below = (expand(x) for x in fraction(together(expression)))
     if above.has(I) or below.has(I):
-        way = "write it in s, not in j*omega, with real numbers"
+        way = "write it in s, with real numbers"
         raise SceneError(f"{quoted(given)} contains I, which does not cancel: {way}")
     return above / below
 
