@@ -14,7 +14,7 @@ from typing import Any, TypeAlias, get_args, get_type_hints
 
 from sympy import Expr, Integer, Pow, Symbol, nan, pi, zoo
 
-from haptisym.kernel.errors import SceneError, meant, quoted
+from haptisym.kernel.errors import SceneError, SignError, meant, quoted
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.symbols import s
 from haptisym.model import expressions
@@ -157,7 +157,11 @@ def environment(name: str) -> Callable[[Callable[..., Expr]], Callable[..., Envi
 
         @wraps(equation)
         def build(*args: Any, **kwargs: Any) -> Environment:
-            parameters, arguments = _bind(equation, slots, args, kwargs)
+            try:
+                parameters, arguments = _bind(equation, slots, args, kwargs)
+            except SignError as error:
+                way = 'a negative one is model = "expression", H = "k" with k among its parameters, or the effect shunt'
+                raise SceneError(f"{error}: {name} is passive; {way}") from None
             return Environment(name, parameters, _expression(equation(**arguments)))
 
         ENVIRONMENTS[name] = Model(name, slots, build, _summary(equation))
