@@ -9,13 +9,16 @@ from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
 from functools import cache
+from math import ceil
 from numbers import Real
 from typing import TypeAlias
 
 from sympy import (
+    Add,
     Expr,
     Float,
     I,
+    Mul,
     Pow,
     Rational,
     Symbol,
@@ -31,6 +34,7 @@ from sympy import (
 
 from haptisym.kernel.errors import SceneError, quoted
 from haptisym.kernel.symbols import s
+from haptisym.model import expressions
 from haptisym.model.units import read_unit
 
 Number: TypeAlias = "str | int | float | Decimal | Fraction | Expr"
@@ -274,7 +278,22 @@ def in_laplace(given: Expr, variable: Symbol | None = None) -> Expr:
     refuse_unreal(others)
     found = given.xreplace({x: s for x in {*called_s, variable} if x is not None})
     found = found.xreplace({x: decimal(str(float(x))) for x in found.atoms(Float)})
+    if (degree := _degree(found)) > expressions.HIGHEST_DEGREE:
+        most = expressions.HIGHEST_DEGREE
+        raise SceneError(
+            f"{quoted(given)} has the degree {degree} in s when written out, and at most {most} can be answered"
+        )
     return _without_i(found, given) if found.has(I) else found
+
+
+def _degree(x: Expr) -> int:
+    """What the degree in s is at most when all is written out: of sums the largest, of products and quotients the sum."""
+    if x == s:
+        return 1
+    if isinstance(x, Pow) and x.exp.is_Rational:
+        return ceil(abs(x.exp) * _degree(x.base))
+    own = [_degree(y) for y in x.args] if isinstance(x, Add | Mul) else []
+    return sum(own) if isinstance(x, Mul) else max(own, default=0)
 
 
 def _without_i(expression: Expr, given: Expr) -> Expr:
