@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
+from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.precision import MOST_BITS, at_rising_precision
 from haptisym.kernel.reals import Ball
@@ -84,6 +85,7 @@ class _Lazy:
 
     @cached_property
     def exact(self) -> Exact:
+        tick()  # these grow from step to step
         return self.make()
 
     def __add__(self, other: _Lazy) -> _Lazy:
