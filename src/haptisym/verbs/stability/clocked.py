@@ -60,7 +60,7 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
 
 
 def seen_by_the_clock(G: RationalFunction) -> tuple[RationalFunction, tuple[int, int]]:
-    """What moves and the force before the clock, in a row; and how many of its modes, Re p > 0 and Re p = 0, the clock does not see.
+    """What moves and the force before the clock, in a row; and how many modes, Re p > 0 and Re p = 0, the clock does not see.
 
     What the force does not see remains a mode of what moves, and what the motion does not reach one of the force: exp(p T) is
     a root of the loop for each p that cancels. Those that fade are left out; pairs +-p, which balls do not tell from the circle,
