@@ -84,3 +84,9 @@ def test_a_damper_in_series_with_a_spring_holds_no_handle_also_behind_a_hold() -
     plain = hs.parse_scene(text.format(""))
     assert [hs.stability(x).held[0].unstable for x in (held, plain)] == [1, 1]
     assert hs.require(held, "hand.b", ("0.1", "20"), that=("stable",)).feasible == ()
+
+
+def test_a_handle_without_mass_damping_and_stiffness_at_the_end_of_a_search_ends_no_answer() -> None:
+    felt, loop = hs.environments.expression("1.2 + s/2"), hs.effects.sampled_loop("1 s", "backward-difference")
+    found = hs.stability(hs.Scene(felt, (loop,), hands=(hs.Hand("mover", b=1),)))
+    assert found.held[0].unstable is not None
