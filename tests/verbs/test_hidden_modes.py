@@ -61,15 +61,16 @@ class Hidden:
         force = self.gain * np.array([1, 0, n0 - d0, n1 - d1])
         return np.abs(np.linalg.eigvals(over[:4, :4] + np.outer(over[:4, 4], force)))
 
+    def is_clear(self) -> bool:
+        """Whether floats tell all other roots from the circle."""
+        return bool((np.sort(np.abs(self.sizes() - 1))[self.on :] > 1e-5).all())
+
 
 @pytest.mark.few(12)
 @pytest.mark.parametrize("seed", range(40))
 def test_roots_are_those_of_the_whole_loop(seed: int) -> None:
-    case = Hidden.drawn(seed)
-    sizes = np.sort(np.abs(case.sizes() - 1))
-    assert (sizes[: case.on] < 1e-7).all()
-    if (sizes[case.on :] < 1e-5).any():
-        pytest.skip("another root lies on the circle, as far as floats tell")
+    case = next(x for x in (Hidden.drawn(seed + 100 * n) for n in range(50)) if x.is_clear())
+    assert (np.sort(np.abs(case.sizes() - 1))[: case.on] < 1e-7).all()
     found = clocked_roots(case.scene, case.scene.hands[0])
     assert found.number == np.count_nonzero(case.sizes() > 1 - 1e-6)
 
