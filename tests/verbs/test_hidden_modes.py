@@ -91,3 +91,16 @@ def test_a_handle_without_mass_damping_and_stiffness_at_the_end_of_a_search_ends
     felt, loop = hs.environments.expression("1.2 + s/2"), hs.effects.sampled_loop("1 s", "backward-difference")
     found = hs.stability(hs.Scene(felt, (loop,), hands=(hs.Hand("mover", b=1),)))
     assert found.held[0].unstable is not None
+
+
+def test_what_binds_a_sampled_loop_lies_on_the_unit_circle() -> None:
+    """b of a centring spring at 60 Hz, one frame late, on a wheel of 0.04 kg m^2 and 0.1 N m s/rad: by eigenvalues."""
+    text = (
+        '[environment]\nmodel = "kelvin-voigt"\nk = 8\nb = 0\n[[effects]]\nmodel = "sampled-loop"\nT = "16.6666666667 ms"\n'
+        'method = "backward-difference"\ndelay = 1\n[[effects]]\nmodel = "shunt"\nm = 0.04\nb = 0.1\n[hand]\nm = 0\n'
+    )
+    found = hs.require(hs.parse_scene(text), "environment.b", that=("stable",))
+    [span] = found.feasible
+    assert (span.low.value.digits(15), span.high.value.digits(15)) == ("0.107766452952012", "1.87491415916525")
+    assert "unit circle" in str(found)
+    assert "imaginary axis" not in str(found)
