@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import Any, TypeAlias
 
 import numpy as np
-from sympy import Add, Expr, Float, I, Integer, Matrix
+from sympy import Add, Expr, I, Integer, Matrix
 
 from haptisym import effects, environments
 from haptisym.kernel.dynamics import Ring
@@ -27,7 +27,7 @@ from haptisym.kernel.rings import PolynomialRing, RationalFunction, degree_in
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.measured import Measurement
-from haptisym.model.quantities import Dimension, decimal, quantity
+from haptisym.model.quantities import Dimension, decimal, in_laplace, quantity
 from haptisym.model.uff import write_uff
 
 System: TypeAlias = Any
@@ -140,8 +140,7 @@ def _series_gain(effect: Effect) -> Expr:
 
 def _sympy(system: System) -> Expr | None:
     if isinstance(system, Expr):
-        named = {x: s for x in system.free_symbols if x.name == "s"}
-        return _exact(system.xreplace(named))
+        return in_laplace(system)
     package = sys.modules.get("sympy.physics.control.lti")
     if package is None or not isinstance(system, package.LinearTimeInvariant):
         return None
@@ -149,7 +148,7 @@ def _sympy(system: System) -> Expr | None:
     _continuous(getattr(system, "sampling_time", 0))
     if isinstance(system, package.StateSpace):
         return _state_space(system.A, system.B, system.C, system.D)
-    return _exact(system.to_expr().xreplace({system.var: s}))
+    return in_laplace(system.to_expr(), system.var)
 
 
 def _control(system: System) -> Expr | None:
@@ -240,11 +239,6 @@ def _number(given: Any) -> Expr:
             raise SceneError(f"{given} is a complex coefficient: a system that can be built has real ones")
         given = given.real
     return quantity(given, Dimension.ANY).value
-
-
-def _exact(expression: Expr) -> Expr:
-    """The expression with its floats read as the decimals that they are written as."""
-    return expression.xreplace({x: decimal(str(float(x))) for x in expression.atoms(Float)})
 
 
 # --- out -------------------------------------------------------------------------------------------------------------

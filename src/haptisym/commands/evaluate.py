@@ -116,7 +116,7 @@ def evaluate(
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
     with progress() as told, limited(limit, told):
-        result = evaluate_scene(one, digits, tolerance=tolerance, regions=regions, proportion=proportion)
+        result = evaluate_scene(one, digits, tolerance=tolerance, regions=regions, proportion=proportion, limit=None)
         _ = result.bandwidths  # of a range of thresholds: within the limit
         proof = result.certificate() if certificate else ""
     if certificate is not None:

@@ -9,9 +9,7 @@ import click
 
 from haptisym.commands.options import Command
 from haptisym.commands.progress import progress
-from haptisym.kernel.budget import limited
-
-SECONDS = 60.0
+from haptisym.kernel.budget import SECONDS, limited
 
 
 def limit_option(command: Command) -> Command:

@@ -72,7 +72,7 @@ def stability(
     """
     from haptisym.verbs.stability.entry import stability as of
 
-    found = of(scene, names or None, paths, digits=digits)
+    found = of(scene, names or None, paths, digits=digits, limit=None)
     drawn(found, figure)
     proven(found, certificate)
     hand_over(found, as_json=as_json)

@@ -19,6 +19,8 @@ from haptisym.kernel.errors import LimitError, SceneError
 Told: TypeAlias = Callable[[float, float | None, str], None]
 """Is called with what is done, of how much (None: nobody knows), and with what it is that is done."""
 
+SECONDS = 60.0
+"""The limit of a question that is asked without one."""
 _PAUSE = 0.1  # s between two words to whoever is told
 
 _clock: ContextVar[Callable[[], float]] = ContextVar("clock", default=monotonic)

@@ -20,6 +20,10 @@ class SceneError(HaptisymError):
         return type(self)(f"{place}: {self}")
 
 
+class SignError(SceneError):
+    """A parameter has a sign that its model does not allow."""
+
+
 class ExpressionError(SceneError):
     """A formula in a scene is not in the grammar; the message points at the place."""
 

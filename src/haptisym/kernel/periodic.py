@@ -11,6 +11,7 @@ from flint import arb, fmpq
 from sympy import Expr, Integer, pi
 
 from haptisym.kernel.analytic import AnalyticFactor
+from haptisym.kernel.budget import tick
 from haptisym.kernel.polynomials import polynomial_factors
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 
@@ -71,7 +72,7 @@ class PeriodicFactor(AnalyticFactor):
             ends = [expression_ball(low), expression_ball(high)]
             halves = [float((expression_ball(rate) * end / (2 * arb.pi())).mid()) for end in ends]
             turns = range(floor(halves[0] - 0.5 - _SLACK), floor(halves[1] + 0.5 + _SLACK) + 1)
-            near = [(x, x.ball(128)) for x in (Turned(angle, n, rate) for n in turns for angle in self.angles)]
+            near = [(x, _ticked(x).ball(128)) for x in (Turned(angle, n, rate) for n in turns for angle in self.angles)]
             known = [end for end, place in zip(ends, (low, high), strict=True) if self.order_at(place)]
             # the zero at an end is counted there
             return [
@@ -79,6 +80,11 @@ class PeriodicFactor(AnalyticFactor):
                 for x, ball in near
                 if not (ball < ends[0] or ball > ends[1] or any(ball.overlaps(end) for end in known))
             ]
+
+
+def _ticked(x: Turned) -> Turned:
+    tick()
+    return x
 
 
 _SLACK = 1e-6  # half turns: more than floats err, so that none is left out

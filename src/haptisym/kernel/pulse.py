@@ -24,6 +24,7 @@ from haptisym.kernel.jets import value
 from haptisym.kernel.precision import at_rising_precision
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.residues import residues
+from haptisym.kernel.schurcohn import Circle, count_on_circle
 from haptisym.kernel.states import States
 
 Numbers: TypeAlias = Sequence[Expr]
@@ -65,6 +66,13 @@ class SampledLoop:
     T: Expr
     above: tuple[Expr, ...]
     below: tuple[Expr, ...]
+    hidden: tuple[int, int] = (0, 0)
+    """Roots with |z| > 1 and |z| = 1 that the clock does not see, so that they are in no coefficient."""
+
+    def circle(self) -> Circle:
+        """How its roots w = 1/z, the hidden ones as well, lie about the unit circle: certified, or UndecidedError."""
+        found = count_on_circle(self)
+        return Circle(found.inside + self.hidden[0], found.on + self.hidden[1], found.outside)
 
     def at(self, values: Mapping[Symbol, Expr]) -> SampledLoop:
         """With numbers in place of symbols, nothing cancelled."""
@@ -78,7 +86,7 @@ class SampledLoop:
         plant = self.plant
         terms = tuple((lag.xreplace(values), put(N)) for lag, N in plant.terms)
         return SampledLoop(
-            Plant(put(plant.denominator), terms), self.T.xreplace(values), put(self.above), put(self.below)
+            Plant(put(plant.denominator), terms), self.T.xreplace(values), put(self.above), put(self.below), self.hidden
         )
 
     def balls(self, known: Mapping[Expr, Ball] = MappingProxyType({})) -> list[Ball]:

@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 from flint import fmpq, fmpq_poly
 from sympy import Expr, pi
 
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.exponentials import Element, Exponentials
 from haptisym.kernel.monomials import monomials
 
@@ -38,6 +39,8 @@ class _Residues:
     ) -> None:
         self.ways, self.T, self.controller = ways, _fmpq(T), controller
         Q = fmpq_poly([_fmpq(x) for x in denominator])
+        if not Q:
+            raise UndecidedError("the roots of a loop in which nothing resists the force")
         self.at_0 = next(i for i, x in enumerate(Q.coeffs()) if x)
         self.lead = Q.coeffs()[-1]
         split = fmpq_poly(Q.coeffs()[self.at_0 :]).factor()[1]

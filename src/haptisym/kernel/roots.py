@@ -12,11 +12,12 @@ from math import prod
 from typing import Any, TypeAlias
 
 import flint
+from flint import arb
 from sympy import Expr, Rational
 
 from haptisym.kernel.analytic import AnalyticFactor
 from haptisym.kernel.budget import tick
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.factoring import Known, Product, factored_function, is_even_or_odd
 from haptisym.kernel.lattices import Lattice, Signed, met
 from haptisym.kernel.levels import Level
@@ -162,6 +163,7 @@ def _charted(functions: Mapping[Key, RealFunction | Level], low: Expr, high: Exp
     even = all(is_even_or_odd(function) for function in functions.values())
     products = _products(functions, in_square=even)
     factors = {factor for product in products.values() for factor in product.exponents}
+    _refuse_endless(factors, low, high)
     steady = {f: sign for f in factors if (sign := f.steady_sign(low, high))}
     places = _places(factors - steady.keys(), low, high)
     signs = _first_signs(products, places, steady)
@@ -176,6 +178,24 @@ def _charted(functions: Mapping[Key, RealFunction | Level], low: Expr, high: Exp
         points.append(Point(place.omega, orders, before, after, _undecided(products, place)))
         signs = after
     return tuple(points)
+
+
+_MOST_TURNS = 10**5
+"""Of a delay's phase on a band: each may bring some crossings, and nobody reads a million of them."""
+
+
+def _refuse_endless(factors: Iterable[Factor], low: Expr, high: Expr) -> None:
+    """SceneError where a delay turns so often on the band that its crossings cannot be listed."""
+    rates = {rate for f in factors if isinstance(f, AnalyticFactor) for rate, constant in f.rates if not constant}
+    for rate in rates:
+        with flint.ctx.workprec(64):
+            turns = abs(expression_ball(rate) * (expression_ball(high) - expression_ball(low)) / (2 * arb.pi()))
+            if turns > _MOST_TURNS:
+                seconds, times = (f"{float(x.mid()):.3g}" for x in (abs(expression_ball(rate)), turns))
+                told = f"{seconds} s turns its phase {times} times on the band"
+                raise SceneError(
+                    f"a delay of {told}, and at most {_MOST_TURNS} can be looked at: give a shorter delay or band"
+                )
 
 
 def _products(functions: Mapping[Key, RealFunction | Level], *, in_square: bool) -> dict[Key, Product]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
+from haptisym.kernel.budget import afford
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.precision import MOST_BITS, at_rising_precision
 from haptisym.kernel.reals import Ball
@@ -75,6 +76,12 @@ class _RiseError(Exception):
     """More precision is needed."""
 
 
+def _product(x: Exact, y: Exact) -> Exact:
+    if hasattr(x, "__len__"):  # a polynomial in exponentials: products grow from step to step
+        afford(len(x), len(y))
+    return x * y
+
+
 @dataclass(frozen=True)
 class _Lazy:
     """A number as a ball, and exactly once that is asked for."""
@@ -93,7 +100,7 @@ class _Lazy:
         return _Lazy(self.ball - other.ball, lambda: self.exact - other.exact)
 
     def __mul__(self, other: _Lazy) -> _Lazy:
-        return _Lazy(self.ball * other.ball, lambda: self.exact * other.exact)
+        return _Lazy(self.ball * other.ball, lambda: _product(self.exact, other.exact))
 
     def times(self, factor: int) -> _Lazy:
         return _Lazy(factor * self.ball, lambda: factor * self.exact)

@@ -12,9 +12,9 @@ from dataclasses import dataclass, field, replace
 from functools import wraps
 from typing import Any, TypeAlias, get_args, get_type_hints
 
-from sympy import Expr, Float, Integer, Pow, Symbol, pi
+from sympy import Expr, Integer, Pow, Symbol, nan, pi, zoo
 
-from haptisym.kernel.errors import SceneError, meant, quoted
+from haptisym.kernel.errors import SceneError, SignError, meant, quoted
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.symbols import s
 from haptisym.model import expressions
@@ -34,7 +34,7 @@ from haptisym.model.parameters import (
     values,
     with_values,
 )
-from haptisym.model.quantities import Number, decimal
+from haptisym.model.quantities import Number, decimal, in_laplace
 
 Matrix: TypeAlias = tuple[Expr, Expr, Expr, Expr]
 
@@ -157,7 +157,11 @@ def environment(name: str) -> Callable[[Callable[..., Expr]], Callable[..., Envi
 
         @wraps(equation)
         def build(*args: Any, **kwargs: Any) -> Environment:
-            parameters, arguments = _bind(equation, slots, args, kwargs)
+            try:
+                parameters, arguments = _bind(equation, slots, args, kwargs)
+            except SignError as error:
+                way = 'a negative one is model = "expression", H = "k" with k among its parameters, or the effect shunt'
+                raise SceneError(f"{error}: {name} is passive; {way}") from None
             return Environment(name, parameters, _expression(equation(**arguments)))
 
         ENVIRONMENTS[name] = Model(name, slots, build, _summary(equation))
@@ -177,6 +181,9 @@ def effect(model: str) -> Callable[[Callable[..., Matrix]], Callable[..., Effect
             parameters, arguments = _bind(equation, slots, args, kwargs)
             refuse_references(parameters)
             a, b, c, d = map(_expression, equation(**arguments))
+            if any(x.has(zoo, nan) for x in (a, b, c, d)):
+                zero = " and ".join(key for key, x in arguments.items() if x == 0)
+                raise SceneError(f"{zero or model}: what the effect does is divided by it: it must not be 0")
             bound = inspect.signature(equation).bind(**arguments)
             bound.apply_defaults()
             settings = tuple((key, bound.arguments[key]) for key, slot in slots.items() if slot.is_setting)
@@ -223,6 +230,8 @@ def _bind(
         slot = slots[key]
         if slot.formula:
             arguments[key] = _formula(key, value, free)
+            unknown = sorted(arguments[key].free_symbols - {s} - {p.symbol for p in parameters}, key=str)
+            parameters += [Parameter(x, x, NAMED.dimension, key=x.name, rule=NAMED.rule) for x in unknown]
         elif slot.choices:
             arguments[key] = chosen(key, value, slot.choices)
         elif slot.is_setting:
@@ -276,8 +285,11 @@ def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
 def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     if isinstance(given, Expr):
         by_name = {p.symbol.name: p.symbol for p in parameters}
-        exact = {x: decimal(str(float(x))) for x in given.atoms(Float)}
-        return given.xreplace(exact | {x: by_name[x.name] for x in given.free_symbols if x.name in by_name})
+        try:
+            found = in_laplace(given)
+        except SceneError as error:
+            raise error.within(key) from None
+        return found.xreplace({x: by_name[x.name] for x in found.free_symbols if x.name in by_name})
     if isinstance(given, int | float):
         given = str(given)
     if not isinstance(given, str):

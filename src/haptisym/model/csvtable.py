@@ -39,6 +39,8 @@ class Form:
     check: Callable[[Sequence[str]], tuple[str, ...]]
     factor: Callable[[str, str], tuple[float, MotionKind | None]]
     example: str
+    units: Callable[[Sequence[str], Sequence[str]], Sequence[str]] = lambda _, units: units
+    """Of columns and their units, all units: those of columns that have none may follow from the others; or an error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +156,7 @@ def _named(cell: str) -> tuple[str, str]:
 
 
 def _factors(columns: Sequence[str], units: Sequence[str], form: Form) -> tuple[tuple[float, ...], MotionKind | None]:
+    units = form.units(columns, units)
     found = [form.factor(*x) for x in zip(columns, units, strict=True)]
     motions = {motion for _, motion in found if motion}
     if len(motions) > 1:
@@ -167,6 +170,8 @@ def _factors(columns: Sequence[str], units: Sequence[str], form: Form) -> tuple[
 def _rows(file: TextIO, head: Head) -> Reals:
     parts, line = [], head.line
     for text in _texts(file, head.first):
+        if head.delimiter != ",":  # which then can only stand before decimals
+            text = text.replace(",", ".")
         plain = plain_rows(text, head.delimiter, len(head.columns))
         parts.append((_any_rows(text, line, head) if plain is None else plain).T)
         line += text.count("\n")

@@ -26,6 +26,10 @@ def read_mat(path: Path, averages: float | None, confidence: float) -> Measureme
             raise SceneError("the variables must hold the frequencies once: omega (rad/s) or frequency_hz")
         if "H" not in rows and not {"real", "imag"} <= set(rows):
             raise SceneError("the variables must hold the response: H, or real and imag")
+        if "H" in rows and (others := [x for x in ("real", "imag") if x in rows]):
+            raise SceneError(
+                f"the variables hold the response twice, as H and as {' and '.join(others)}: leave out one of them"
+            )
         omega = rows["omega"] if "omega" in rows else 2 * np.pi * rows["frequency_hz"]
         H = rows["H"] if "H" in rows else rows["real"] + 1j * rows["imag"]
         coherence, radius = rows.get("coherence"), rows.get("radius")

@@ -113,6 +113,8 @@ class Measurement(Shown):
             raise SceneError("there are no lines in it")
         check_certainty(self.coherence is not None, self.radius is not None, self.averages, self.confidence)
         check_lines(self, lambda i: f"line {i + 1}")
+        if self.coherence is not None and (self.coherence > 1).any():  # by a rounding, or it would have been refused
+            object.__setattr__(self, "coherence", np.minimum(self.coherence, 1.0))
         if self.slope is not None and not isinstance(self.slope, Slope):
             object.__setattr__(self, "slope", read_slope(self.slope))
         if self.slope and self.motion and self.slope.motion not in (None, self.motion):
@@ -191,12 +193,16 @@ def check_certainty(coherence: bool, radius: bool, averages: float | None, confi
         raise SceneError(f"averages: {averages} must be a number from 2 on")
 
 
+_ROUNDING = 2.0**-40
+"""How far above 1 a coherence may lie: it is a quotient of sums, and floats round."""
+
+
 def check_lines(m: Measurement, place: Named) -> None:
     """SceneError, with the place of the first one, for lines that cannot be: not finite, or not in rising order."""
     rules: list[tuple[str, Any, Callable[[Any], Any], str]] = [
         ("omega", m.omega, lambda x: np.isfinite(x) & (x >= 0), "must be a finite frequency, 0 or above"),
         ("H", m.H, np.isfinite, "must be finite"),
-        ("coherence", m.coherence, lambda x: (x >= 0) & (x <= 1), "must lie from 0 to 1"),
+        ("coherence", m.coherence, lambda x: (x >= 0) & (x <= 1 + _ROUNDING), "must lie from 0 to 1"),
         ("radius", m.radius, lambda x: x >= 0, "must be 0 or above"),
     ]
     for key, row, rule, words in rules:

@@ -90,7 +90,22 @@ def _velocity(unit: str) -> str:
     return "; this is force per velocity: multiply by j omega to have force per position"
 
 
-_FORM = Form(("omega", "frequency_hz"), _checked, _factor, "omega,real,imag,coherence")
+def _units(columns: Sequence[str], units: Sequence[str]) -> tuple[str, ...]:
+    """A radius without a unit has that of H beside it; SceneError where one column of H has a unit and the other has none."""
+    known = dict(zip(columns, units, strict=True))
+    of_h = [x for x in ("real", "imag", "magnitude") if x in known]
+    named, bare = [x for x in of_h if known[x]], [x for x in of_h if not known[x]]
+    if named and bare:
+        unit = known[named[0]]
+        raise SceneError(
+            f"{bare[0]} has no unit, and {named[0]} has {unit}: write {bare[0]} [{unit}], or whatever it is in"
+        )
+    if named and not known.get("radius", "is not there"):
+        known["radius"] = known[named[0]]
+    return tuple(known.values())
+
+
+_FORM = Form(("omega", "frequency_hz"), _checked, _factor, "omega,real,imag,coherence", _units)
 
 
 def _measurement(table: NumberTable, averages: float | None, confidence: float) -> Measurement:

@@ -11,7 +11,7 @@ from typing import Any
 
 from sympy import Expr, Symbol, nan, zoo
 
-from haptisym.kernel.errors import SceneError, meant, quoted
+from haptisym.kernel.errors import SceneError, SignError, meant, quoted
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import Shown
 from haptisym.model.quantities import Dimension, Exponents, MotionKind, Number, expected, fits, implied_motion
@@ -163,7 +163,8 @@ def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
     if found.interval and slot.rule in _WHOLE_NUMBERS:
         raise SceneError(f"{key}: {quoted(given)} {slot.rule.value}, and no range")
     if not all(slot.rule.allows(x) for x in (read.value, *(found.interval or ()))):
-        raise SceneError(f"{key}: {quoted(given)} {slot.rule.value}")
+        kind = SignError if slot.rule in (Rule.POSITIVE, Rule.NONNEGATIVE) else SceneError
+        raise kind(f"{key}: {quoted(given)} {slot.rule.value}")
     return Parameter(symbol, read.value, slot.dimension, read.motion, key, read.exponents, slot.rule, found.interval)
 
 
@@ -218,7 +219,9 @@ def in_place(form: Expr, known: Mapping[Symbol, Expr]) -> Expr:
     found = form.xreplace(known)
     if found.has(zoo, nan):
         told = ", ".join(sorted(f"{x} = {known[x]}" for x in form.free_symbols & known.keys()))
-        raise SceneError(f"{form} is divided by zero with {told}")
+        raise SceneError(
+            f"{form} is divided by zero with {told}" if told else f"it is divided by zero: {form} is no number"
+        )
     return found
 
 

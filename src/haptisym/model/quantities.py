@@ -3,17 +3,38 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
 from functools import cache
+from math import ceil
 from numbers import Real
 from typing import TypeAlias
 
-from sympy import Expr, Float, I, Pow, Rational, nan, oo, pi, preorder_traversal, zoo
+from sympy import (
+    Add,
+    Expr,
+    Float,
+    I,
+    Mul,
+    Pow,
+    Rational,
+    Symbol,
+    expand,
+    fraction,
+    nan,
+    oo,
+    pi,
+    preorder_traversal,
+    together,
+    zoo,
+)
 
 from haptisym.kernel.errors import SceneError, quoted
+from haptisym.kernel.symbols import s
+from haptisym.model import expressions
 from haptisym.model.units import read_unit
 
 Number: TypeAlias = "str | int | float | Decimal | Fraction | Expr"
@@ -217,8 +238,76 @@ def _dimension_exponents(dimension: Dimension) -> tuple[dict[str, Fraction], dic
     return translation, rotation
 
 
+def refuse_unreal(symbols: Iterable[Symbol]) -> None:
+    """SceneError, by name, for a symbol that was declared to be something else than a real number that may be varied.
+
+    >>> refuse_unreal([Symbol("q", imaginary=True)])
+    Traceback (most recent call last):
+      ...
+    haptisym.kernel.errors.SceneError: the symbol q is declared imaginary: a parameter is real, as Symbol("q", positive=True)
+    """
+    for x in sorted(symbols, key=str):
+        declared = [word for word in ("imaginary", "zero", "infinite") if getattr(x, f"is_{word}")]
+        declared += [f"not {word}" for word in ("commutative", "real") if getattr(x, f"is_{word}") is False]
+        if declared:
+            way = f'a parameter is real, as Symbol("{x}", positive=True)'
+            raise SceneError(f"the symbol {x} is declared {declared[0]}: {way}")
+
+
+def in_laplace(given: Expr, variable: Symbol | None = None) -> Expr:
+    """A user's expression in ``variable`` (None: a symbol called s), as one in haptisym's ``s``, with floats read as decimals.
+
+    Its other symbols are real parameters. Raises SceneError, by name, where it is no real function of s: an I that does not
+    cancel (as where j omega was put in for s), a symbol that was declared not to be real, the frequency, a parameter called s.
+
+    >>> in_laplace(1 / (1 + Symbol("p") * 0.1), Symbol("p"))
+    1/(s/10 + 1)
+    >>> in_laplace(3 * I * Symbol("w") + 100)
+    Traceback (most recent call last):
+      ...
+    haptisym.kernel.errors.SceneError: "3*I*w + 100" contains I, which does not cancel: write it in s, with real numbers
+    """
+    called_s = {x for x in given.free_symbols if x.name == "s"} - {variable}
+    if called_s and (variable is not None or len(called_s) > 1):
+        raise SceneError(f"{quoted(given)}: s is the Laplace variable: a parameter needs another name")
+    if any(x.is_real is not None or x.is_commutative is False for x in called_s):
+        raise SceneError(f'{quoted(given)}: its s is declared to be no complex variable: write Symbol("s")')
+    others = given.free_symbols - called_s - {variable}
+    if known := sorted({x.name for x in others} & {"omega", "j", "X"}):
+        raise SceneError(f"{quoted(given)} contains {known[0]}, the frequency's name: write the system in s")
+    refuse_unreal(others)
+    found = given.xreplace({x: s for x in {*called_s, variable} if x is not None})
+    found = found.xreplace({x: decimal(str(float(x))) for x in found.atoms(Float)})
+    if (degree := _degree(found)) > expressions.HIGHEST_DEGREE:
+        most = expressions.HIGHEST_DEGREE
+        raise SceneError(
+            f"{quoted(given)} has the degree {degree} in s when written out, and at most {most} can be answered"
+        )
+    return _without_i(found, given) if found.has(I) else found
+
+
+def _degree(x: Expr) -> int:
+    """What the degree in s is at most when all is written out: of sums the largest, of products and quotients the sum."""
+    if x == s:
+        return 1
+    if isinstance(x, Pow) and x.exp.is_Rational:
+        return ceil(abs(x.exp) * _degree(x.base))
+    own = [_degree(y) for y in x.args] if isinstance(x, Add | Mul) else []
+    return sum(own) if isinstance(x, Mul) else max(own, default=0)
+
+
+def _without_i(expression: Expr, given: Expr) -> Expr:
+    """The same as a quotient of real polynomials; SceneError where it is none."""
+    above, below = (expand(x) for x in fraction(together(expression)))
+    if above.has(I) or below.has(I):
+        way = "write it in s, with real numbers"
+        raise SceneError(f"{quoted(given)} contains I, which does not cancel: {way}")
+    return above / below
+
+
 def _exact_expression(given: Expr) -> Expr:
     """The expression with its floats read as decimals; a number must be finite and rational in pi."""
+    refuse_unreal(given.free_symbols)
     exact = given.xreplace({x: decimal(str(float(x))) for x in given.atoms(Float)})
     known = all(isinstance(x, Rational) or x == pi or x.args for x in preorder_traversal(exact) if x.is_number)
     if exact.has(nan, zoo, oo, -oo, I) or (

@@ -67,11 +67,22 @@ def _deviation(text: str, centre: Quantity, given: str, dimension: Dimension) ->
     if given.endswith("%"):
         if centre.value == 0:
             raise SceneError(f'"{text[:60]}": a percentage of zero is no range; give the deviation a unit')
+        if _PLUS_MINUS.split(text)[0].rstrip().endswith("%"):
+            raise SceneError(_two_readings(text, centre.value, decimal(given[:-1].strip()) / 100))
         return centre.value * sign_of_number(centre.value) * decimal(given[:-1].strip()) / 100
     found = quantity(given, dimension)
     if found.exponents != centre.exponents:
         raise SceneError(f'"{text[:60]}": give the value and its deviation units alike, or the deviation in per cent')
     return found.value
+
+
+def _two_readings(text: str, centre: Expr, deviation: Expr) -> str:
+    """What a deviation in per cent of a value in per cent may mean, each as it is written without doubt."""
+    ways = [
+        ", ".join(f'"{float(100 * x):g} %"' for x in (centre - off, centre, centre + off))
+        for off in (deviation, centre * deviation)
+    ]
+    return f'"{text[:60]}" has two readings: write [{ways[0]}], or, if it is {float(100 * deviation):g} % of it, [{ways[1]}]'
 
 
 def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:

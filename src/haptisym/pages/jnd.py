@@ -7,6 +7,7 @@ published ones.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from statistics import NormalDist
 
 import numpy as np
 
@@ -73,10 +74,23 @@ def _estimate(p: Psychometric, x: Estimate) -> Phrase:
 def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
     """The JND, the fraction, how well the curve fits, and the line for a scene."""
     share, choices = _percent(p.asked.proportion), p.asked.alternatives
-    where = (
-        f"are right, of {choices} alternatives" if choices else "are “more”, beyond the point of subjective equality"
-    )
-    yield "JND", (_estimate(p, p.jnd), f", where {share} of the answers {where}")
+    of = "right" if choices else "“more”"
+    where = f", of {choices} alternatives" if choices else ", beyond the point of subjective equality"
+    curve, chance = p.fit.curve, p.asked.chance if choices else 0.0
+    if curve.guess == chance and not curve.lapse:
+        yield "JND", (_estimate(p, p.jnd), f", where {share} of the answers are {of}{where}")
+    else:
+        level = p.jnd.value if choices else curve.mu + p.jnd.value
+        without = "lapses" if choices else "guesses and lapses"
+        seen = _percent(float(curve(np.float64(level))))
+        yield "JND", (_estimate(p, p.jnd), f", where without {without} {share} of the answers would be {of}{where}")
+        reached = (
+            NormalDist().inv_cdf(inner)
+            if 0 < (inner := (p.asked.proportion - curve.guess) / (1 - curve.guess - curve.lapse)) < 1
+            else None
+        )
+        there = "at no level" if reached is None else rounded(curve.mu * bool(choices) + reached * curve.sigma)
+        yield "with them", (f"{seen} of all answers are {of} there; {share} of all: ", there)
     if p.fraction and p.reference:
         yield "fraction", (_estimate(p, p.fraction), " of the standard, ", rounded(p.reference))
     yield "fit", _fit(p)

@@ -158,7 +158,7 @@ def _im(of: Box) -> Box:
 
 
 _H_ENV, _H_PERC, _DH = (quantity(x) for x in ("H_env", "H_perc", "dH"))
-_A, _B, _C, _D, _G, _PI, _SIGMA, _OMEGA_D = (named(x) for x in ("A", "B", "C", "D", "g", "pi", "sigma", "omega_d"))
+_A, _B, _C, _D, _G = (named(x) for x in ("A", "B", "C", "D", "g"))
 _ZERO, _TWO = Numeral("0"), Numeral("2")
 _DET = Sum(((1, Product((_A, _D))), (-1, Product((_B, _C)))))
 _SLOPE = Titled("dH_perc/dH_env", Fraction(Product((Operator("d"), _H_PERC)), Product((Operator("d"), _H_ENV))))
@@ -174,14 +174,7 @@ _DEFINITIONS: dict[str, tuple[Box, Box]] = {
 }
 _FIRST, _SECOND = _im(Fraction(_B, _D)), _im(Fraction(_C, _D))
 _MARGIN = Sum(((1, Prefixed(Operator("Re"), _G)), (-1, Product((_TWO, _FIRST, _SECOND)))))
-_ANGLE = Applied(Operator("arctan"), (Fraction(_OMEGA_D, _SIGMA),))
-_DECAY = Sum(((-1, Fraction(Product((named("n"), _PI, _SIGMA)), _OMEGA_D)),))
 _CONDITIONS = {
     "passivity": (Line(_im(_H_PERC), _ZERO, "≥"),),
     "absolute stability": (Line(_FIRST, _ZERO, "≥"), Line(_SECOND, _ZERO, "≤"), Line(_MARGIN, Absolute(_G), "≥")),
-    "free response": (
-        Line(named("P_0"), Fraction(Sum(((1, _PI), (-1, _ANGLE))), _OMEGA_D)),
-        Line(named("P_n"), Fraction(Product((_TWO, _PI)), _OMEGA_D)),
-        Line(Fraction(named("A_n"), named("A_d")), Applied(Operator("exp"), (_DECAY,))),
-    ),
 }

@@ -9,6 +9,7 @@ from sympy import Expr
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.decimals import outward
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver
+from haptisym.model.caveats import clocks
 from haptisym.model.knobs import Knob
 from haptisym.model.quantities import unit_text
 from haptisym.pages.late import proof
@@ -153,14 +154,14 @@ def _nearest(r: Requirement) -> Iterator[Block]:
     )
     yield Paragraph((
         "Nearest of those that were tried is ", named(r.free.symbol.name), " = ", rounded(float(x.value), 6),
-        unit_of(r.free), ": ", _part(x.binding), f" reaches {100 * float(x.ratio):.4g}\xa0% there (", _where(x.binding),
+        unit_of(r.free), ": ", _part(x.binding), f" reaches {100 * float(x.ratio):.4g}\xa0% there (", _where(x.binding, r),
         f"), {x.times:.4g} times its threshold. {least}",
     ))  # fmt: skip
 
 
 def _ends(r: Requirement) -> Iterator[Block]:
     rows = dict.fromkeys(
-        (exactly(x.value, r.digits), _part(b), _where(b)) for x in r.ends for b in x.bindings if x.value
+        (exactly(x.value, r.digits), _part(b), _where(b, r)) for x in r.ends for b in x.bindings if x.value
     )
     if rows:
         columns = Column(heading(r.free), number=True), Column("binds"), Column("where")
@@ -190,8 +191,10 @@ def _part(b: Binding) -> Phrase:
     return symbol(b.criterion.symbol), f" ({b.criterion.name})" if b.part else ""
 
 
-def _where(b: Binding) -> Phrase:
+def _where(b: Binding, r: Requirement) -> Phrase:
     place = _OF_ALL[b.kind] if b.criterion.name == "passive" else _PLACES[b.kind]
+    if b.kind is Kind.AXIS and b.criterion.name == "stable" and clocks(r.scene):
+        place = "roots on the unit circle"
     return place, "" if b.omega is None else (", ", both(b.omega))
 
 

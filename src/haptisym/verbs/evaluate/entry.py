@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from haptisym.judge import evaluation
 from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.quantities import Number
@@ -29,6 +30,7 @@ def evaluate(
     tolerance: Number | None = ...,
     regions: bool = ...,
     proportion: Number | None = ...,
+    limit: float | None = ...,
 ) -> Evaluation: ...
 @overload
 def evaluate(
@@ -38,6 +40,7 @@ def evaluate(
     tolerance: Number | None = ...,
     regions: bool = ...,
     proportion: Number | None = ...,
+    limit: float | None = ...,
 ) -> Evaluation | Any: ...
 def evaluate(
     scene: Scene | MeasuredScene | str | Path,
@@ -46,13 +49,15 @@ def evaluate(
     tolerance: Number | None = None,
     regions: bool = False,
     proportion: Number | None = None,
+    limit: float | None = SECONDS,
 ) -> Evaluation | MeasuredEvaluation:
     """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing, as many as wanted.
 
     ``tolerance`` : if given, only the effects that matter for it are used (see ``relevance``); the answers are those of the scene
     without the others, and ``relevance`` says by how much the full scene's ratios may differ, and where its crossings are.
     ``regions`` : whether ``regions`` is to tell what square, disc and diamond of the JND's half widths say, beside its own.
-    ``proportion`` : of right answers, to which a JND that tells its own is converted.
+    ``proportion`` : of right answers, to which a JND that tells its own is converted. ``limit`` : seconds after which a
+    LimitError says that it is not decided; None for none.
     A scene whose perceived dynamics is measured is judged at its lines alone, and gives a ``MeasuredEvaluation``.
     Raises SceneError if a parameter is still a symbol.
 
@@ -70,8 +75,9 @@ def evaluate(
         return judge(given)
     if proportion is not None:
         given = as_scene(given).at_proportion(proportion)
-    found = _evaluated(given, digits, tolerance)
-    return found.with_regions() if regions else found
+    with limited(limit):
+        found = _evaluated(given, digits, tolerance)
+        return found.with_regions() if regions else found
 
 
 def _evaluated(scene: Scene, digits: int, tolerance: Number | None) -> Evaluation:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from functools import cached_property
 from math import isfinite
@@ -174,6 +174,8 @@ def jnd(
 
         with one_thread():
             fit = fitted(answers, asked, 1 / choices if choices else guess, lapse, confidence)
+    if choices:
+        fit = replace(fit, jnd=fit.jnd.as_size)
     return Psychometric(answers, asked, fit, method, confidence, reference)
 
 

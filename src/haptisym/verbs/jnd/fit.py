@@ -24,6 +24,11 @@ class Estimate:
         low, high = (None if x is None else factor * x for x in (self.low, self.high))
         return Estimate(factor * self.value, low, high)
 
+    @property
+    def as_size(self) -> Estimate:
+        """Of a size, which is at least 0: so is the lower end of its interval."""
+        return Estimate(self.value, None if self.low is None else max(self.low, 0.0), self.high)
+
 
 @dataclass(frozen=True, slots=True)
 class Deviance:

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from haptisym.verbs.metrics.measured import Bands, Measured, covers
 
 _BLIND = (
-    "A force filter or delay in series leaves the zeros of the dynamics where they are: a free-response test is blind to it, "
-    "while the JND test is not."
+    "A force filter or delay in series leaves the zeros of the dynamics where they are: a free-response test sees of it only how "
+    "the motion begins, while the JND test sees all."
 )
 _SLACK = "The free response keeps its tolerances although a moving hand notices the distortion on this band."
 _STRICT = "The free response breaks its tolerances although no moving hand notices anything on this band."

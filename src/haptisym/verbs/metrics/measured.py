@@ -21,7 +21,7 @@ from haptisym.kernel.symbols import omega
 from haptisym.model.caveats import clocks
 from haptisym.model.distortion import Distortion
 from haptisym.model.quantities import MotionKind
-from haptisym.verbs.metrics.freeresponse import FreeResponse, free_response
+from haptisym.verbs.metrics.freeresponse import FreeResponse, Rule, free_response
 from haptisym.verbs.metrics.judging import LLEWELLYN, WITHIN_3_DB, relative, relative_square
 from haptisym.verbs.metrics.twoport import TwoPort
 from haptisym.verbs.metrics.unconditional import Unconditional, unconditional
@@ -149,8 +149,13 @@ class Measured:
 
     @cached_property
     def free(self) -> FreeResponse:
-        """What the display does when it is let go."""
+        """What the display does when it is let go, as an aeroplane's is judged."""
         return free_response(self.d)
+
+    @cached_property
+    def free_of_a_helicopter(self) -> FreeResponse:
+        """The same, as a helicopter's is judged."""
+        return free_response(self.d, Rule.HELICOPTER)
 
     @property
     def unit(self) -> str:

@@ -85,8 +85,8 @@ class Opened:
 
     def count(self, value: Rational) -> tuple[int, int]:
         """The roots with |z| >= 1 at a number, and those on the circle that are not there at any number."""
-        found = count_on_circle(self.at(value))
-        return found.inside + found.on, found.on - self.always
+        found = self.at(value).circle()
+        return found.inside + found.on, found.on - self.always - self.loop.hidden[1]
 
     @cached_property
     def at_one(self) -> Expr:

@@ -10,8 +10,8 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.pulse import Plant, SampledLoop
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
-from haptisym.kernel.rootcount import Roots
-from haptisym.kernel.schurcohn import count_on_circle
+from haptisym.kernel.rootcount import Roots, count_roots
+from haptisym.kernel.stability import is_stable
 from haptisym.model.catalogue import Effect
 from haptisym.model.hand import Hand
 from haptisym.model.sampled import CLOCKS, SAMPLED_LOOP, controller
@@ -20,7 +20,7 @@ from haptisym.model.scene import Scene
 
 def clocked_roots(scene: Scene, hand: Hand) -> Roots:
     """The roots in |z| >= 1 of a display with a clock in a hand; those outside the circle are its ``right``."""
-    found = count_on_circle(loop_of(scene, hand))  # in 1/z
+    found = loop_of(scene, hand).circle()  # in 1/z
     return Roots(found.inside + found.on, found.inside)
 
 
@@ -43,9 +43,10 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
     rendered = (scene.rendered or scene.environment).H
     entries = [x for effect in (*before, *behind) for x in effect.matrix]
     ring = Ring.of([rendered, hand.Z, *entries])
-    G = ring.one / impedance(ring, behind, ring.convert(hand.Z))
+    G = (ring.one / impedance(ring, behind, ring.convert(hand.Z))).reduced()
     above: tuple[Expr, ...] = (Integer(1),)
     below: tuple[Expr, ...] = (Integer(1),)
+    hidden = (0, 0)
     if clock.model == SAMPLED_LOOP:
         D = controller(clock)
         above, below = (tuple(D.ring.coefficients(p)) for p in (D.numerator, D.denominator))
@@ -54,8 +55,39 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
         for effect in before:
             a, b, c, d = map(ring.convert, effect.matrix)
             H = ((a * H + b) / (c * H + d)).reduced()
-        G = G * H
-    return SampledLoop(plant_of(G.reduced(), ring), clock.parameters[0].value, above, below)
+        G, hidden = seen_by_the_clock(G * H)
+    return SampledLoop(plant_of(G, ring), clock.parameters[0].value, above, below, hidden)
+
+
+def seen_by_the_clock(G: RationalFunction) -> tuple[RationalFunction, tuple[int, int]]:
+    """What moves and the force before the clock, in a row; and how many modes, Re p > 0 and Re p = 0, the clock does not see.
+
+    What the force does not see remains a mode of what moves, and what the motion does not reach one of the force: exp(p T) is
+    a root of the loop for each p that cancels. Those that fade are left out; pairs +-p, which balls do not tell from the circle,
+    are counted by themselves; all others are left in place.
+    """
+    ring, common = G.ring, G.numerator.gcd(G.denominator)
+    cancelled = RationalFunction(ring, ring.one.numerator, common)
+    if _has_symbols(cancelled):
+        return G.monic(), (0, 0)
+    if common.is_constant() or is_stable(cancelled):
+        return G.reduced(), (0, 0)
+    power = min(int(e[0]) for e in common.monoms())
+    rest = common / ring.variable**power
+    mirrored = ring.context.from_dict({e: x * (-1) ** int(e[0]) for e, x in rest.to_dict().items()})
+    pairs = rest.gcd(mirrored)
+    if pairs.is_constant():
+        return G.monic(), (0, 0)
+    assert isinstance(ring, Ring)
+    found = count_roots(pairs, ring)
+    assert found.number is not None
+    assert found.right is not None
+    left = RationalFunction(ring, G.numerator / pairs, G.denominator / pairs).monic()
+    return left, (found.right, found.number - found.right)
+
+
+def _has_symbols(G: RationalFunction) -> bool:
+    return any(degree_in([G.denominator], i) for i in range(2, G.ring.size))
 
 
 def impedance(ring: Ring, effects: tuple[Effect, ...], hand: RationalFunction) -> RationalFunction:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.model.hand import Hand, hands, how_to_give
@@ -24,12 +25,14 @@ def stability(
     free: Iterable[str] = (),
     *,
     digits: int = 15,
+    limit: float | None = SECONDS,
 ) -> Stability:
     """Whether a display is stable under imposed motion, in each hand, and in every passive hand: certified.
 
     ``hand`` : the hands to ask about: the scene's, or those that the package ships (``hs.hands``), by name, or each a ``Hand``;
     those of the scene if not given. ``free`` : numbers by path or symbol; for each, and for the hand's own, the nearest
     values are found at which the number of unstable roots changes. ``digits`` : of each number in the document.
+    ``limit`` : seconds after which what is not decided stays open; None for none.
 
     What stays open is None, and the answer is then not certified. SceneError where a hand is not known, is given twice or turns
     about an axis where the scene moves along a line.
@@ -44,10 +47,11 @@ def stability(
     scene.knobs.need_numbers()
     paths = [free] if isinstance(free, str) else several("free", free, "give paths or symbols of numbers")
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
-    rows = tuple(held(scene, x) for x in scene.hands)
-    near = tuple(_critical(scene, x, asked_of) for x in rows)
-    boxes = tuple(whole_box(scene, x) for x in scene.hands)
-    return Stability(scene, imposed(scene), rows, near, boxes, every_passive_hand(scene), digits)
+    with limited(limit):
+        rows = tuple(held(scene, x) for x in scene.hands)
+        near = tuple(_critical(scene, x, asked_of) for x in rows)
+        boxes = tuple(whole_box(scene, x) for x in scene.hands)
+        return Stability(scene, imposed(scene), rows, near, boxes, every_passive_hand(scene), digits)
 
 
 def in_hands(scene: Scene, hand: str | Hand | Iterable[str | Hand] | None) -> Scene:

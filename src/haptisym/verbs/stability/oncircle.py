@@ -22,7 +22,6 @@ from haptisym.kernel.nearone import at_one, is_clear
 from haptisym.kernel.pulse import SampledLoop
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.schurcohn import count_on_circle
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.clocked import loop_of
@@ -74,7 +73,7 @@ class OnCircle:
 
         Counted before anything cancels: what is hidden at these values alone is not at others.
         """
-        found = count_on_circle(self.loop.at(values))  # in 1/z
+        found = self.loop.at(values).circle()  # in 1/z
         return True if found.inside + found.on == 0 else False if self.hides_none else None
 
     @cached_property
