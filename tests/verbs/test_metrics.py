@@ -3,32 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
-from math import atan, exp, pi
 from typing import Any
 
-import mpmath
 import numpy as np
 import pytest
-from hypothesis import assume, example, given
+from hypothesis import given
 from hypothesis import strategies as st
 from marks import QUICK_SCENES, often
 from scipy import signal
-from scipy.integrate import solve_ivp
-from sympy import Poly, Rational, lambdify
+from sympy import Rational, lambdify
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.kernel.symbols import s
 from haptisym.verbs.metrics.forms import MeasureForms
-from haptisym.verbs.metrics.freeresponse import (
-    ComplexPair,
-    FreeResponse,
-    free_response,
-)
+from haptisym.verbs.metrics.freeresponse import FreeResponse, free_response
 from haptisym.verbs.metrics.measured import Measured
 from haptisym.verbs.metrics.metric import Metric, Metrics, Value
 
@@ -159,44 +151,6 @@ def test_a_two_port_without_d_has_no_hybrid_matrix() -> None:
 # Free response
 
 
-def simulated(m: float, b: float, k: float) -> tuple[float, float, list[float]]:
-    """First zero crossing, period and overshoots of a released stick, from a simulation in time."""
-
-    def zero(_: float, x: np.ndarray) -> float:
-        return float(x[0])
-
-    def turn(_: float, x: np.ndarray) -> float:
-        return float(x[1])
-
-    run = solve_ivp(
-        lambda _, x: [x[1], -(b * x[1] + k * x[0]) / m], (0, 6), [1.0, 0.0], events=[zero, turn], rtol=1e-11, atol=1e-13
-    )
-    crossings, turns = run.t_events[0], run.y_events[1][:, 0]
-    return crossings[0], crossings[2] - crossings[0], [abs(x) for x in turns if abs(x) < 0.999]
-
-
-def test_the_free_response_is_the_simulated_one() -> None:
-    scene = hs.Scene(STICK, (effects.shunt(m="0.1", b="0.4"),))  # m, b and k of what is felt are known
-    found = hs.metrics(scene)["free response"].values
-    for side, row in (("reference", (1.8, 15.0, 100.0)), ("value", (1.9, 15.4, 100.0))):
-        first, period, overshoots = simulated(*row)
-        shown = [float(getattr(x, side)) for x in found]
-        assert shown[:3] == pytest.approx([first, period, overshoots[0]], rel=1e-6)
-        assert shown[-1] == sum(x > 0.05 for x in overshoots)
-
-
-@pytest.mark.parametrize(
-    ("mass", "kept"),
-    [("0.1", {"P_0": True, "P_1": True}), ("1.2", {"P_0": False, "P_1": True}), ("1.6", {"P_0": False, "P_1": False})],
-)
-def test_tolerances_break_one_after_the_other(mass: str, kept: dict[str, bool]) -> None:
-    found = hs.metrics(hs.Scene(STICK, (effects.shunt(m=mass),)))["free response"].values
-    assert {x.what[:3]: x.kept for x in found[:2]} == kept
-    for x in found[:2]:
-        off = abs(float(x.value) / float(x.reference) - 1)  # type: ignore[arg-type]
-        assert x.kept == (off < float(x.tolerance[:2]) / 100)
-
-
 BEYOND = {"never negative": {1}, "negative again and again": {1, -1}}
 
 
@@ -221,37 +175,11 @@ def test_what_is_said_of_passive_hands_is_what_samples_show(name: str) -> None:
     assert rows["force stable under imposed motion"] == "yes"
 
 
-def test_the_test_is_blind_to_a_filter_in_series_and_says_so() -> None:
-    for effect in (LOWPASS, effects.delay("12.5 ms")):
-        m = hs.metrics(hs.Scene(STICK, (effect,)))
-        assert m["free response"].verdict.startswith("passes; blind")
-        assert any("blind" in note for note in m.notes)
-        assert m.evaluation.crossings
-
-
-@pytest.mark.parametrize(
-    ("scene", "reason"),
-    [
-        (hs.Scene(environments.kelvin_voigt(100, 3), (LOWPASS,)), "nothing swings"),
-        (hs.Scene(environments.mass_spring_damper(m=1, k=9), (LOWPASS,)), "does not die out"),
-        (hs.Scene(STICK, (effects.delay("5 ms"), effects.shunt(m="0.1"))), "delays"),
-        (hs.load_scene("two-mass-resonance"), "times as slowly"),
-        (hs.load_scene("organ-tissue"), "s^alpha"),
-        (hs.Scene(environments.expression("(s^2 + s + 9)^2"), ()), "repeated"),
-    ],
-)
-def test_where_the_test_is_not_offered_the_reason_is_given(scene: hs.Scene, reason: str) -> None:
-    found = hs.metrics(scene)["free response"]
-    assert found.values == ()
-    assert found.verdict.startswith("not offered")
-    assert reason in found.verdict
-
-
 def test_a_heavy_filtered_device_fails_the_free_response_while_the_jnd_is_kept() -> None:
     scene = hs.load_scene("sidestick").with_band(0, 20)
     m = hs.metrics(scene)
     assert not m.evaluation.crossings
-    assert m["free response"].verdict == "fails"
+    assert m["free response, aeroplanes"].verdict == "fails"
     assert any("breaks its tolerances" in note for note in m.notes)
 
 
@@ -271,7 +199,8 @@ def test_the_document_of_the_papers_example(call) -> None:  # type: ignore[no-un
         "passivity",
         "absolute stability",
         "effective impedance",
-        "free response",
+        "free response, aeroplanes",
+        "free response, helicopters",
     ]
     for metric in document["metrics"]:
         assert {"name", "formula", "values", "unit", "source", "evidence", "verdict"} <= set(metric)
@@ -491,14 +420,14 @@ def test_effective_properties_stand_at_both_ends_and_at_every_crossing_with_thei
 @pytest.mark.parametrize("name", SCENES)
 def test_what_one_measure_says_and_another_does_not_is_noted(name: str) -> None:
     scene, m = SCENES[name], measured(name)
-    free, e = m["free response"].verdict, m.evaluation
+    free, e = m["free response, aeroplanes"].verdict, m.evaluation
     noticed = e.bandwidth is None or float(e.bandwidth) < float(scene.band[1])
     grid = np.linspace(*map(float, scene.band), 301)
     ratios = np.abs(_felt(name, grid) / ports(name, grid)[4])
     close = bool(((ratios >= 0.5**0.5) & (ratios <= 2**0.5)).all())
     never = all(x.low.omega is x.high.omega for x in m["absolute stability"].values[0].value)  # type: ignore[union-attr]
     told = {
-        "blind to it": noticed and "blind" in free,
+        "sees of it only": noticed and "begins" in free,
         "keeps its tolerances": noticed and free == "passes",
         "breaks its tolerances": not noticed and free == "fails",
         "within 3 dB": noticed and close,
@@ -517,13 +446,6 @@ def test_the_test_is_blind_to_what_leaves_the_zeros_where_they_are(more: str, bl
 # The free response.
 
 
-def told(sigma: float, omega: float) -> tuple[float, float, Callable[[int], float], int]:
-    count = 0
-    while count < 1000 and exp(-(count + 1) * pi * sigma / omega) > 0.05:
-        count += 1
-    return (pi - atan(omega / sigma)) / omega, 2 * pi / omega, lambda n: exp(-n * pi * sigma / omega), count
-
-
 def swinging(sigma: Any, omega: Any, more: str = "") -> hs.Environment:
     return environments.expression(f"(s^2 + 2*({sigma})*s + ({sigma})^2 + ({omega})^2){more}")
 
@@ -535,103 +457,7 @@ def response(env: tuple[Any, ...], perc: tuple[Any, ...]) -> FreeResponse:
 FEW = st.fractions(Rational(1, 4), 2, max_denominator=30)
 
 
-@example(
-    sigma=Fraction(1, 4), omega=Fraction(5, 4), other=Fraction(64, 25), times=Fraction(1)
-)  # the fourth overshoot alone is off
-@example(sigma=Fraction(1, 4), omega=Fraction(3, 2), other=Fraction(3, 2), times=Fraction(4, 3))
-@example(sigma=Fraction(1, 4), omega=Fraction(1), other=Fraction(8, 7), times=Fraction(1))  # 10.6 %
-@example(sigma=Fraction(1), omega=Fraction(1), other=Fraction(19, 21), times=Fraction(19, 21))  # of P_0 10.5 %
-@example(
-    sigma=Fraction(1, 60), omega=Fraction(1), other=Fraction(7, 5), times=Fraction(1)
-)  # the fourth is kept, later ones are not
-@given(
-    FEW,
-    FEW,
-    st.fractions(Rational(1, 2), 2, max_denominator=30),
-    st.fractions(Rational(3, 4), Rational(4, 3), max_denominator=40),
-)
-def test_the_tolerances_of_a_free_response_are_those_of_the_closed_forms(
-    sigma: Any, omega: Any, other: Any, times: Any
-) -> None:
-    env, perc = (float(sigma), float(omega)), (float(sigma * other), float(omega * times))
-    found = response((sigma, omega), (sigma * other, omega * times))
-    (p0, p1, a, count), (q0, q1, b, own) = told(*env), told(*perc)
-    most = max(count, own)
-
-    def close(n: int) -> bool:
-        off = abs(a(n) - b(n)) / a(1)
-        assume(abs(off - 0.1) > 1e-9)
-        return off <= 0.1
-
-    rows = [
-        ("P_0, first zero crossing", p0, q0, abs(q0 / p0 - 1) <= 0.1, "s", "10 %"),
-        ("P_1, period", p1, q1, abs(q1 / p1 - 1) <= 0.2, "s", "20 %"),
-    ]
-    assume(abs(abs(q0 / p0 - 1) - 0.1) > 1e-9)
-    assume(abs(1 / times - 1) != Rational(1, 5))  # at the limit itself: the test below
-    rows += [(f"A_{n}/A_d", a(n), b(n), close(n), "", "10 % of A_1") for n in range(1, min(max(most, 1), 3) + 1)]
-    if most > 3:
-        rows += [(f"A_4/A_d to A_{most}/A_d", a(4), b(4), all(close(n) for n in range(4, most + 1)), "", "10 % of A_1")]
-    rows += [("overshoots above 5 % of A_d", count, own, abs(count - own) <= 1, "", "the same number to within 1")]
-    assert [(x.name, x.unit, x.tolerance, x.passes) for x in found.checks] == [
-        (n, u, t, p) for n, _, _, p, u, t in rows
-    ]
-    for x, (_, one, two, *_) in zip(found.checks, rows, strict=True):
-        assert [float(x.environment), float(x.perceived)] == pytest.approx([one, two], rel=1e-12)
-    assert found.passes == all(x[3] for x in rows)
-    assert found.blind == (sigma == sigma * other and times == 1)
-
-
 NEAR = [Rational(5, 6) * (1 + sign * Rational(1, 10**n)) for n in (3, 18, 60) for sign in (-1, 1)]
-
-
-@pytest.mark.parametrize(
-    "times", [*NEAR, *map(Rational, ("4/5", "5/6", "101/120", "1", "6/5", "124/100", "5/4", "13/10"))]
-)
-def test_a_period_that_is_longer_or_shorter_by_less_than_a_fifth_is_kept(times: Rational) -> None:
-    """Twice as fast is half as long; what cannot be told from the limit is not kept."""
-    assert response((1, 5), (1, f"5*({times})")).checks[1].passes == (abs(1 / times - 1) < Rational(1, 5))
-
-
-@pytest.mark.parametrize(
-    ("env", "perc", "reason"),
-    [
-        (
-            (1, 5),
-            (1, 5, "*(s + 3)"),
-            "no complex pair of zeros decays 3 times as slowly as every other zero (in the perceived dynamics)",
-        ),
-        ((1, 5), (1, 5, "*(s + 301/100)"), ""),
-        ((1, 5, "*(s + 2)"), (1, 5), "decays 3 times as slowly as every other zero (in the environment)"),
-        ((1, 5, "*(s^2 + 8*s + 20)"), (1, 5), ""),
-        ((1, 5, "*(s^2 + 6*s + 20)"), (1, 5), "times as slowly"),
-        ((1, 5, "*(s + 1/2)"), (1, 5), "times as slowly"),
-        ((1, 5, "*(s - 1)"), (1, 5), "the free response does not die out (in the environment)"),
-        ((0, 5), (1, 5), "the free response does not die out (in the environment)"),
-        ((1, 5, "*s"), (1, 5), "the free response does not die out"),
-        ((1, 0), (1, 5), "a zero is repeated (in the environment)"),
-        ((1, 5), (1, 5, "*(s + 9)^2"), "a zero is repeated (in the perceived dynamics)"),
-        ((1, 5), (1, 5, "/(s + 9)^2"), ""),
-        ((1, 5), (1, 5, "*0 + s + 1"), "no zero is complex, so that nothing swings (in the perceived dynamics)"),
-    ],
-)
-def test_a_free_response_is_judged_where_one_pair_outlasts_all_others(
-    env: tuple[Any, ...], perc: tuple[Any, ...], reason: str
-) -> None:
-    found = response(env, perc)
-    assert bool(found.checks) == (not reason)
-    assert (found.passes is None) == bool(reason)
-    assert reason in found.refused
-    assert bool(found.refused) == bool(reason)
-
-
-def test_a_swing_that_hardly_dies_out_is_counted_to_a_thousand_overshoots() -> None:
-    found = response(("1/2000", 3), ("1/1000", 3))
-    assert (found.checks[-1].environment, found.checks[-1].perceived) == (1000, told(0.001, 3)[3])
-    assert found.checks[-2].name == "A_4/A_d to A_1000/A_d"
-    assert [
-        response(*x).checks[-1].passes for x in (((1, 5), ("1/4", 5)), (("1/4", 5), (1, 5)), ((1, 5), ("4/5", 5)))
-    ] == [False, False, True]
 
 
 # What is said of hands and environments.
@@ -734,28 +560,3 @@ def test_with_delays_edges_are_looked_for_on_the_band_and_without_up_to_a_hundre
         [kept] = [x for x in hs.metrics(scene)["transmitted impedance ratio"].values if x.what.startswith("within")]
         assert kept.what == f"within 3 dB (up to {upto})"
         assert float(kept.value[-1].high.omega) <= reach  # type: ignore[index, union-attr, operator]
-
-
-def pair_of(sigma: Any, omega: Any, *others: Any) -> ComplexPair:
-    shape = (s + Rational(sigma)) ** 2 + Rational(omega) ** 2
-    for x in others:
-        shape *= s + Rational(x)
-    return ComplexPair(tuple(Poly(shape.expand(), s).all_coeffs()[::-1]))
-
-
-@pytest.mark.parametrize(("sigma", "omega"), [("1/2", 3), (2, 1), ("1/10", 40), ("1/1000", "1/7")])
-def test_the_numbers_of_a_pair_are_closed_forms_to_any_digits(sigma: Any, omega: Any) -> None:
-    pair = pair_of(sigma, omega, 700)
-    with mpmath.workdps(60):
-        a, w = (mpmath.mpf(Rational(x).p) / Rational(x).q for x in (sigma, omega))
-        known = {
-            pair.sigma: a, pair.omega_d: w, pair.period: 2 * mpmath.pi / w,
-            pair.first_crossing: (mpmath.pi - mpmath.atan(w / a)) / w,
-            pair.overshoot(1): mpmath.exp(-mpmath.pi * a / w), pair.overshoot(3): mpmath.exp(-3 * mpmath.pi * a / w),
-        }  # fmt: skip
-        for number, true in known.items():
-            assert abs(mpmath.mpf(number.digits(45)) / true - 1) < mpmath.mpf(10) ** -44
-    count = 0
-    while count < 1000 and exp(-(count + 1) * pi * float(a) / float(w)) > 0.05:
-        count += 1
-    assert pair.significant == count

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -15,11 +16,9 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-import dask
 import flint
 import numpy as np
 import pytest
-import zarr
 from flint import arb, fmpq, fmpq_poly
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -31,13 +30,12 @@ from strategies import Seeded, case, cases, scene
 from sympy import Integer, Rational, Symbol, pi, sympify
 
 import haptisym as hs
-from haptisym.figures.sweep import draw_curves, draw_map, sweep_figure
 from haptisym.kernel.errors import UndecidedError
 from haptisym.verbs.sweep.axes import axes, spaced
 from haptisym.verbs.sweep.batch import MOST_TERMS, Batch, error, nearest
 from haptisym.verbs.sweep.batch import product as multiplied
 from haptisym.verbs.sweep.bernstein import isolate, refine
-from haptisym.verbs.sweep.blocks import SweepGrid
+from haptisym.verbs.sweep.blocks import SweepGrid, compute
 from haptisym.verbs.sweep.combined import Found, changes
 from haptisym.verbs.sweep.curves import FamilyLattice, SignedProduct
 from haptisym.verbs.sweep.families import Family, Monomial, Powers, monomial, within_reach
@@ -810,6 +808,8 @@ def few() -> Any:
 
 def stored(out: Path, **named: Any) -> tuple[Any, list[int]]:
     """A sweep in a file, one block of three sets after the other, and what was told to be done on the way."""
+    import dask  # half a second for each process that collects tests, as zarr and what draws
+
     told: list[int] = []
     with dask.config.set(scheduler="synchronous", num_workers=1):
         found = hs.sweep(PAPER, FEW, out=out, block=3, progress=lambda done, _: told.append(done), **named)
@@ -845,18 +845,23 @@ def test_blocks_are_computed_when_they_are_asked_for_and_are_the_same(few: Any) 
     assert found.compute(scheduler="threads").identical(few)
 
 
-@pytest.mark.slow  # starting the processes takes longer than all other tests
+@pytest.mark.slow  # a cluster takes longer to start than all other tests
 @pytest.mark.filterwarnings("ignore")  # of the cluster's own making
-def test_two_processes_of_a_cluster_give_the_same(few: Any, tmp_path: Path) -> None:
-    import distributed  # half a second for each process that collects tests
+def test_workers_of_a_cluster_give_the_same_and_what_they_are_sent_can_be_copied(few: Any, tmp_path: Path) -> None:
+    import distributed
 
-    quiet = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
+    quiet = {"n_workers": 2, "threads_per_worker": 1, "processes": False, "dashboard_address": None, "silence_logs": 50}
     with distributed.LocalCluster(**quiet) as found, distributed.Client(found):
         assert hs.sweep(PAPER, FEW, lazy=True, block=5).compute().identical(few)
         assert hs.sweep(PAPER, FEW, out=tmp_path / "a.zarr", block=5).load().identical(few)
+    copy = pickle.loads(pickle.dumps(SweepGrid.of(PAPER, axes(PAPER, FEW))))
+    for own, name in zip(compute(copy.kernel, np.ix_(*FEW.values())), copy.variables, strict=True):
+        assert np.array_equal(own, few[name].values, equal_nan=True)
 
 
 def test_what_is_there_is_not_computed_again_and_what_is_missing_is(few: Any, tmp_path: Path) -> None:
+    import zarr
+
     first, told = stored(tmp_path / "a.zarr")
     assert (told[0], told[-1]) == (0, 6)
     assert first.load().identical(few)
@@ -874,6 +879,8 @@ def test_what_is_there_is_not_computed_again_and_what_is_missing_is(few: Any, tm
 
 @pytest.mark.slow
 def test_a_sweep_that_is_interrupted_or_killed_goes_on_where_it_was(few: Any, tmp_path: Path) -> None:
+    import dask
+
     def interrupted(done: int, _: int) -> None:
         if done:
             raise KeyboardInterrupt
@@ -1064,6 +1071,8 @@ def test_a_span_that_is_none_is_told(span: str) -> None:
 
 @pytest.mark.slow
 def test_the_command_writes_document_store_and_chart(call: Any, tmp_path: Path) -> None:
+    import zarr
+
     vary = ["--vary", f"{NATURAL}=40 rad/s:20 Hz:4", "--vary", f"{MASS}=0.5:2:3:log", "--hand", "light-touch"]
     status, out, _ = call("sweep", "fu2019", *vary, "--out", str(tmp_path / "a.zarr"), "--figure", str(tmp_path / "a.svg"), "--json")  # fmt: skip
     told, own = json.loads(out), hs.sweep(PAPER, dict(spaced(x, PAPER) for x in vary[1:4:2]), hand="light-touch")
@@ -1109,7 +1118,9 @@ def test_a_wrong_command_line_is_one_message_and_status_2(call: Any, words: tupl
 
 
 def test_charts_show_the_numbers_of_the_sweep_in_the_units_of_the_scene(few: Any) -> None:
-    from matplotlib.figure import Figure  # half a second for each process that collects tests
+    from matplotlib.figure import Figure
+
+    from haptisym.figures.sweep import draw_curves, draw_map
 
     ax = Figure().add_subplot()
     draw_map(ax, few)
@@ -1132,6 +1143,8 @@ def test_charts_show_the_numbers_of_the_sweep_in_the_units_of_the_scene(few: Any
 def test_the_bandwidth_is_drawn_in_pieces_that_end_where_crossings_come_or_go() -> None:
     """Witness: exact evaluations at both sides of each break, ever closer, and in the middle of every step that is drawn."""
     from matplotlib.figure import Figure
+
+    from haptisym.figures.sweep import draw_curves
 
     def exact(m: float) -> tuple[float, int]:
         found = hs.evaluate(PAPER.with_values({"m": m}))
@@ -1160,6 +1173,8 @@ def test_the_bandwidth_is_drawn_in_pieces_that_end_where_crossings_come_or_go() 
 @pytest.mark.slow
 def test_the_exact_boundary_divides_the_sets_of_a_sweep_and_is_drawn_in_its_map() -> None:
     """Two engines on one plane: critical values slice by slice, and Bernstein coefficients set by set."""
+    from haptisym.figures.sweep import sweep_figure
+
     exact = hs.design_map(PAPER, [MASS, NATURAL], [(0.5, 5), (20, 200)], slices=5)
     masses = [float(x.at) for x in exact.slices]
     found = hs.sweep(PAPER, {MASS: masses, NATURAL: np.linspace(21, 199, 90)})

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from math import comb, factorial, perm
+from math import comb, factorial, perm, pi
 from typing import Any
 
 import flint
@@ -39,7 +39,7 @@ from haptisym.model.distortion import Distortion
 _BITS = 256  # of all signs; what they do not tell stays open
 _FINEST = Fraction(1, 1 << 60)  # of the time looked at
 _SIGNIFICANT = Rational(1, 20)
-_MOST_OVERSHOOTS = 1000  # with less damping than that the count says no more
+_MOST_SWINGS = 60  # above 5 % of A_d; no control that is judged by these tables is damped so little
 
 Numbers = tuple[Expr, ...]
 
@@ -293,7 +293,7 @@ class Swings:
     @cached_property
     def significant(self) -> int:
         """How many overshoots exceed 5 % of A_d."""
-        return sum(_exceeds(x, _SIGNIFICANT) for x in self.overshoots[:_MOST_OVERSHOOTS])
+        return sum(_exceeds(x, _SIGNIFICANT) for x in self.overshoots)
 
     def period(self, n: int) -> Span | None:
         """P_n, the n-th full cycle after the first zero crossing."""
@@ -348,6 +348,10 @@ def free_response(d: Distortion, rule: Rule = Rule.AEROPLANE) -> FreeResponse:
         motion = motion_of(dynamics)
         if isinstance(motion, str):
             return FreeResponse((), f"not offered: {motion} (in the {name})", blind)
+        if (many := float(motion.end) * abs(float(motion.slowest.imag.mid())) / pi) > _MOST_SWINGS:
+            return FreeResponse(
+                (), f"not offered: some {many:.0f} overshoots stay above 5 % of A_d (in the {name})", blind
+            )
         swings.append(Swings(motion))
     try:
         return FreeResponse(tuple(_checks(*swings, rule)), "", blind)
@@ -374,6 +378,8 @@ def motion_of(dynamics: RationalFunction) -> Motion | str:
     top, bottom = (tuple(ring.coefficients(x)) for x in (above, below))
     if top[0] == 0 or bottom[0] == 0:
         return "held displaced there is no steady force"
+    if len(top) == 1:
+        return "without a zero there is no motion: it leaps back at once"
     if len(bottom) > len(top):
         return "without a mass at the handle a motion would begin with an impulse"
     factors = tuple((tuple(ring.coefficients(f)), n) for f, n in _squarefree(above))
