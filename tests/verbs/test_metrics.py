@@ -216,7 +216,7 @@ OTHERS = ("delayed-spring", "stick-with-friction", "organ-tissue", "wave-variabl
 @pytest.mark.parametrize("name", often(OTHERS, QUICK_SCENES.__contains__))
 def test_scenes_that_are_not_rational_are_measured_too(name: str) -> None:
     m = hs.metrics(hs.load_scene(name))
-    assert len(m.metrics) == 8
+    assert len(m.metrics) == 9
     json.dumps(m.to_dict())
 
 
