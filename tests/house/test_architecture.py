@@ -177,3 +177,30 @@ def test_a_module_is_read_in_a_sitting() -> None:
     paths = (*SOURCE.rglob("*.py"), *CHECKER.rglob("*.py"))
     sizes = {x.name: len(x.read_text(encoding="utf-8").splitlines()) for x in paths}
     assert {name: n for name, n in sizes.items() if n > 900} == {}
+
+
+# Tests stand at seams
+
+
+TESTS = Path(__file__).parents[1]
+
+
+def is_private(name: str) -> bool:
+    return name.startswith("_") and not name.startswith("__")
+
+
+def test_tests_ask_what_a_neighbour_could_ask() -> None:
+    """They import no underscore name and patch nothing of the package."""
+    for path in sorted(TESTS.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("haptisym"):
+                assert not [x.name for x in node.names if is_private(x.name)], path
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "setattr":
+                place = ast.unparse(node.args[0]).split(".")[0] if node.args else ""
+                assert place.strip("'\"") not in {"hs", "haptisym"}, path
+
+
+def test_the_files_of_tests_are_few_and_each_has_a_name_of_its_own() -> None:
+    paths = [x for x in TESTS.rglob("*.py") if x.name != "__init__.py"]
+    assert len(paths) <= 120
+    assert len({x.name for x in paths}) == len(paths)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import pytest
@@ -26,20 +26,9 @@ def examples(count: int) -> settings:
     return settings(max_examples=max(count, EXAMPLES) if EXAMPLES else -(-count // 5), deadline=None)
 
 
-def spread(cases: Sequence[Any], every: int) -> Sequence[Any]:
-    """Of a family that is drawn by seeds each so many-th case; all of them where more examples of properties are asked for."""
-    return cases if EXAMPLES else cases[::every]
-
-
-def often(cases: Iterable[Any], quick: Callable[[Any], bool], every: int = 1) -> list[Any]:
-    """The cases that are quick, and of the others each so many-th, marked as slow."""
-    listed = [*cases]
-    slow = spread([case for case in listed if not quick(case)], every)
-    return [
-        case if quick(case) else pytest.param(*_listed(case), marks=pytest.mark.slow)
-        for case in listed
-        if quick(case) or case in slow
-    ]
+def often(cases: Iterable[Any], quick: Callable[[Any], bool]) -> list[Any]:
+    """All cases, those that are not quick marked as slow."""
+    return [x if quick(x) else pytest.param(*_listed(x), marks=pytest.mark.slow) for x in cases]
 
 
 def _listed(case: Any) -> tuple[Any, ...]:

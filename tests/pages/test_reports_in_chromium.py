@@ -1,0 +1,278 @@
+"""Report pages in a browser: the explorer draws what the program computes, and the page proves its own table."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import browser
+import numpy as np
+import pytest
+from browser import Browser
+from certificates import text_of
+from explorers import proven, typed
+from jnds import inline
+from marks import required
+from reports import undrawn
+
+import haptisym as hs
+from haptisym.pages.report import save_report
+
+pytestmark = pytest.mark.slow
+E, F = hs.environments, hs.effects
+JNDS: dict[str, Any] = {
+    "ellipse": {"shape": "ellipse", "real": 0.1, "imag": 0.12, "tilt": 0.5},
+    "diamond": {"shape": "diamond", "real": 0.1, "imag": 0.1},
+    "polygon": {"shape": "polygon", "corners": [[0.1, 0], ["0.02 + omega/1000", 0.1], [-0.1, 0.05], [0, -0.1]]},
+    "sides and floor": {"real": {"higher": 0.08, "lower": 0.12}, "imag": "0.08 + 0.004*omega", "floor": "5 N/m"},
+}
+"""Of the paper's example."""
+
+
+def with_jnd(jnd: Any) -> str:
+    return re.sub("jnd = .*", f"jnd = {inline(jnd)}", text_of("fu2019"))
+
+
+@cache
+def evaluated(name: str) -> hs.Evaluation:
+    return hs.evaluate(hs.parse_scene(with_jnd(JNDS[name])) if name in JNDS else hs.load_scene(name))
+
+
+@cache
+def said(name: str) -> str:
+    """The page but for its drawings, which take seconds."""
+    return undrawn(evaluated(name))
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[str], Browser]]:
+    """Opens a page in Chromium, which is started once."""
+    required("chromium", browser.program())
+    file = tmp_path_factory.mktemp("pages") / "page.html"
+    with browser.running() as opened:
+
+        def show(text: str) -> Browser:
+            file.write_text(text, encoding="utf-8")
+            opened.look(1280)
+            opened.open(file)
+            return opened
+
+        yield show
+
+
+def drawn(opened: Browser, kind: str) -> np.ndarray:
+    """The points of a curve of the explorer, in the data's own coordinates."""
+    d = opened.value(f"document.querySelector('#explorer-panel path.{kind}').getAttribute('d')")
+    return np.array([[float(x) for x in point.split()] for point in re.split("[ML]", d)[1:]])
+
+
+def bands(opened: Browser) -> list[list[float]]:
+    script = "[...document.querySelectorAll('#explorer-ratios rect.band')].map(x => [+x.getAttribute('x'), +x.getAttribute('width')])"
+    return [[low, low + width] for low, width in opened.value(script)]
+
+
+def says(opened: Browser, e: hs.Evaluation) -> None:
+    """The explorer shades the proven bands, and finds the crossings, in floats and again in exact arithmetic."""
+    found = e.to_dict()
+    assert bands(opened) == [pytest.approx(x, rel=1e-9, abs=1e-9) for x in found["transparent"]]
+    told = opened.value("document.getElementById('explorer-crossings').textContent")
+    assert re.findall(r"at ([\d.]*\d)", told) == [f"{c['omega']:.4g}" for c in found["crossings"]]
+    exact = re.findall(r"at (\d[\d.]*\d)", proven(opened))
+    assert exact == [f"{c['omega']:.6g}" for c in found["crossings"]]
+    assert opened.complaints() == []
+
+
+@pytest.mark.core
+def test_a_page_with_its_drawings_loads_without_a_complaint_asks_for_nothing_and_fits(
+    shown: Any, tmp_path: Path
+) -> None:
+    save_report(evaluated("fu2019"), tmp_path / "x.html")
+    opened = shown((tmp_path / "x.html").read_text(encoding="utf-8"))
+    assert opened.complaints() == []
+    assert len(opened.requests()) == 1
+    assert checked(opened).startswith("Checked here: 2 crossings, none missed")
+    for width in (1280, 400, 320):
+        opened.look(width)
+        assert opened.value("document.documentElement.scrollWidth") <= width
+    colour = "getComputedStyle(document.body).backgroundColor"
+    light = opened.value(colour)
+    opened.look(1280, dark=True)
+    assert opened.value(colour) != light
+    opened.call("Emulation.setEmulatedMedia", media="print")
+    assert opened.value("document.getElementById('explorer').offsetHeight") == 0
+    assert opened.printed().startswith(b"%PDF")
+    opened.call("Emulation.setEmulatedMedia", media="")
+
+
+# The explorer
+
+MOVED = {
+    "fu2019": {"omega_n": 47.5, "zeta": 0.7, "m": 2.5},
+    "wave-variable-link": {"tau": 0.035, "k": 210.0},
+    "organ-tissue": {"alpha": 0.31, "tau": 0.0},
+    "four-channel-teleoperation": {"Ks": 55.0, "tau": 0.03},
+}
+
+
+@pytest.mark.parametrize("name", [pytest.param("fu2019", marks=pytest.mark.core), *list(MOVED)[1:]])
+def test_a_moved_slider_draws_what_python_computes(name: str, shown: Any) -> None:
+    opened, scene = shown(said(name)), evaluated(name).scene
+    names = [p.symbol.name for p in scene.parameters]
+    before = drawn(opened, "ratio.real")
+    for parameter, number in MOVED[name].items():
+        typed(opened, f"explorer-{names.index(parameter)}", number)
+    real, imag = drawn(opened, "ratio.real"), drawn(opened, "ratio.imag")
+    omega, (low, high) = real[:, 0], map(float, scene.band)
+    assert (omega[0], omega[-1]) == (low, pytest.approx(high, rel=1e-15))
+    assert (np.diff(omega) > 0).all()
+    assert len(omega) > 250
+    distortion = scene.symbolic_distortion()
+    used = {x.name for x in distortion.free_symbols}
+    given = {p.symbol.name: float(p.value) for p in scene.parameters} | MOVED[name]
+    computed = distortion.compile()(omega, **{key: x for key, x in given.items() if key in used})
+    inside = np.isfinite(computed.ratio_real) & (computed.ratio_real < 5)
+    assert real[inside, 1] == pytest.approx(computed.ratio_real[inside], rel=1e-9, abs=1e-9)
+    assert imag[inside, 1] == pytest.approx(computed.ratio_imag[inside], rel=1e-9, abs=1e-9)
+    size = np.abs(computed.environment_real).max() + np.abs(computed.environment_imag).max()
+    for system in ("environment", "perceived"):
+        points = drawn(opened, f"system.{system}")
+        for column, part in enumerate(("real", "imag")):
+            assert points[:, column] == pytest.approx(getattr(computed, f"{system}_{part}"), rel=1e-9, abs=1e-9 * size)
+    assert real.shape != before.shape or not np.allclose(real, before)
+
+
+@pytest.mark.core
+def test_the_explorer_says_what_a_scene_with_other_numbers_would(shown: Any) -> None:
+    opened = shown(said("fu2019"))
+    says(opened, evaluated("fu2019"))
+    typed(opened, "explorer-3", "47.5")
+    typed(opened, "explorer-c", "0.15")
+    scene = text_of("fu2019").replace("80 rad/s", "47.5 rad/s").replace("jnd = 0.10", "jnd = 0.15")
+    says(opened, hs.evaluate(hs.parse_scene(scene)))
+    kept = drawn(opened, "ratio.real")
+    typed(opened, "explorer-3", "-1")  # is not allowed, marked and not drawn
+    assert opened.value("document.getElementById('explorer-3-value').getAttribute('aria-invalid')") == "true"
+    assert np.array_equal(drawn(opened, "ratio.real"), kept)
+
+
+OTHER: dict[str, tuple[dict[str, str], Any]] = {
+    "ellipse": ({"explorer-c-real": "0.08", "explorer-tilt": "-0.3"}, JNDS["ellipse"] | {"real": 0.08, "tilt": -0.3}),
+    "diamond": ({"explorer-c": "0.15"}, JNDS["diamond"] | {"real": 0.15, "imag": 0.15}),
+    "polygon": ({"explorer-size": "1.5"}, {"shape": "polygon", "corners": [
+        ["0.15", 0], ["0.03 + 3*omega/2000", "0.15"], ["-0.15", "0.075"], [0, "-0.15"]]}),
+    "sides and floor": (
+        {"explorer-c-real-lower": "0.1", "explorer-floor": "12"},
+        JNDS["sides and floor"] | {"real": {"higher": 0.08, "lower": 0.1}, "floor": "12 N/m"},
+    ),
+}  # fmt: skip
+"""What is typed, and the JND that has these numbers."""
+
+
+@pytest.mark.parametrize("name", JNDS)
+def test_the_explorer_draws_what_is_proven_of_a_region_and_of_one_with_other_numbers(name: str, shown: Any) -> None:
+    opened = shown(said(name))
+    says(opened, evaluated(name))
+    changes, other = OTHER[name]
+    for identity, text in changes.items():
+        typed(opened, identity, text)
+    says(opened, hs.evaluate(hs.parse_scene(with_jnd(other))))
+
+
+def noticed(name: str, x: float, y: float) -> bool:
+    """Whether a change is noticed at 4 rad/s, where H_env of the paper's example is 71.2 + 60 j N/m."""
+    if name == "ellipse":
+        u, v = x / 0.1, y / 0.12
+        return u * u - u * v + v * v > 0.75
+    if name == "diamond":
+        return abs(x) + abs(y) > 0.1
+    if name == "polygon":
+        corners = [(0.1, 0), (0.024, 0.1), (-0.1, 0.05), (0, -0.1)]
+        sides = zip(corners, [*corners[1:], corners[0]], strict=True)
+        return any((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) < 0 for a, b in sides)
+    size = float(np.hypot(71.2, 60))
+    limits = {True: (0.08, 0.096), False: (0.12, 0.096)}
+    for i, (own, change) in enumerate(((71.2 / size, x), (60 / size, y))):
+        if abs(change) > max(limits[abs(own + change) > abs(own)][i], 5 / size):
+            return True
+    return False
+
+
+@pytest.mark.parametrize("name", JNDS)
+def test_the_region_is_drawn_as_it_is_at_the_frequency_that_is_asked_about(name: str, shown: Any) -> None:
+    """Just inside of each of its lines nothing is noticed, by the formulas of the region, just outside something is."""
+    opened = shown(said(name))
+    typed(opened, "explorer-omega", "4")
+    listed = opened.value(
+        "[...document.querySelectorAll('#explorer-region path.region')].map(x => x.getAttribute('d'))"
+    )
+    assert listed
+    for d in listed:
+        line = np.array([[float(x) for x in p.split()] for p in re.split("[ML]", d.rstrip("Z"))[1:]])
+        middle = line.mean(axis=0)
+        for p, q in zip(line, np.roll(line, -1, axis=0), strict=True):
+            edge = (p + q) / 2
+            assert not noticed(name, *(middle + 0.9999 * (edge - middle)))
+            assert noticed(name, *(middle + 1.01 * (edge - middle)))
+
+
+# The checker on the page
+
+
+def checked(opened: Browser) -> str:
+    for _ in range(600):
+        told = opened.value("(document.getElementById('checked') || {textContent: 'nothing'}).textContent")
+        if not told.startswith("Checking"):
+            assert opened.complaints() == []
+            return str(told)
+        time.sleep(0.05)
+    return "still checking"
+
+
+ANSWERS: dict[str, tuple[Callable[[], Any], str]] = {
+    "touches": (lambda: hs.evaluate(hs.parse_scene(text_of("touches"))), "1 crossing, none missed"),
+    "organ-tissue": (lambda: evaluated("organ-tissue"), "1 crossing, none missed"),
+    "stability": (lambda: hs.stability("fu2019", "firm-grip"), "in the hand firm-grip no roots"),
+    "unstable": (lambda: hs.stability(hs.parse_scene(text_of("unstable")), "postural-arm"), "2 poles of H_perc"),
+    "requirement": (lambda: hs.require("fu2019", "omega_n"), "from 0 to 122.35581477, transparent from 122.35581477"),
+}
+
+
+@pytest.mark.parametrize("name", ANSWERS)
+def test_a_report_proves_its_own_answer(name: str, shown: Any) -> None:
+    asked, words = ANSWERS[name]
+    told = checked(shown(undrawn(asked())))
+    assert told.startswith("Checked here: ")
+    assert words in told
+
+
+FALSE = {
+    "an enclosure": ("fu2019", r"\[7\.97891679017470(\d)", r"[7.97891679017000\1"),
+    "what happens": ("fu2019", "rises above 10", "falls below 10"),
+    "the scene": ("fu2019", "zeta = 0.5", "zeta = 0.6"),
+    "a multiplicity": ("fu2019", r'multiplicity\\": 1', r'multiplicity\\": 2'),
+    "roots": ("stability", '"unstable": 0', '"unstable": 1'),
+    "an end": ("requirement", r'"feasible": \[\[122\.3', '"feasible": [[121.3'),
+}
+
+
+@pytest.mark.parametrize(
+    "what", [pytest.param("what happens", marks=pytest.mark.core), *(x for x in FALSE if x != "what happens")]
+)
+def test_a_report_that_was_changed_is_not_proven(what: str, shown: Any) -> None:
+    name, old, new = FALSE[what]
+    text = said(name) if name == "fu2019" else undrawn(ANSWERS[name][0]())
+    assert re.search(old, text), old
+    assert checked(shown(re.sub(old, new, text))).startswith("NOT proven here: ")
+
+
+def test_a_report_without_a_certificate_claims_no_check(shown: Any) -> None:
+    scene = hs.Scene(E.kelvin_voigt(290, 2), (F.first_order_lag(20),))
+    for answer in (hs.evaluate(scene), hs.stability("delayed-spring", "firm-grip")):
+        text = undrawn(answer)
+        assert 'id="checked"' not in text
+        assert 'id="certificate"' not in text
+        assert checked(shown(text)) == "nothing"
