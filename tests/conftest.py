@@ -93,8 +93,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         for item in cases:
             if item not in quick:
                 item.add_marker(pytest.mark.slow)
-        if quick and all(item.get_closest_marker("slow") for item in cases):
-            raise pytest.UsageError(f"{cases[0].nodeid}: marked few, and slow: no case is run every time")
     if config.option.share != "all" and not any("::" in word for word in config.args):
         left_out = [item for item in items if not is_in_share(item, config.option.share)]
         items[:] = [item for item in items if is_in_share(item, config.option.share)]

@@ -403,9 +403,7 @@ PARAMETERS = [
 @pytest.mark.few(
     "delayed-spring-effects.delay.tau", "fu2019-effects.filter.omega_n", "undamped-resonance-environment.m"
 )
-@pytest.mark.parametrize(
-    ("name", "path"), often(PARAMETERS, lambda x: x[0] in QUICK_SCENES - {"stick-with-friction"}, 6)
-)
+@pytest.mark.parametrize(("name", "path"), often(PARAMETERS, lambda x: x[0] in QUICK_SCENES - {"stick-with-friction"}))
 def test_a_shipped_scene_is_transparent_where_its_own_value_is_said_to_do(name: str, path: str) -> None:
     own = hs.load_scene(name)
     try:
