@@ -291,7 +291,7 @@ def _degree(x: Expr) -> int:
     if x == s:
         return 1
     if isinstance(x, Pow) and x.exp.is_Rational:
-        return ceil(abs(x.exp) * _degree(x.base))
+        return int(ceil(abs(x.exp) * _degree(x.base)))
     own = [_degree(y) for y in x.args] if isinstance(x, Add | Mul) else []
     return sum(own) if isinstance(x, Mul) else max(own, default=0)
 

@@ -82,7 +82,7 @@ def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
     else:
         level = p.jnd.value if choices else curve.mu + p.jnd.value
         without = "lapses" if choices else "guesses and lapses"
-        seen = _percent(float(curve(np.float64(level))))
+        seen = _percent(float(curve(np.array([level]))[0]))
         yield "JND", (_estimate(p, p.jnd), f", where without {without} {share} of the answers would be {of}{where}")
         reached = (
             NormalDist().inv_cdf(inner)

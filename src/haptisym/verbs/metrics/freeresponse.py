@@ -354,7 +354,7 @@ def free_response(d: Distortion, rule: Rule = Rule.AEROPLANE) -> FreeResponse:
             )
         swings.append(Swings(motion))
     try:
-        return FreeResponse(tuple(_checks(*swings, rule)), "", blind)
+        return FreeResponse(tuple(_checks(swings[0], swings[1], rule)), "", blind)
     except UndecidedError as error:
         return FreeResponse((), f"undecided: {error}", blind)
 
