@@ -291,7 +291,8 @@ def _degree(x: Expr) -> int:
     if x == s:
         return 1
     if isinstance(x, Pow) and x.exp.is_Rational:
-        return int(ceil(abs(x.exp) * _degree(x.base)))
+        degree: int = ceil(abs(x.exp) * _degree(x.base))
+        return degree
     own = [_degree(y) for y in x.args] if isinstance(x, Add | Mul) else []
     return sum(own) if isinstance(x, Mul) else max(own, default=0)
 
