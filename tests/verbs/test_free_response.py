@@ -108,12 +108,31 @@ def test_the_whole_response_is_judged_of_higher_orders(seed: int) -> None:
         assert float(found["A_1/A_d"].value) == pytest.approx(deepest, rel=1e-5)
 
 
+def leap(k0: float, k1: float, b1: float) -> float:
+    """Of k0 + b1 s k1/(k1 + b1 s) the share k1/(k0 + k1) stays after the release and creeps back; how long to 10 %."""
+    return max(0, b1 * (k0 + k1) / (k0 * k1) * log(10 * k1 / (k0 + k1)))
+
+
+@pytest.mark.parametrize("k0", [80, 950])
+@pytest.mark.parametrize("more", [9, 300, 900])
+def test_what_leaps_below_90_per_cent_creeps_from_there(k0: int, more: int) -> None:
+    scene = hs.Scene(hs.environments.zener(k0, 100, 3), [hs.effects.shunt(k=more)], (0, 15))
+    found, own, felt = rows(scene)["time from 90 % to 10 % of A_d"], leap(k0, 100, 3), leap(k0 + more, 100, 3)
+    assert float(found.reference) == pytest.approx(own, rel=1e-12)
+    assert float(found.value) == pytest.approx(felt, rel=1e-12)
+    assert found.kept is (abs(felt - own) <= own / 10)
+
+
 @pytest.mark.parametrize(
     ("scene", "why"),
     [
         (stick(1, 1, 0, hs.effects.shunt(m=1)), "no steady force"),
         (stick(1, 2, 100, hs.effects.delay("0.05"), hs.effects.shunt(m=1)), "not finitely many"),
         (stick(1, 2, 100, hs.effects.shunt(b=-3)), "does not die out"),
+        (
+            hs.Scene(hs.environments.zener(80, 9, 3), [hs.effects.series("(1 + s/30)/(1 + s/20)")], (0, 15)),
+            "leaps past",
+        ),
         (stick(1, 2, 100, *(hs.effects.first_order_lag(x) for x in (30, 40, 50))), "impulse"),
     ],
 )

@@ -393,7 +393,8 @@ def motion_of(dynamics: RationalFunction) -> Motion | str:
     lead = top[-1]
     for row, n in factors:
         lead = lead / row[-1] ** n
-    return Motion(tuple((x / lead).expand() for x in rest), factors, len(top) - len(bottom))
+    motion = Motion(tuple((x / lead).expand() for x in rest), factors, len(top) - len(bottom))
+    return "released, it leaps past rest at once" if motion.begin < 0 else motion
 
 
 def _squarefree(polynomial: Polynomial) -> Iterator[tuple[Polynomial, int]]:
@@ -426,9 +427,9 @@ def _checks(env: Swings, perc: Swings, rule: Rule) -> Iterator[Check]:
 
 
 def _fall(x: Swings) -> RealNumber | None:
-    """From 90 % to 10 % of A_d."""
+    """From 90 % to 10 % of A_d; no time where it leaps below both at once."""
     first, last = x.first(Rational(9, 10)), x.first(Rational(1, 10))
-    return None if first is None or not isinstance(last, Passage) else Span(first, last)
+    return last if first is None or not isinstance(last, Passage) else Span(first, last)
 
 
 def _start(x: Swings, rule: Rule) -> RealNumber | None:
@@ -440,8 +441,10 @@ def _start(x: Swings, rule: Rule) -> RealNumber | None:
 
 def _ratio_check(name: str, env: RealNumber | None, perc: RealNumber | None, percent: int) -> Check:
     assert env is not None
-    passes = perc is not None and _at_most(
-        lambda bits: abs(perc.ball(bits) / env.ball(bits) - 1), Rational(percent, 100)
+    share = expression_ball(Rational(percent, 100))
+    passes = perc is env or (
+        perc is not None
+        and _at_most(lambda bits: abs(perc.ball(bits) - env.ball(bits)) - share * env.ball(bits), Rational(0))
     )
     return Check(name, env, perc, "s", f"{percent} %", passes)
 
