@@ -8,8 +8,13 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+import pytest
+
 import haptisym
 import haptisym_check
+
+pytestmark = [pytest.mark.slow, pytest.mark.core]
+"""Every run of CI asks them; a user's run of the tests has no use for how the source is written."""
 
 SOURCE = Path(haptisym.__file__).parent
 CHECKER = Path(haptisym_check.__file__).parent

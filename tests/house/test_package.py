@@ -107,6 +107,8 @@ def test_help_and_completion_show_what_is_loaded_on_demand_also_without_the_opti
 # What is loaded, and what is changed
 
 
+@pytest.mark.slow
+@pytest.mark.core
 def test_importing_and_evaluating_changes_nothing_and_loads_little() -> None:
     loaded = python(
         WATCH
@@ -136,6 +138,8 @@ def test_importing_and_evaluating_changes_nothing_and_loads_little() -> None:
     )
 
 
+@pytest.mark.slow
+@pytest.mark.core
 def test_an_evaluation_does_not_depend_on_the_precision_the_user_set() -> None:
     python(
         WATCH
@@ -155,6 +159,8 @@ def test_an_evaluation_does_not_depend_on_the_precision_the_user_set() -> None:
     )
 
 
+@pytest.mark.slow
+@pytest.mark.core
 def test_a_document_on_the_command_line_loads_neither_arrays_figures_units_nor_other_verbs() -> None:
     """Each of them takes as long to load as SymPy's own core; a command line in a loop pays for none."""
     loaded = set(
@@ -175,6 +181,8 @@ def test_a_document_on_the_command_line_loads_neither_arrays_figures_units_nor_o
     assert not loaded & {"multiprocessing", "pint", "numpy", "matplotlib", "dask", "scipy", "rich", "IPython"}
 
 
+@pytest.mark.slow
+@pytest.mark.core
 def test_the_command_starts_with_everything_loaded_out_of_the_collectors_way_and_leaves_it_on() -> None:
     told = python("""
         import gc, sys

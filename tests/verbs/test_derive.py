@@ -293,6 +293,14 @@ def test_what_has_no_leading_terms_says_so() -> None:
     assert "nothing that could be fast" in refusal(expansion, hs.Scene(SPRING, (hs.effects.shunt(m=1),)))
 
 
+def test_a_parameter_without_a_number_leaves_terms_without_a_bound() -> None:
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=Symbol("k")), (hs.effects.first_order_lag(Symbol("a")),))
+    found = expansion(scene)
+    assert found.bounds == {}
+    assert found.part(Part.IMAG) == -K * omega / found.fast[0]
+    assert "What is left out" not in plain(hs.derive(scene).document(), 100)
+
+
 # --- groups without a unit -------------------------------------------------------------------------------------------
 
 

@@ -711,3 +711,10 @@ def test_what_must_and_may_be_left_of_a_shape_is_so_for_every_change_within_the_
 def test_a_tolerance_that_is_none_and_open_parameters_are_refused(scene: hs.Scene, tolerance: Any, words: str) -> None:
     with pytest.raises(hs.SceneError, match=words):
         hs.relevance(scene, tolerance)
+
+
+@pytest.mark.parametrize(("k", "kept"), [("5", []), ("5.00000000000000000000001", ["shunt"])])
+def test_what_just_reaches_the_tolerance_stays_within_it(k: str, kept: list[str]) -> None:
+    """Leaving out a shunt changes r_r by k/100 at all frequencies, and by a lag no ratio by more than its own 1.5 %."""
+    scene = hs.Scene(SPRING, (hs.effects.shunt(k=k), hs.effects.first_order_lag(1000)), (0, 15))
+    assert [x.name for x in hs.relevance(scene, "5 %").pruned.effects] == kept

@@ -207,7 +207,7 @@ BOXES = [
 ]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few("delayed-spring-m2-b2-k2-all", "delayed-spring-m3-b3-k3-none", "satellite-contact-m6-b6-k6-none")
 @pytest.mark.parametrize(("name", "m", "b", "k", "share"), BOXES)
 def test_a_box_of_hands_is_decided_as_a_whole(name: str, m: Any, b: Any, k: Any, share: str) -> None:
     """Held against a grid of hands inside the box: all, none, or both kinds are stable."""

@@ -36,3 +36,8 @@ def test_with_guesses_the_page_says_which_curve_a_jnd_is_of(tmp_path: Path) -> N
     assert "without guesses and lapses 75 % of the answers would be" in page.replace("\xa0", " ")
     of_all = curve.sigma * norm.ppf(0.65 / 0.8)
     assert f"75 % of all: {of_all:.5g}" in page.replace("\xa0", " ")
+
+
+def test_a_threshold_has_parts_and_no_items() -> None:
+    with pytest.raises(TypeError):
+        list(hs.Threshold.of("0.1"))

@@ -134,6 +134,9 @@ def test_where_nothing_will_do_each_thing_that_was_asked_is_told_by_itself() -> 
     assert [[x.name for x in y.criteria] for y in found.alone] == [["real", "imag"], ["stable"], ["passive"]]
     assert [ends(x) for x in found.alone] == [[], [(18, 19)], []]
     assert hs.require(told, "omega_c", (100, 900), that=["stable", "passive"]).alone == ()
+    damped = told.with_hands(*told.hands, hs.Hand("damped", m=1, b=2))
+    each = hs.require(damped, "omega_c", (5, 19), that=["transparent", "stable"]).alone
+    assert [ends(x) for x in each] == [[], [(18, 19)], [(8, 19)]]  # (4 + w) 5 > 60
 
 
 @pytest.mark.slow

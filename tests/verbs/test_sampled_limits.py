@@ -188,6 +188,17 @@ def test_the_stiffest_published_wall_is_found_from_a_softer_one(K: float, keys: 
     assert [(float(y.value), float(y.omega), y.stable_side) for y in below] == expected
 
 
+def test_of_a_damper_that_leaves_its_place_free_the_other_roots_are_told() -> None:
+    """One root is at 1 for every b; the others by NumPy as in z^2 (z - p) + (z - 1) b/T G(z), on the circle at the value told."""
+    loop = F.sampled_loop("1 ms", "backward-difference"), F.shunt(m="0.01", b="0.3")
+    [x] = nearest(hs.Scene(E.mass_spring_damper(b=3), loop, hands=(NOTHING,)), "environment.b").found
+    T, p = 1e-3, np.exp(-0.03)
+    held_input = np.array([T / 0.3 - (1 - p) / 9, (1 - p) / 9 - T * p / 0.3])
+    roots = np.roots(np.polyadd([1, -p, 0], float(x.value) / T * held_input))
+    assert max(abs(roots)) == pytest.approx(1, abs=1e-13)
+    assert float(x.omega) * T == pytest.approx(abs(np.angle(roots[np.argmax(abs(roots))])), rel=1e-12)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "path", "counts"),

@@ -87,7 +87,9 @@ class Threshold(Viewed):
         return f"Threshold(real={self.real}, imag={self.imag}{own})"
 
     def __getitem__(self, part: Part) -> Expr:
-        return self.real if part is Part.REAL else self.imag
+        return {Part.REAL: self.real, Part.IMAG: self.imag}[part]
+
+    __iter__ = None  # its parts are named, not counted
 
     def lower(self, part: Part) -> Expr | None:
         """The limit for changes that make a part smaller, where that is another one."""

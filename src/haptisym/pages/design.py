@@ -42,7 +42,8 @@ def requirements(e: Evaluation) -> list[Requirement]:
 
 
 def _row(r: Requirement) -> tuple[Phrase, ...]:
-    return layout(r.free.symbol), (layout(rounded(r.free.value)), _unit(r.free)), sets(r), _binding(r)
+    value = r.free.value if r.free.value.free_symbols else rounded(r.free.value)  # a limit may be a formula in omega
+    return layout(r.free.symbol), (layout(value), _unit(r.free)), sets(r), _binding(r)
 
 
 def _unit(free: Knob) -> str:

@@ -43,8 +43,13 @@ class Expansion:
 
     @cached_property
     def bounds(self) -> Mapping[Part, RealNumber | None]:
-        """The largest error that the terms make in r_r and r_i on the scene's band: certified; None where it is infinite."""
+        """The largest error that the terms make in r_r and r_i on the scene's band: certified; None where it is infinite.
+
+        Empty where a parameter has no number.
+        """
         values = {p.symbol: p.value for p in self.scene.parameters}
+        if any(value.free_symbols for value in values.values()):
+            return {}
         exact = self.scene.distortion()
         ring = exact.chain.ring
         kept = [ring.convert(term.expression().xreplace(values)) for term in self.terms]

@@ -51,8 +51,8 @@ def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
     if judged:
         found.append(solve(scene, free, asked, judged))
     others: list[Callable[[], Solved]] = []
-    if any(x.name == STABLE for x in criteria):
-        others += [partial(solve_stable, scene, hand, free, asked) for hand in scene.hands]
+    held = [hand for hand in scene.hands if stable_in(hand) in criteria]
+    others += [partial(solve_stable, scene, hand, free, asked) for hand in held]
     if any(x.name == SUITS_ALL for x in criteria):
         others.append(partial(solve_sampled if clocks(scene) else solve_passive, scene, free, asked))
     return together(asked, [*found, *(_or_open(x, asked) for x in others)])
