@@ -260,7 +260,7 @@ def test_bars_hold_the_crossings_of_all_values_dots_those_drawn_and_strokes_the_
         r"$r_\mathrm{r} = c_\mathrm{r}$",
         r"$r_\mathrm{i} = c_\mathrm{i}$",
     ]
-    assert told(ax) == ["guaranteed for all values", "drawn at random", "nominal values"]
+    assert told(ax) == ["for all values", "drawn at random", "nominal values"]
     assert ax.get_xlabel() == ("frequency (Hz)" if hertz else r"$\omega$ (rad/s)")
 
 
@@ -268,7 +268,7 @@ def test_what_is_met_for_some_values_alone_has_a_bar_to_the_end_of_the_band_and_
     ax = axes()
     [own] = rows_of(draw_tolerances(ax, found("92 rad/s +- 10 %", (0, 9), samples=0)))
     assert own == pytest.approx((82.8 * IMAG, 9, 1), rel=1e-6)
-    assert told(ax) == ["guaranteed for all values"]
+    assert told(ax) == ["for all values"]
     for draw in (lambda x: draw_tolerances(axes(), x), tolerances_figure):
         with pytest.raises(NothingToDrawError, match="nothing is met on the band"):
             draw(found("400 rad/s +- 10 %", samples=2))

@@ -38,19 +38,8 @@ def test_the_examples_of_the_readme_run() -> None:
 PAGES = [path for path in sorted((ROOT / "docs").glob("*.md")) if ">>>" in path.read_text(encoding="utf-8")]
 
 
-@pytest.mark.few(
-    "command-line",
-    "evidence",
-    "formulas",
-    "functions",
-    "index",
-    "jnd-regions",
-    "metrics",
-    "psychophysics",
-    "scenes",
-    "sensitivity",
-    "several-environments",
-)
+@pytest.mark.slow
+@pytest.mark.core
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.stem)
 def test_the_examples_of_a_page_run(page: Path) -> None:
     result = doctest.testfile(str(page), module_relative=False)

@@ -202,3 +202,35 @@ def test_a_narrow_page_says_the_same_and_fits(name: str, columns: int) -> None:
     narrow = plain(answer(name).document(), columns)
     assert not [x for x in narrow.split("\n") if len(x) > columns and " " in x.strip()]
     assert {x for x, _ in numerals(text(name))} <= {x for x, _ in numerals(narrow)}
+
+
+# --- scenes that were fitted -------------------------------------------------------------------------------------------
+
+FITTED = hs.Scene(
+    E.mass_spring_damper(1.8, 15, ["90 N/m", "110 N/m"]), (F.first_order_lag(["18 rad/s", "22 rad/s"]),), (0, 15),
+    {"real": [0.09, 0.12], "imag": 0.1, "confidence": 0.9}, hands=(hs.Hand("hand", m=1, b=2),), confidence="95 %",
+)  # fmt: skip
+ASKED: dict[str, Callable[[], Any]] = {
+    "evaluate": lambda: hs.evaluate(FITTED), "tolerances": lambda: hs.tolerances(FITTED, samples=3),
+    "require": lambda: hs.require(FITTED, "omega_c"), "stability": lambda: hs.stability(FITTED),
+    "relevance": lambda: hs.relevance(FITTED), "sensitivity": lambda: hs.sensitivity(FITTED), "peaks": lambda: hs.peaks(FITTED),
+    "metrics": lambda: hs.metrics(FITTED), "derive": lambda: hs.derive(FITTED),
+    "family": lambda: hs.evaluate_all(FITTED),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("verb", ASKED)
+def test_of_a_fitted_scene_each_answer_says_that_its_numbers_were_estimated_and_nothing_is_certain(verb: str) -> None:
+    found = ASKED[verb]()
+    told = " ".join(str(found).split())
+    assert "90 % region of the fit" in told
+    assert not re.search(r"\b(certain|guaranteed)\b", told.replace("NOT guaranteed", ""), re.IGNORECASE)
+    assert found.to_dict()["confidence"] == 0.9
+
+
+@pytest.mark.parametrize("given", [0, 1, "120 %", "much", [0.9, 0.95]])
+def test_a_confidence_lies_between_0_and_1(given: Any) -> None:
+    with pytest.raises(hs.SceneError, match="confidence"):
+        hs.Scene(SPRING, (LAG,), confidence=given)
+    with pytest.raises(hs.SceneError, match="confidence"):
+        hs.Scene(SPRING, (LAG,), threshold={"real": 0.1, "imag": 0.1, "confidence": given})

@@ -105,6 +105,7 @@ def test_the_box_of_the_scene_file_holds_the_truth_and_tolerances_takes_it() -> 
     found = paper()
     assert found.verdict.fits
     scene = hs.parse_scene(found.text)
+    assert float(scene.level) == 0.95
     truth = {"m": 1.8, "b": 15, "k": 100, "omega_n": 80, "zeta": 0.5}
     for key, value in truth.items():
         low, high = scene.knobs[key].interval  # type: ignore[misc]

@@ -345,6 +345,7 @@ def test_the_line_for_a_scene_is_one_with_the_interval_as_its_range_and_its_prop
     own = 'environment = { model = "mass-spring-damper", k = 1 }\n'
     threshold = hs.parse_scene(f"{own}[evaluation]\n{found.line}\n").threshold
     assert float(threshold.real) == pytest.approx(found.jnd.value / 5, rel=1e-3)
+    assert float(threshold.confidence) == 0.95
     low, high = threshold.real_interval
     assert float(low) <= found.fraction.low < found.fraction.high <= float(high)
     assert threshold.imag_interval == (low, high)
@@ -553,7 +554,11 @@ def test_a_number_without_an_end_has_a_line_without_a_range() -> None:
         (1.00004, 1.98765, "[0.1000, 0.1235, 0.1988]"),
     ):
         fit = Fit(Curve(1.5, 1), Estimate(1.5, None, None), Estimate(1.23456, low, high), Deviance(0.0, 0, None, 2))
-        assert Psychometric(answers, Asked(0.75, 2), fit, reference=10).table == {"real": written, "imag": written}
+        assert Psychometric(answers, Asked(0.75, 2), fit, reference=10).table == {
+            "real": written,
+            "imag": written,
+            "confidence": "0.95",
+        }
 
 
 def test_a_jnd_of_a_forced_choice_is_above_zero() -> None:

@@ -39,6 +39,13 @@ def own(m: object, b: object, k: object = 0) -> hs.Hand:
     return hs.Hand("own", m=m, b=b, k=k)
 
 
+def test_a_display_that_nobody_holds_swings_as_its_own_mass_damping_and_stiffness() -> None:
+    scene = hs.Scene(hs.environments.mass_spring_damper(1.8, 3, 100), (hs.effects.shunt(m="0.2", b="1"),))
+    found = hs.release(scene, "1 cm", "none")
+    rate = 4 / (2 * 2.0)
+    assert (found.fitted.rate, found.fitted.omega) == pytest.approx((-rate, (100 / 2 - rate**2) ** 0.5), rel=1e-9)
+
+
 @pytest.mark.few("3.6 N*s/m-False")
 @pytest.mark.parametrize(("b", "grows"), [("3.3 N*s/m", True), ("3.6 N*s/m", False)])
 def test_a_delayed_spring_let_go_grows_below_the_critical_damping_and_dies_away_above(b: str, grows: bool) -> None:  # noqa: FBT001

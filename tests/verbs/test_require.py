@@ -810,6 +810,18 @@ def test_what_is_undecided_on_the_command_line_is_status_3(words: list[str], cal
     assert "exactly" not in out
 
 
+QUESTIONS: dict[str, Callable[..., Any]] = {
+    "evaluate": hs.evaluate, "evaluate_all": hs.evaluate_all, "sensitivity": hs.sensitivity, "metrics": hs.metrics, "peaks": hs.peaks,
+    "stability": lambda scene, limit: hs.stability(scene, "firm-grip", limit=limit),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("ask", QUESTIONS.values(), ids=QUESTIONS)
+def test_a_question_whose_answer_is_whole_or_none_ends_at_its_limit(ask: Callable[..., Any]) -> None:
+    with timed_by(count().__next__), pytest.raises(hs.UndecidedError, match="limit of 3 s"):
+        ask("delayed-spring", limit=3)
+
+
 def test_slices_of_a_map_that_were_not_reached_are_undecided() -> None:
     with timed_by(count().__next__):
         found = hs.design_map(PAPER, ["zeta", "omega_n"], [("0.1", "0.5"), (50, 500)], slices=3, limit=400)

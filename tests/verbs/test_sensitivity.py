@@ -289,6 +289,7 @@ WITHIN = "undefined: the display touches its threshold within the bandwidth"
         (LAGGED, 30, WITHIN),
         (LAGGED.with_band(11, 40), 30, ""),
         (LAGGED.with_band(0, 20), 20, WITHIN),
+        (hs.Scene(SPRING, (effects.first_order_lag(1),), (0, 5), "0.5"), 1, WITHIN),  # r_r crosses where r_i touches
         (SOFT, 0, TOUCH),
     ],
 )

@@ -1186,3 +1186,8 @@ def test_the_exact_boundary_divides_the_sets_of_a_sweep_and_is_drawn_in_its_map(
     for of, is_drawn in ((PAPER, True), (None, False)):
         [ax] = sweep_figure(few, of).axes
         assert any("band-edge" in text.get_text() for text in ax.get_legend().get_texts()) is is_drawn
+
+
+def test_a_delay_that_turns_more_often_than_anybody_counts_is_not_answered() -> None:
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.delay("5 ms"),))
+    assert hs.sweep(scene, {"tau": [0.005, 1e6, 1e300]}).method.values.tolist() == [0, 2, 2]

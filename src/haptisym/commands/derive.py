@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import click
 
+from haptisym.commands.limit import within_limit
 from haptisym.commands.options import json_option, keep_pages, scene_argument
 from haptisym.commands.streams import say, say_document, write
 from haptisym.commands.verb import given, verb
@@ -32,6 +33,7 @@ _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
     "--of", "names", multiple=True, metavar="QUANTITY", help="Only this quantity, written out (may be repeated)."
 )
 @json_option
+@within_limit
 def derive(
     scene: Scene,
     mode: str | None,

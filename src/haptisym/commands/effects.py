@@ -42,6 +42,6 @@ def effects(scene: Scene, as_json: bool, tolerance: str, figure: Path | None) ->
     """
     from haptisym.verbs.effects.entry import relevance
 
-    found = relevance(scene, tolerance)
+    found = relevance(scene, tolerance, limit=None)
     drawn(found, figure)
     hand_over(found, as_json=as_json)

@@ -185,7 +185,7 @@ def _evaluate_all(
     from haptisym.verbs.family.entry import evaluate_all  # loaded where it is asked for
 
     with progress() as told, limited(limit, told):
-        result = evaluate_all(family, digits, regions=regions, proportion=proportion)
+        result = evaluate_all(family, digits, regions=regions, proportion=proportion, limit=None)
     if figures is not None:
         from haptisym.figures.family import save_family_figures
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from haptisym.commands.limit import within_limit
 from haptisym.commands.options import drawn, end, figure_option, json_option, keep_pages, scene_argument, show
 from haptisym.commands.streams import write
 from haptisym.commands.verb import verb
@@ -19,6 +20,7 @@ from haptisym.model.scene import Scene
 )
 @figure_option("the measures over the band")
 @json_option
+@within_limit
 def metrics(
     scene: Scene,
     language: str,
@@ -42,7 +44,7 @@ def metrics(
     """
     from haptisym.verbs.metrics.entry import metrics as measure
 
-    found = measure(scene)
+    found = measure(scene, limit=None)
     drawn(found, figure)
     if language == "latex":
         from haptisym.writing.latex import piece

@@ -37,6 +37,6 @@ def sensitivity(scene: Scene, as_json: bool, digits: int, figure: Path | None) -
     """
     from haptisym.verbs.sensitivity.entry import sensitivity as of
 
-    found = of(scene, digits)
+    found = of(scene, digits, limit=None)
     drawn(found, figure)
     hand_over(found, as_json=as_json)

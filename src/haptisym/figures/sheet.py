@@ -32,7 +32,8 @@ class Drawings(Generic[A]):
     def figure(self, answer: A, name: str, *, wide: bool = False) -> Figure:
         """One of them, one column wide, or one and a half."""
         height, draw = self._rows[name]
-        return one_column(height, lambda ax: draw(ax, answer), 1.5 * pen.WIDTH if wide else pen.WIDTH)
+        found = one_column(height, lambda ax: draw(ax, answer), 1.5 * pen.WIDTH if wide else pen.WIDTH)
+        return estimated(found, getattr(answer, "scene", None))
 
     def save(self, answer: A, directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
         """All of them as files, as of ``save_all``."""
@@ -40,6 +41,25 @@ class Drawings(Generic[A]):
         return save_all(
             {name: self.figure(answer, name) for name in self._rows if name not in without}, directory, kinds
         )
+
+
+def estimated(figure: Figure, about: object) -> Figure:
+    """The same, with a line above it that says so where the numbers of a scene were estimated."""
+    level = getattr(about, "level", None)
+    if level is None:
+        return figure
+    width, height = figure.get_size_inches()
+    share = height / (height + _LINE)
+    for ax in figure.axes:
+        box = ax.get_position()
+        ax.set_position((box.x0, box.y0 * share, box.width, box.height * share))
+    figure.set_size_inches(width, height + _LINE)
+    said = f"estimated: {float(100 * level):g} % region of the fit"
+    figure.text(0.02, 1 - 0.02 * share, said, fontsize=pen.SMALL, color=pen.GREY, va="top")
+    return figure
+
+
+_LINE = 0.2  # inches
 
 
 def save_all(figures: Mapping[str, Figure], directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:

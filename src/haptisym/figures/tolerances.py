@@ -37,9 +37,9 @@ def draw_tolerances(
     >>> ax = Figure().add_subplot()
     >>> bars = draw_tolerances(ax, tolerances(load_scene("fu2019-tolerances"), samples=20))
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
-    ['guaranteed for all values', 'drawn at random', 'nominal values']
+    ['for all values', 'drawn at random', 'nominal values']
     """
-    name = "guaranteed for all values"
+    name = "for all values"
     look, scale = Look.on(ax, name, color, label), scale_of(ax, a.box.scene.band, hertz=hertz)
     if not (look.number or _has_rows(a)):
         raise NothingToDrawError("nothing is met on the band, for any values within the ranges")

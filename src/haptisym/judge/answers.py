@@ -92,7 +92,7 @@ class Answer(Shown):
         """The figure, of matplotlib. NothingToDrawError where there is nothing in the answer to draw."""
         if not self._figure:
             raise NothingToDrawError(f"{type(self).__name__} has no figure of its own")
-        return resolve_name(self._figure)(self)
+        return resolve_name("haptisym.figures.sheet:estimated")(resolve_name(self._figure)(self), self._about)
 
     def save_figure(self, path: str | Path) -> Path:
         """Write the figure, as the name ends: .svg, .pdf or .png; the same file for the same answer."""

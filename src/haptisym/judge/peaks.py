@@ -15,6 +15,7 @@ from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion, Judged, noticed
 from haptisym.judge.envelopes import Envelope
+from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.levels import the_one
 from haptisym.kernel.polynomials import PolynomialFactor, Root
@@ -125,10 +126,11 @@ class Peaks(Answer, tuple[Peak, ...]):
         return {"undecided": [list(x.enclosure()) for x in self.undecided]} if self.undecided else {}
 
 
-def peaks(scene: Scene | str | Path) -> Peaks:
+def peaks(scene: Scene | str | Path, *, limit: float | None = SECONDS) -> Peaks:
     """All local maxima of r_r and r_i inside the band, in ascending order: proven, none missed, none invented.
 
     Of a JND region, or of a part with a floor or limits for each way, how many times it must be enlarged is the ratio.
+    ``limit`` : seconds after which a LimitError says that it is not decided; None for none.
 
     >>> from haptisym import effects, environments
     >>> spring = Scene(environments.mass_spring_damper(k=100), (effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),))
@@ -142,7 +144,8 @@ def peaks(scene: Scene | str | Path) -> Peaks:
     functions: dict[Key, RealFunction] = {}
     for envelope in envelopes:
         functions |= envelope.functions()
-    table = chart(functions, *scene.band)
+    with limited(limit):
+        table = chart(functions, *scene.band)
     found = (
         Peak(envelope.criterion, point.omega, top.square, top.jump)
         for point in table.points[1:-1]

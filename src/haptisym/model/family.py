@@ -96,7 +96,13 @@ class SceneFamily(Shown):
         """The same as the key ``nominal`` of a document: the ranges of each scene in which something varies."""
         found = {name: scene.aside_keys(besides, varied).get("nominal") for name, scene in self.scenes.items()}
         ranges = {name: own for name, own in found.items() if own}
-        return {"nominal": ranges} if ranges else {}
+        keys = {"confidence": self.level and float(self.level), "nominal": ranges}
+        return {key: x for key, x in keys.items() if x}
+
+    @property
+    def level(self) -> Expr | None:
+        """As of a scene, the lowest."""
+        return min((x.level for x in self.scenes.values() if x.level is not None), default=None)
 
     def listed(self) -> str:
         """The names of the environments in one line."""

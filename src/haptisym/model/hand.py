@@ -141,6 +141,10 @@ def _tables() -> Mapping[str, Mapping[str, Any]]:
     return MappingProxyType(tomllib.loads((Path(__file__).parents[1] / "hands.toml").read_text(encoding="utf-8")))
 
 
+NOBODY = "none"
+"""The name of what holds nothing: the display is let go."""
+
+
 def how_to_give() -> str:
     """How a hand is given to a question, for an error that lacks one."""
-    return f"--hand NAME (in Python hand=NAME), or [hand] in the scene; haptisym ships {', '.join(hands)}"
+    return f"--hand NAME (in Python hand=NAME), or [hand] in the scene; haptisym ships {', '.join(hands)}, and {NOBODY} is no hand at all"

@@ -55,6 +55,8 @@ class Threshold(Viewed):
     proportion: Expr | None = field(default=None, repr=False)
     conversion: Conversion | None = field(default=None, repr=False)
     """At which proportion of right answers it holds, if that is told, and how it was brought there, if it was."""
+    confidence: Expr | None = field(default=None, repr=False)
+    """Of the interval that its ranges are, where they were estimated."""
 
     @classmethod
     def of(cls, real: Number, imag: Number | None = None) -> Threshold:

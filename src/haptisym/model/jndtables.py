@@ -14,7 +14,7 @@ from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Threshold, formula, threshold_value
 from haptisym.model.proportions import read_proportion
 from haptisym.model.quantities import Dimension, MotionKind, number, require_number
-from haptisym.model.ranges import ExactRange, ranged
+from haptisym.model.ranges import ExactRange, ranged, read_confidence
 from haptisym.model.regions import MOST_CORNERS, Corner, Region, Shape, turning
 
 _KEYS = {
@@ -24,7 +24,7 @@ _KEYS = {
     Shape.POLYGON: ("corners",),
 }
 _OPTIONAL = ("shape", "floor", "tilt")
-_ANY = ("shape", "scale", "proportion")
+_ANY = ("shape", "scale", "proportion", "confidence")
 
 
 def read_threshold(given: Any) -> Threshold:
@@ -37,6 +37,9 @@ def read_threshold(given: Any) -> Threshold:
     """
     if not isinstance(given, Mapping):
         return Threshold.of(given)
+    if "confidence" in given:
+        found = read_threshold({key: x for key, x in given.items() if key != "confidence"})
+        return replace(found, confidence=read_confidence("confidence", given["confidence"]))
     if "like" in given:
         for key in given:
             if key != "like":
@@ -63,7 +66,7 @@ def _table(given: Mapping[str, Any]) -> Threshold:
             hint = f"it is of a {' or '.join(owners)}; " if owners else meant(str(key), keys)
             what = "" if shape is Shape.SQUARE else f" of a {shape.value}"
             raise SceneError(
-                f'unknown key "{str(key)[:60]}"{what}: {hint}valid are {", ".join(("shape", *keys, "scale", "proportion"))}'
+                f'unknown key "{str(key)[:60]}"{what}: {hint}valid are {", ".join(("shape", *keys, *_ANY[1:]))}'
             )
     missing = [key for key in keys if key not in given and key not in _OPTIONAL]
     if missing:

@@ -14,7 +14,7 @@ from sympy import Expr
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
-from haptisym.model.quantities import Dimension, Quantity, decimal, quantity
+from haptisym.model.quantities import Dimension, Quantity, decimal, number, quantity
 
 ExactRange: TypeAlias = tuple[Expr, Expr]
 """The lowest and the highest value, exact, in SI."""
@@ -115,3 +115,18 @@ def spread(nominal: Expr, interval: ExactRange) -> str:
     if nominal == 0 or sign_of_number(low) * sign_of_number(high) <= 0 or nominal - low != high - nominal:
         return f"from {float(low):.6g} to {float(high):.6g}"
     return f"by {float(50 * (high - low) / (nominal * sign_of_number(nominal))):.4g} %"
+
+
+def read_confidence(key: str, given: Any) -> Expr:
+    """Of the region that ranges are: a number between 0 and 1, "95 %". SceneError, with the key, for any other.
+
+    >>> read_confidence("confidence", "95 %")
+    19/20
+    """
+    try:
+        value = number(given, Dimension.RATIO).value
+    except SceneError as error:
+        raise error.within(key) from None
+    if not value.is_Rational or not 0 < value < 1:
+        raise SceneError(f'{key}: "{given}" must lie between 0 and 1, as 0.95')
+    return value

@@ -25,7 +25,7 @@ from haptisym.model.knobs import THRESHOLD, Knob, Knobs, threshold_knobs
 from haptisym.model.naming import symbol_names, with_names
 from haptisym.model.parameters import Rule, refuse_references
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
-from haptisym.model.ranges import spread
+from haptisym.model.ranges import read_confidence, spread
 from haptisym.model.sampled import in_place
 
 
@@ -53,6 +53,8 @@ class Scene(Shown):
     title: str = ""
     source: str = ""
     hands: tuple[Hand, ...] = ()
+    confidence: Any = None
+    """Of the region that the ranges are, where they were estimated: 0.95 of a scene that ``identify`` wrote."""
     text: str = field(default="", repr=False, compare=False)
     """Of the file that it was read from, as it was then."""
 
@@ -75,6 +77,8 @@ class Scene(Shown):
         shown = [f'"{x}"' if isinstance(x, str) else f"{x} rad/s" for x in self.band]
         low, high = (frequency("band", x) for x in self.band)
         object.__setattr__(self, "band", (low, high))
+        if self.confidence is not None:
+            object.__setattr__(self, "confidence", read_confidence("confidence", self.confidence))
         if not isinstance(self.threshold, Threshold):
             object.__setattr__(self, "threshold", read_threshold(self.threshold))
         if sign_of_number(low) < 0:
@@ -199,14 +203,35 @@ class Scene(Shown):
 
     def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
         """What is to be said beside an answer: what is nominal, and which of what is ``varied`` (None: all) has a double."""
-        return [x for x in (self.nominal_but(besides), self.untied_note(varied)) if x]
+        return [x for x in (self.estimated, self.nominal_but(besides), self.untied_note(varied)) if x]
 
     def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
-        """The same as keys of a document, where they say something: ``nominal``, ranges by path; ``untied``, pairs of paths."""
+        """The same as keys of a document, where they say something.
+
+        ``confidence`` ; ``nominal``, ranges by path; ``untied``, pairs of paths.
+        """
+        level = self.level
         ranges = {path: [float(end) for end in x.interval or ()] for path, x in self.ranges(besides).items()}
         ranges |= {f"{THRESHOLD}.{name}": [float(end) for end in x] for name, x in self.threshold.region.ranges}
         untied = [list(pair) for pair in self.untied(varied)]
-        return ({"nominal": ranges} if ranges else {}) | ({"untied": untied} if untied else {})
+        keys = {"confidence": level and float(level), "nominal": ranges, "untied": untied}
+        return {key: x for key, x in keys.items() if x}
+
+    @property
+    def level(self) -> Expr | None:
+        """The confidence with which its ranges and those of its JND were estimated, the lower one; None where none was."""
+        return min((x for x in (self.confidence, self.threshold.confidence) if x is not None), default=None)
+
+    @property
+    def estimated(self) -> str:
+        """What that means of all that is said; empty where nothing was estimated."""
+        if self.level is None:
+            return ""
+        region = f"the {float(100 * self.level):g} % region of the fit"
+        return (
+            f"The numbers of this scene were estimated; its ranges are {region}. What is said for all values is said for all "
+            f"values in {region}, of the fitted model: of the device it is an estimate."
+        )
 
     @property
     def motion(self) -> MotionKind | None:

@@ -19,6 +19,7 @@ from haptisym.model.jnd import Threshold
 from haptisym.model.jndtables import read_threshold
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.quantities import Dimension, number
+from haptisym.model.ranges import read_confidence
 from haptisym.model.scene import Scene, frequency
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ def _is_measured(table: Table) -> bool:
 def _formulas(table: Table, text: str) -> SceneFamily:
     _only(table, _TABLES, "")
     evaluation = _table(table.get("evaluation", {}), "evaluation")
-    _only(evaluation, ("band", "jnd"), "evaluation")
+    _only(evaluation, ("band", "jnd", "confidence"), "evaluation")
     effects = tuple(_effects(table.get("effects", [])))
     band = _band(evaluation["band"]) if "band" in evaluation else _DEFAULT_BAND
     threshold = _threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
@@ -101,6 +102,8 @@ def _formulas(table: Table, text: str) -> SceneFamily:
     rows = _environments(table) if "environments" in table else [_one_environment(table)]
     hands = tuple(_hands(table))
     shared: dict[str, Any] = {"hands": hands, "text": text}
+    if "confidence" in evaluation:
+        shared["confidence"] = read_confidence("evaluation: confidence", evaluation["confidence"])
     scenes = ((name, Scene(own, effects, band, threshold, rendered, **shared)) for name, own, rendered in rows)
     return named(scenes, title, source)
 

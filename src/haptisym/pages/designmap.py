@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import ceil
 
 from haptisym.pages.require import heading, sets, unit_of
-from haptisym.pages.words import page_about, rounded, rounded_up, rule, short
+from haptisym.pages.words import certainty, page_about, rounded, rounded_up, rule, short
 from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.require.wishes import STABLE
@@ -40,7 +40,7 @@ def page(m: DesignMap) -> Document:
         (" What binds at the boundary: ", listed(kinds), ".") if kinds else "",
     )  # fmt: skip
     certain: Phrase = (
-        "Certain: every value of a slice is proven."
+        certainty(m.scene, "Certain: every value of a slice is proven.")
         if m.certified
         else (Strong("UNDECIDED"), " in some slices", _why(m), ": see --json.")
     )

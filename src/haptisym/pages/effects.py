@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from haptisym.model.jnd import Part
-from haptisym.pages.words import H_ENV, OMEGA, RATIOS, bounds, compared, page_about, rounded, rounded_up
+from haptisym.pages.words import H_ENV, OMEGA, RATIOS, bounds, certainty, compared, page_about, rounded, rounded_up
 from haptisym.verbs.effects.relevance import CrossingEnclosure, Relevance
 from haptisym.writing.document import (
     Block,
@@ -104,7 +104,8 @@ def _certain(r: Relevance) -> Phrase:
         if r.smallest
         else "This is the smallest set found; that no smaller one does is not proven."
     )
-    return (
+    return certainty(
+        r.scene,
         "Certain: bounds are proven on the whole band by ball arithmetic, for all left-out effects together; outside the "
-        f"intervals above the full scene has no crossing. {smallest}"
+        f"intervals above the full scene has no crossing. {smallest}",
     )

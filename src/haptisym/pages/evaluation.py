@@ -27,6 +27,7 @@ from haptisym.pages.words import (
     both,
     bounds,
     caveats,
+    certainty,
     compared,
     ends,
     limits,
@@ -265,9 +266,10 @@ def _certain(e: Evaluation) -> Phrase:
             Strong("UNDECIDED"), " at the precision limit: whether a ratio touches its threshold, crosses it twice or stays ",
             "clear of it near ", where, ". Everything else is proven.",
         )  # fmt: skip
-    return (
+    return certainty(
+        e.scene,
         "Certain: these are all crossings on the band, none is missed and none invented; every digit, sign and interval "
-        "is proven by exact polynomials and ball arithmetic, not sampled."
+        "is proven by exact polynomials and ball arithmetic, not sampled.",
     )
 
 

@@ -10,7 +10,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.model.caveats import caveats as cautions
 from haptisym.model.jnd import Part
 from haptisym.pages.regions import family_regions
-from haptisym.pages.words import both, caveats, limits, page_about, short, spans
+from haptisym.pages.words import both, caveats, certainty, limits, page_about, short, spans
 from haptisym.verbs.family.entry import FamilyEvaluation
 from haptisym.verbs.family.worst import FamilyBinding
 from haptisym.writing.document import (
@@ -109,7 +109,8 @@ def _certain(w: FamilyEvaluation) -> Phrase:
     if not w.certified:
         where = " at the precision limit near some frequency: evaluate each environment alone to see where."
         return Strong("UNDECIDED"), where
-    return (
+    return certainty(
+        w.family,
         "Certain: every crossing of every environment on the band is known, none is missed and none invented; which of "
-        "them comes first is proven, and equal ones are found equal."
+        "them comes first is proven, and equal ones are found equal.",
     )

@@ -9,7 +9,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import caveats, noted, page_about, percent, region, short, spans
+from haptisym.pages.words import caveats, certainty, noted, page_about, percent, region, short, spans
 from haptisym.verbs.metrics.forms import Form
 from haptisym.verbs.metrics.metric import Metric, Metrics, Value
 from haptisym.writing.boxes import (
@@ -117,9 +117,10 @@ def _certain(m: Metrics) -> Phrase:
     if not m.certified:
         undecided = ": whether some function touches its limit, crosses it twice or stays clear of it."
         return Strong("UNDECIDED"), " at the precision limit", undecided
-    return (
+    return certainty(
+        m.scene,
         "Certain: every edge, band and number is proven by exact polynomials and ball arithmetic, not sampled. How far a source "
-        "was read is said beside it."
+        "was read is said beside it.",
     )
 
 

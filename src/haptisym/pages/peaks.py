@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from haptisym.judge.peaks import Peak, Peaks
 from haptisym.pages.crossings import joint
-from haptisym.pages.words import OMEGA, exactly, hertz, noted, page_about, symbol
+from haptisym.pages.words import OMEGA, certainty, exactly, hertz, noted, page_about, symbol
 from haptisym.writing.document import Block, Column, Document, Number, Paragraph, Phrase, Section, Strong, Table, listed
 
 _DIGITS = 15
@@ -47,4 +47,7 @@ def _certain(found: Peaks) -> Phrase:
         where = listed(Number(x.digits(6), float(x)) for x in found.undecided)
         open_ = " at the precision limit: whether a slope changes its sign at "
         return Strong("UNDECIDED"), open_, where, " rad/s. All others are proven."
-    return "Certain: these are all of them inside the band, none is missed and none invented; every digit is proven."
+    return certainty(
+        found.scene,
+        "Certain: these are all of them inside the band, none is missed and none invented; every digit is proven.",
+    )

@@ -13,7 +13,7 @@ from haptisym.model.caveats import clocks
 from haptisym.model.knobs import Knob
 from haptisym.model.quantities import unit_text
 from haptisym.pages.late import proof
-from haptisym.pages.words import both, exactly, page_about, rounded, rule, short, symbol
+from haptisym.pages.words import both, certainty, exactly, page_about, rounded, rule, short, symbol
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.required import Requirement
@@ -221,10 +221,14 @@ def _certain(r: Requirement) -> Phrase:
             "" if _is_all(r) else " About all others everything is.",
         )  # fmt: skip
     if not r.feasible:
-        return "Certain: none that will do was missed; that is proven, not sampled."
+        return certainty(r.scene, "Certain: none that will do was missed; that is proven, not sampled.")
     if any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high)):
-        return "Certain: each end lies within the enclosure that is given; of some no more digits are known."
-    return "Certain: these are all such values, none is missed and none invented; every digit is proven, not sampled."
+        narrow = "Certain: each end lies within the enclosure that is given; of some no more digits are known."
+        return certainty(r.scene, narrow)
+    return certainty(
+        r.scene,
+        "Certain: these are all such values, none is missed and none invented; every digit is proven, not sampled.",
+    )
 
 
 def _limit(x: RealNumber | None, *, up: bool) -> Phrase:

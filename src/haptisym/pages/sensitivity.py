@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import OMEGA, both, noted, page_about
+from haptisym.pages.words import OMEGA, both, certainty, noted, page_about
 from haptisym.verbs.sensitivity.entry import Sensitivities
 from haptisym.verbs.sensitivity.slopes import Sensitive, Sensitivity
 from haptisym.writing.document import (
@@ -95,7 +95,8 @@ def _certain(found: Sensitivities) -> Phrase:
     if not found.certified:
         return Strong("UNDECIDED"), " at the precision limit where it says so. Everything else is proven."
     formulas = " Their formulas: ", Code('haptisym derive SCENE --of "d omega_r/d NAME"'), "."
+    proven = "Certain: derivatives by implicit differentiation of the threshold equation, every digit proven."
     return (
-        "Elasticity: per cent of frequency per per cent of the parameter. Certain: derivatives by implicit differentiation of ",
-        "the threshold equation, every digit proven.", formulas if found.scene.threshold.is_plain else (),
+        "Elasticity: per cent of frequency per per cent of the parameter. ", certainty(found.scene, proven),
+        formulas if found.scene.threshold.is_plain else (),
     )  # fmt: skip

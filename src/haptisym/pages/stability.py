@@ -19,6 +19,7 @@ from haptisym.pages.words import (
     OMEGA,
     OPERATORS,
     both,
+    certainty,
     compared,
     exactly,
     noted,
@@ -251,4 +252,5 @@ def _certain(found: Stability) -> Phrase:
     proven = f"Certain: roots are counted, and signs {signs} decided, with every delay as it is. "
     if found.sampled is not None:
         proven = "Certain: roots are counted on the exact polynomial of the loop with its clock, and signs decided on 0 < θ ≤ π. "
-    return proven, "Imposed, held and every passive hand are three statements; each is proven by itself."
+    apart = "Imposed, held and every passive hand are three statements; each is proven by itself."
+    return certainty(found.scene, (proven, apart))

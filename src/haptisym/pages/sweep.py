@@ -7,7 +7,7 @@ from math import pi
 from typing import Any
 
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import page_about, rounded
+from haptisym.pages.words import certainty, page_about, rounded
 from haptisym.verbs.sweep.swept import Swept
 from haptisym.writing.document import Block, Column, Document, Facts, Figure, Notes, Paragraph, Phrase, Strong, Table
 
@@ -34,7 +34,7 @@ def page(found: Swept) -> Document:
     is_drawn = len(told["vary"]) <= _MOST_DRAWN and all(x["values"] > 1 for x in told["vary"])
     figure = (Figure("sweep", shown, found.figure),) if is_drawn else ()
     counts = Facts((*_counts(told), *_held(told)))
-    blocks = Facts(tuple(_varied(told))), _frequencies(told), counts, *figure, *_certain(told)
+    blocks = Facts(tuple(_varied(told))), _frequencies(told), counts, *figure, *_certain(found, told)
     return page_about(found.scene, blocks, "Sweep of parameters", found.asides())
 
 
@@ -78,12 +78,13 @@ def _span(span: list[float] | None, unit: float = 1.0, digits: int = 5) -> Phras
     return (low, " to ", high) if low != high else low
 
 
-def _certain(told: Mapping[str, Any]) -> Iterator[Block]:
-    yield Paragraph(
+def _certain(found: Swept, told: Mapping[str, Any]) -> Iterator[Block]:
+    proven = (
         f"Certain: {told['sets']:,} sets, {told['certified_in_floats']:,} certified in floats, {told['exact']:,} exact. All "
         "counts are proven, and all frequencies to a relative 1e-10, for parameters that are exactly the binary numbers stored "
         "with the results."
     )
+    yield Paragraph(certainty(found.scene, proven))
     if told["open"]:
         part = ", or not in all" if "held" in told else ""
         first = ", ".join(f"{name} = {x:.17g}" for name, x in told["open_at"][0].items())

@@ -14,7 +14,7 @@ from haptisym.model.quantities import MotionKind, unit_text
 from haptisym.model.ranges import spread
 from haptisym.pages.crossings import joint, nothing_meets
 from haptisym.pages.late import drawing
-from haptisym.pages.words import CHANGE, both, noted, page_about, rounded, symbol
+from haptisym.pages.words import CHANGE, both, noted, page_about, region_of_fit, rounded, symbol
 from haptisym.verbs.stability.boxes import Share
 from haptisym.verbs.tolerances.proofs import Tolerances
 from haptisym.verbs.tolerances.quantiles import LEVELS, quantiles
@@ -42,7 +42,9 @@ def page(a: Tolerances) -> Document:
     """The whole page."""
     scene = a.box.scene
     low, high = scene.band
-    asides = filter(None, [scene.untied_note(scene.ranges()), f"Band: {float(low):.6g} to {float(high):.6g} rad/s"])
+    asides = filter(
+        None, [scene.estimated, scene.untied_note(scene.ranges()), f"Band: {float(low):.6g} to {float(high):.6g} rad/s"]
+    )
     blocks = [_varying(a), *_verdict(a), *_held(a), _enclosures(a), Paragraph(_bandwidth(a)), *_estimates(a)]
     return page_about(scene, blocks, "What holds for all values", asides)
 
@@ -65,7 +67,7 @@ def _side(name: Phrase, nominal: Expr, ends: tuple[Expr, Expr], unit: str) -> tu
 
 
 def _verdict(a: Tolerances) -> Iterator[Block]:
-    yield Paragraph(_VERDICTS[a.verdict] if a.box.sides else _ALONE[a.verdict])
+    yield Paragraph(_told(a, _VERDICTS[a.verdict] if a.box.sides else _ALONE[a.verdict]))
     examples = (("Transparent", a.transparent), ("Noticed", a.noticed))
     told: list[Phrase] = [
         (f"{how}, for example, with ", values(one.values), ".")
@@ -110,7 +112,7 @@ def _held(a: Tolerances) -> Iterator[Block]:
         if x.share is None:
             yield Paragraph((Strong("UNDECIDED"), ": ", held, "whether the display is stable: ", x.reason, "."))
         else:
-            yield Paragraph(("Proven: ", held, _SHARES[x.share]))
+            yield Paragraph(_told(a, ("Proven: ", held, _SHARES[x.share])))
         examples = (("Stable", x.stable), ("Not stable", x.unstable))
         if x.share is not Share.ALL and x.share is not Share.NONE:
             told = [(f"{how}, for example, with ", _at(a, found), ".") for how, found in examples if found]
@@ -147,7 +149,7 @@ def _enclosures(a: Tolerances) -> Block:
         if region
         else "where the ratios meet their thresholds"
     )
-    title = f"Guaranteed: {what}, whatever the values"
+    title = _told(a, f"Guaranteed: {what}, whatever the values")
     said = "An end marked = is reached, at a corner of the ranges; any other is a bound, which crossings may come near or not."
     if not a.box.sides:
         title, said = f"Proven: {what}", "An end marked = is a crossing, exactly; any other is a bound."
@@ -179,8 +181,17 @@ def _bandwidth(a: Tolerances) -> Phrase:
         return "That the display is transparent from the low end of the band on is not proven for all values."
     low, high = a.bandwidth
     if low == high:
-        return "Proven: the bandwidth is ", both(low), "."
-    return "Guaranteed: the bandwidth lies between ", both(low), " and ", both(high), "."
+        return _told(a, ("Proven: the bandwidth is ", both(low), "."))
+    return _told(a, ("Guaranteed: the bandwidth lies between ", both(low), " and ", both(high), "."))
+
+
+def _told(a: Tolerances, words: Phrase) -> Phrase:
+    """What is said of the model, and of a fitted one for the region of the fit."""
+    fit = region_of_fit(a.box.scene)
+    first, *rest = words if isinstance(words, tuple) else (words,)
+    if not fit or not isinstance(first, str):
+        return words
+    return f"For all values in {fit}:{first.partition(':')[2]}", *rest
 
 
 def _estimates(a: Tolerances) -> Iterator[Block]:

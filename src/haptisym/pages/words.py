@@ -25,7 +25,7 @@ from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.regions import Shape
 from haptisym.model.scene import Scene
 from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled
-from haptisym.writing.document import Block, Document, Notes, Number, Phrase, Strong, coded, listed
+from haptisym.writing.document import Block, Code, Document, Notes, Number, Phrase, Strong, coded, listed
 from haptisym.writing.layout import layout
 from haptisym.writing.names import named
 
@@ -60,6 +60,18 @@ def title(scene: Scene | SceneFamily | MeasuredScene) -> str:
 def lead(scene: Scene | SceneFamily | MeasuredScene, asides: Iterable[str] | None = None) -> tuple[Phrase, ...]:
     """Where a scene comes from, and what holds of it besides: by default its own asides."""
     return tuple(x for x in (scene.source, *map(coded, scene.asides() if asides is None else asides)) if x)
+
+
+def region_of_fit(scene: Scene | SceneFamily) -> str:
+    """What the ranges of a scene are that was fitted; empty for one that was not."""
+    return "" if scene.level is None else f"the {float(100 * scene.level):g} % region of the fit"
+
+
+def certainty(scene: Scene | SceneFamily, words: Phrase) -> Phrase:
+    """What is proven of a display; of a fitted one nothing is."""
+    region = region_of_fit(scene)
+    told = "Exact for the fitted model, not sampled; of the device it is an estimate. For all values in ", region, ": "
+    return (*told, Code("haptisym tolerances"), ".") if region else words
 
 
 def short(x: RealNumber) -> Number:

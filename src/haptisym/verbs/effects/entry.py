@@ -7,6 +7,7 @@ from pathlib import Path
 
 from sympy import Expr, Rational
 
+from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.quantities import Dimension, Number, number
@@ -20,12 +21,13 @@ TOLERANCE = Rational(1, 100)
 """Unless told otherwise: a tenth of the usual JND."""
 
 
-def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE) -> Relevance:
+def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE, *, limit: float | None = SECONDS) -> Relevance:
     """Find which effects of a scene matter: the fewest with which r_r and r_i stay within a tolerance of the full scene's.
 
     ``tolerance`` : a number >= 0, of the ratios. Guaranteed: the bound holds at every frequency of the band for both
-    ratios and all left-out effects together; of 12 effects or fewer no smaller set does. Raises SceneError for a scene with
-    symbols for numbers, and for a tolerance that is none.
+    ratios and all left-out effects together; of 12 effects or fewer no smaller set does. ``limit`` : seconds after which a
+    LimitError says that it is not decided; None for none. Raises SceneError for a scene with symbols for numbers, and for a
+    tolerance that is none.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.model.jnd import Part
@@ -35,12 +37,13 @@ def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE) -> Relev
     (['first-order-lag'], True)
     """
     scene = as_scene(scene)
-    limit = _tolerance(tolerance)
+    most = _tolerance(tolerance)
     scene.knobs.need_numbers()
     balls = BallChain(scene)
-    choice = SubsetSearch(scene, balls, limit).choose()
+    with limited(limit):
+        choice = SubsetSearch(scene, balls, most).choose()
     kept = tuple(effect for i, effect in enumerate(scene.effects) if i in choice.kept)
-    return Relevance(scene, limit, replace(scene, effects=kept), choice.bound, choice.smallest, balls)
+    return Relevance(scene, most, replace(scene, effects=kept), choice.bound, choice.smallest, balls)
 
 
 def _tolerance(given: Number) -> Expr:

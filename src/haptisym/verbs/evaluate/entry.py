@@ -85,7 +85,7 @@ def _evaluated(scene: Scene, digits: int, tolerance: Number | None) -> Evaluatio
         return evaluation.evaluate(scene, digits)
     from haptisym.verbs.effects.entry import relevance
 
-    found = relevance(scene, tolerance)
+    found = relevance(scene, tolerance, limit=None)
     return evaluation.evaluate(found.pruned, digits, left_out=found)
 
 

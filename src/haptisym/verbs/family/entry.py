@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.evaluation import Evaluation, evaluate
+from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval
 from haptisym.kernel.shown import counted, titled
@@ -93,13 +94,15 @@ def evaluate_all(
     *,
     regions: bool = False,
     proportion: Number | None = None,
+    limit: float | None = SECONDS,
 ) -> FamilyEvaluation:
     """Evaluate one display with several environments: each, the band on which all are transparent, and who binds there.
 
     ``digits`` : decimal digits of each crossing. ``regions`` : whether ``regions`` is to tell what square, disc and diamond of
     the JND's half widths say. ``proportion`` : of right answers, to which a JND that tells its own is converted. Guaranteed: the
     common transparent set is the intersection of the environments' own; its ends are proven, and which environment they belong
-    to. Raises SceneError if a parameter is still a symbol, UndecidedError where two ends could not be told apart.
+    to. ``limit`` : seconds after which a LimitError says that it is not decided; None for none. Raises SceneError if a parameter
+    is still a symbol, UndecidedError where two ends could not be told apart.
 
     >>> from haptisym.model.scenefile import load_scenes
     >>> found = evaluate_all(load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]))
@@ -109,6 +112,11 @@ def evaluate_all(
     family = as_family(family)
     if proportion is not None:
         family = family.at_proportion(proportion)
+    with limited(limit):
+        return _evaluated(family, digits, regions=regions)
+
+
+def _evaluated(family: SceneFamily, digits: int, *, regions: bool) -> FamilyEvaluation:
     answers = {name: evaluate(scene, digits) for name, scene in family.scenes.items()}
     worst = WorstCase.of(family, family.threshold)
     if not regions:

@@ -99,6 +99,7 @@ class Identification(Answer):
         evaluation = {
             "band": band_value(float(lines.omega[0]), float(lines.omega[-1])),
             "jnd": threshold_value(self.threshold),
+            "confidence": self.fit.lines.confidence,
         }
         tables = [
             ("[environment]", filled(own.environment, value)),

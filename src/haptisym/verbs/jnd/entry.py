@@ -97,7 +97,7 @@ class Psychometric(Answer):
         """
         if self.fraction is None:
             return {}
-        own = dict.fromkeys(("real", "imag"), _written(self.fraction))
+        own = dict.fromkeys(("real", "imag"), _written(self.fraction)) | {"confidence": f"{self.confidence:g}"}
         return own if self.asked.alternatives else own | {"proportion": f"{self.asked.proportion:.15g}"}
 
     @property

@@ -12,6 +12,7 @@ from sympy import Integer
 from haptisym.judge.criteria import Criterion, kept
 from haptisym.judge.evaluation import evaluate
 from haptisym.judge.peaks import largest
+from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot, short
 from haptisym.kernel.response import RealFunction, squared_modulus
 from haptisym.kernel.rings import RationalFunction
@@ -27,12 +28,12 @@ from haptisym.verbs.metrics.metric import Metric, Metrics, Value
 from haptisym.verbs.metrics.passivehands import absolute_stability, passivity_measure
 
 
-def metrics(scene: Scene | str | Path) -> Metrics:
+def metrics(scene: Scene | str | Path, *, limit: float | None = SECONDS) -> Metrics:
     """The measures of transparency of a scene with numbers for all parameters: each proven on its band.
 
     Transmitted impedance ratio and relative distortion, Z_min, Z_max and Z_width, sensitivity, passivity and absolute
-    stability at all frequencies, effective stiffness, mass and damping, free response. Raises SceneError if a
-    parameter is still a symbol.
+    stability at all frequencies, effective stiffness, mass and damping, free response. ``limit`` : seconds after which a
+    LimitError says that it is not decided; None for none. Raises SceneError if a parameter is still a symbol.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = metrics(load_scene("fu2019"))
@@ -40,6 +41,11 @@ def metrics(scene: Scene | str | Path) -> Metrics:
     ['101.762']
     """
     scene = as_scene(scene)
+    with limited(limit):
+        return _measured(scene)
+
+
+def _measured(scene: Scene) -> Metrics:
     m = Measured(evaluate(scene))
     forms = MeasureForms(scene)
     rows = (

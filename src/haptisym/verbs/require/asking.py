@@ -81,9 +81,9 @@ class Asked:
     def cut(self, at: Expr) -> Slice:
         """The slice at a value of the first parameter."""
         here, path, along = self.free[0].put(self.scene, at), self.free[1].path, self.ranges[1]
-        apart = [require(here, path, along, that=[x], **self.options) for x in self.wanted]
+        apart = [require(here, path, along, that=[x], limit=None, **self.options) for x in self.wanted]
         others = (here.with_values({THRESHOLD: x}) for x in self.thresholds)
-        return Slice.of(at, apart, [require(x, path, along, **self.options) for x in others])
+        return Slice.of(at, apart, [require(x, path, along, limit=None, **self.options) for x in others])
 
     def proofs(self) -> tuple[Proof, ...]:
         """What is proven all over the plane: of what is transparent, with each threshold, and of what is stable."""

@@ -12,7 +12,7 @@ from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion
-from haptisym.kernel.budget import Told, limited
+from haptisym.kernel.budget import SECONDS, Told, limited
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.hand import Hand
@@ -199,7 +199,7 @@ def design_map(
     slices: int = 41,
     within: Number | None = None,
     uniform: bool = False,
-    limit: float | None = None,
+    limit: float | None = SECONDS,
     told: Told | None = None,
 ) -> DesignMap:
     """The transparent region in two parameters, by at most that many slices, more of them where its boundary bends.

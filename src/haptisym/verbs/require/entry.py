@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from haptisym.judge.criteria import noticed
-from haptisym.kernel.budget import Told, limited
+from haptisym.kernel.budget import SECONDS, Told, limited
 from haptisym.kernel.counts import whole
 from haptisym.kernel.response import RealFunction
 from haptisym.model.hand import Hand
@@ -30,7 +30,7 @@ def require(
     that: Sequence[str] = (TRANSPARENT,),
     hand: str | Hand | None = None,
     digits: int = 15,
-    limit: float | None = None,
+    limit: float | None = SECONDS,
     told: Told | None = None,
 ) -> Requirement:
     """The values of one parameter for which r_r <= c_real and r_i <= c_imag on the whole band: all of them, exactly.

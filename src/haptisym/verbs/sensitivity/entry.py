@@ -13,6 +13,7 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.crossings import Crossing, CrossingKind, Curve
 from haptisym.judge.evaluation import Evaluation, evaluate
+from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.lattices import Lattice, Piece, Signed
 from haptisym.kernel.levels import algebraic
 from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot
@@ -168,7 +169,7 @@ class Sensitivities(Answer):
     def _kink(self, end: RealNumber, there: list[Sensitive]) -> str:
         """Why the bandwidth has no derivative; empty where it has."""
         e = self.evaluation
-        below = self.crossings[: next((i + 1 for i, x in enumerate(self.crossings) if x.omega is end), None)]
+        below = self.crossings[: max((i + 1 for i, x in enumerate(self.crossings) if x.omega is end), default=None)]
         if e.undecided:
             return "undecided: whether a ratio touches its threshold on the band"
         if any(x.kind is CrossingKind.TOUCHES for x in below):
@@ -232,12 +233,12 @@ def _limit(x: Criterion) -> RealNumber:
     return SquareRoot(algebraic(x.limit)) if irrational else ExactNumber(x.threshold)
 
 
-def sensitivity(scene: Scene | str | Path, digits: int = 15) -> Sensitivities:
+def sensitivity(scene: Scene | str | Path, digits: int = 15, *, limit: float | None = SECONDS) -> Sensitivities:
     """How each crossing, changeover and the bandwidth of a scene moves with each parameter and the threshold.
 
     Guaranteed: every number is a certified enclosure of the exact derivative, to as many ``digits`` as wanted; None, with the
-    reason, where there is no derivative. Works for every scene that can be evaluated. Raises SceneError if a parameter is
-    still a symbol.
+    reason, where there is no derivative. Works for every scene that can be evaluated. ``limit`` : seconds after which a
+    LimitError says that it is not decided; None for none. Raises SceneError if a parameter is still a symbol.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> first = sensitivity(load_scene("fu2019")).crossings[0]
@@ -245,4 +246,7 @@ def sensitivity(scene: Scene | str | Path, digits: int = 15) -> Sensitivities:
     [('omega_n', '1.265'), ('zeta', '-1.245')]
     """
     scene = as_scene(scene)
-    return Sensitivities(evaluate(scene, digits))
+    with limited(limit):
+        found = Sensitivities(evaluate(scene, digits))
+        _ = found.bandwidth, found.changeovers_environment, found.changeovers_perceived  # all that takes long
+    return found

@@ -8,7 +8,7 @@ from pathlib import Path
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError, meant, several
-from haptisym.model.hand import Hand, hands, how_to_give
+from haptisym.model.hand import NOBODY, Hand, hands, how_to_give
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
@@ -87,7 +87,7 @@ def _critical(scene: Scene, x: Held, free: Iterable[Knob]) -> tuple[Nearest, ...
 
 
 def chosen(scene: Scene, given: str | Hand) -> Hand:
-    """A hand by its name, the scene's own before one that the package ships."""
+    """A hand by its name, the scene's own before one that the package ships; "none" is one without mass, damping and stiffness."""
     if isinstance(given, Hand):
         return given
     own = {x.name: x for x in scene.hands}
@@ -95,7 +95,9 @@ def chosen(scene: Scene, given: str | Hand) -> Hand:
         return own[given]
     if given in hands:
         return hands[given]
+    if given == NOBODY:
+        return Hand(NOBODY)
     theirs = f"the scene has {', '.join(own)}; " if own else ""
     raise SceneError(
-        f'there is no hand "{str(given)[:60]}": {meant(str(given), [*own, *hands])}{theirs}the package ships {", ".join(hands)}'
+        f'there is no hand "{str(given)[:60]}": {meant(str(given), [*own, *hands])}{theirs}the package ships {", ".join(hands)}, and {NOBODY} is no hand'
     )

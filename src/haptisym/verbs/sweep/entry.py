@@ -57,8 +57,8 @@ def sweep(
     ``bandwidth``, ``transparent`` (fraction of the band), ``crossings_real``, ``crossings_imag`` (with a JND region that judges
     both parts at once ``first_crossing_joint`` and ``crossings_joint`` in their place), ``changeover_environment``,
     ``changeover_perceived`` (the lowest), ``changeovers_environment``, ``changeovers_perceived`` (how many) and
-    ``method``: 0 certified in floats, 1 exact, 2 not answered (undecided at the precision limit, or without dynamics; counts are
-    then -1).
+    ``method``: 0 certified in floats, 1 exact, 2 not answered (undecided at the precision limit or in ten seconds, or without
+    dynamics; counts are then -1).
 
     For each hand ``unstable_NAME``, the proven number of roots that do not decay (Re s >= 0, with a clock abs(z) >= 1): 0 where
     the display is stable in it, 32767 for a chain of infinitely many, -1 where that was not decided; ``method`` is then 2.

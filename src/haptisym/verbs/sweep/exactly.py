@@ -11,6 +11,7 @@ from sympy import Expr, Rational
 from haptisym.judge.criteria import judged, kept, noticed
 from haptisym.judge.crossings import Curve
 from haptisym.judge.percepts import changeovers
+from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.lattices import Signed
 from haptisym.kernel.roots import Chart, Key, Point, chart
@@ -22,12 +23,18 @@ from haptisym.verbs.sweep.told import ABSENT, EXACT, Told
 
 AnswerRow: TypeAlias = dict[str, float]
 
+LONGEST = 10.0  # s for one set
+
 
 def exact_answers(scene: Scene, swept: Sequence[Knob], values: Sequence[float]) -> AnswerRow:
-    """All variables of a sweep for one set of values, which are taken as exactly the binary numbers that the floats are."""
+    """All variables of a sweep for one set of values, which are taken as exactly the binary numbers that the floats are.
+
+    None of it where that takes longer than ``LONGEST`` seconds.
+    """
     exact = [Rational(*Fraction(float(x)).as_integer_ratio()) for x in values]
     try:
-        found = _chart(scene, swept, exact)
+        with limited(LONGEST):
+            found = _chart(scene, swept, exact)
     except (SceneError, UndecidedError):  # no dynamics at all here (H_env = 0 everywhere, C H + D = 0), or a doubt
         return Told.of(scene).no_answer()
     return Told.of(scene).no_answer() if found.undecided else _row(found)

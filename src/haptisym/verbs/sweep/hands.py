@@ -15,6 +15,7 @@ from fractions import Fraction
 import numpy as np
 from sympy import Integer, Rational
 
+from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError, SceneError, UndecidedError
 from haptisym.kernel.rings import Polynomial
@@ -25,6 +26,7 @@ from haptisym.model.parameters import values as values_of
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.held import characteristic, unstable_roots
 from haptisym.verbs.sweep.batch import Array
+from haptisym.verbs.sweep.exactly import LONGEST
 from haptisym.verbs.sweep.families import Family, Powers, family, within_reach
 from haptisym.verbs.sweep.routh import count_right
 from haptisym.verbs.sweep.told import EXACT, FLOAT, INFINITE, OPEN, UNKNOWN, held_name
@@ -96,7 +98,8 @@ def exact_count(scene: Scene, place: int, swept: Sequence[Knob], values: Sequenc
     given = {x.path: Rational(*Fraction(float(v)).as_integer_ratio()) for x, v in zip(swept, values, strict=True)}
     try:
         at = scene.with_values({x.path: given[x.path] for x in swept if not x.parts})
-        found = unstable_roots(at, at.hands[place])
+        with limited(LONGEST):
+            found = unstable_roots(at, at.hands[place])
     except (SceneError, UndecidedError):
         return UNKNOWN
     return (INFINITE if found.chain else UNKNOWN) if found.number is None else found.number

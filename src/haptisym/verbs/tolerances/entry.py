@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from haptisym.kernel.budget import Told, limited, share
+from haptisym.kernel.budget import SECONDS, Told, limited, share
 from haptisym.kernel.counts import whole
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
@@ -25,7 +25,7 @@ def tolerances(
     seed: int = SEED,
     *,
     hand: str | Hand | Iterable[str | Hand] | None = None,
-    limit: float | None = None,
+    limit: float | None = SECONDS,
     told: Told | None = None,
 ) -> Tolerances:
     """What holds for all values of a scene's parameters within their ranges.
