@@ -15,6 +15,18 @@ from haptisym.model.scene import Scene
 
 _CODE = ("numpy", "c", "octave", "julia", "javascript")
 _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
+_MEANT = {
+    "python": "code in Python is --to numpy",
+    "matlab": "MATLAB runs --to octave",
+    "sympy": 'SymPy has no text of its own: in Python hs.derive(SCENE)["Re dH"] is an expression',
+}
+
+
+class _Language(click.Choice[str]):
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        if value in _MEANT:
+            self.fail(_MEANT[value], param, ctx)
+        return super().convert(value, param, ctx)
 
 
 @verb()
@@ -28,7 +40,7 @@ _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
     metavar="NAME",
     help="Keep this parameter only, by path or symbol (may be repeated; c is the threshold).",
 )
-@click.option("--to", "language", type=click.Choice(_OUTPUTS), default="text", show_default=True, help="What to write.")
+@click.option("--to", "language", type=_Language(_OUTPUTS), default="text", show_default=True, help="What to write.")
 @click.option(
     "--of", "names", multiple=True, metavar="QUANTITY", help="Only this quantity, written out (may be repeated)."
 )

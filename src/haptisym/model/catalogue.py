@@ -200,6 +200,16 @@ def _expression(entry: Expr | int) -> Expr:
     return Integer(entry) if isinstance(entry, int) else entry
 
 
+def _instead(slots: Mapping[str, Slot], given: Mapping[str, Any]) -> str:
+    """Another model, of those of which this is one, that what was given is enough for."""
+    models = next((x for x in (ENVIRONMENTS, EFFECTS) if any(y.slots is slots for y in x.values())), {})
+    for model in models.values():
+        needed = {key for key, x in model.slots.items() if x.required}
+        if given and needed <= set(given) <= set(model.slots) and not any(x.formula for x in model.slots.values()):
+            return f'; {", ".join(given)} alone: model = "{model.name}"'
+    return ""
+
+
 def _summary(equation: Callable[..., Any]) -> str:
     return (inspect.getdoc(equation) or "").split("\n")[0]
 
@@ -261,6 +271,7 @@ def _given(
     if missing:
         raise SceneError(
             f"parameter {missing[0]} is missing: required are {', '.join(k for k, x in slots.items() if x.required)}"
+            f"{_instead(slots, given)}"
         )
     return {key: given[key] for key in slots if key in given}
 

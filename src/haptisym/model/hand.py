@@ -147,4 +147,5 @@ NOBODY = "none"
 
 def how_to_give() -> str:
     """How a hand is given to a question, for an error that lacks one."""
-    return f"--hand NAME (in Python hand=NAME), or [hand] in the scene; haptisym ships {', '.join(hands)}, and {NOBODY} is no hand at all"
+    listed = f"haptisym ships {', '.join(hands)}, and {NOBODY} is no hand at all"
+    return f"--hand NAME (in Python hand=NAME), or [hand] in the scene; {listed}"

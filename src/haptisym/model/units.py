@@ -78,6 +78,12 @@ def _power(name: str, exponent: Fraction) -> str:
     return name if abs(exponent) == 1 else f"{name}^{abs(exponent)}"
 
 
+_SPELT = [
+    f"{prefix}{unit}" for unit in ("Hz", "N", "J", "m", "s", "g", "rad") for prefix in ("", "k", "m", "M", "c", "u")
+]
+"""As they are meant by those who write them in other letters."""
+
+
 def _measured(plain: str, unit: str, text: str, hint: str) -> tuple[Expr, dict[str, Fraction]]:
     """A unit's factor and dimensions from Pint's registry."""
     import pint
@@ -86,7 +92,8 @@ def _measured(plain: str, unit: str, text: str, hint: str) -> tuple[Expr, dict[s
         measured = evaluate(plain, number=_unit_number, name=_named_unit, sums=False)
         base = measured.to_root_units()
     except (ExpressionError, pint.PintError, ArithmeticError):
-        raise SceneError(f"{quoted(text)}: {quoted(unit)} is not a unit{hint}") from None
+        near = next((f'; did you mean "{x}"?' for x in _SPELT if x.lower() == unit.lower()), "")
+        raise SceneError(f"{quoted(text)}: {quoted(unit)} is not a unit{hint}{near}") from None
     exponents = {name.strip("[]"): Fraction(power) for name, power in base.dimensionality.items()}
     turns = exponents.pop("circle", Fraction(0))
     if turns.denominator != 1 or (isinstance(base.magnitude, float) and base.magnitude != 1.0):

@@ -33,7 +33,8 @@ def page(found: Cost) -> Document:
     tables = (_table(found, task) for task in _TASKS if found.task(task))
     proof = (
         "Right digits are those of the worst number, held against a certified reference of higher precision. Times are medians "
-        "of repeats in turns; the equations are given to all. Ratios of times travel between machines, times do not."
+        "of repeats in turns, with half of the range that the middle half of them spans; the equations are given to all. Ratios "
+        "of times travel between machines, times do not."
     )
     omitted = (f"Left out: {x.method} ({x.reason})." for x in found.left_out)
     late = (f"{x.method}: {not_reached(x)}." for x in found.rows if x.left_open)
@@ -52,7 +53,14 @@ def _table(found: Cost, task: str) -> Block:
     size = found.condition.get(task)
     condition = "" if size is None else f" (condition number {'infinite: a touch' if isinf(size) else f'{size:.2g}'})"
     last = Column("sets with a wrong count" if task == "sweep" else "")
-    columns = Column("method"), Column("right digits", number=True), Column("time"), Column("proven"), last
+    columns = (
+        Column("method"),
+        Column("right digits", number=True),
+        Column("time"),
+        Column("spread"),
+        Column("proven"),
+        last,
+    )
     return Section(
         (_TASKS[task], condition), (Table(columns, tuple(map(_row, found.task(task))), (_TASKS[task], ".")),)
     )
@@ -60,7 +68,9 @@ def _table(found: Cost, task: str) -> Block:
 
 def _row(row: Measurement) -> tuple[Phrase, ...]:
     digits = Number(f"{row.digits:.{int(row.digits < 20)}f}", row.digits)
-    return row.method, digits, duration(row.seconds), "yes" if row.proven else "no", share_wrong(row) or wrong(row)
+    spread = "" if row.spread is None else f"± {100 * row.spread:.0f} %"
+    proven = "yes" if row.proven else "no"
+    return row.method, digits, duration(row.seconds), spread, proven, share_wrong(row) or wrong(row)
 
 
 _TOLD = (

@@ -198,6 +198,8 @@ class Compiled(Shown):
 
 
 def _array(name: str, given: ArrayLike) -> Array:
+    if np.iscomplexobj(given):
+        raise SceneError(f"{name}: must be real numbers, frequencies in rad/s as those on the axis s = j omega")
     try:
         return np.asarray(given, dtype=float)
     except (TypeError, ValueError):

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field
 from functools import partial
 from math import isinf
 from pathlib import Path
+from statistics import median
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
@@ -18,13 +19,14 @@ from haptisym.model.scenefile import as_scene
 from haptisym.verbs.cost.measurement import Measurement, Omission
 from haptisym.verbs.cost.methods import Method
 from haptisym.verbs.cost.stopwatch import Timed, interleaved, machine
-from haptisym.verbs.cost.summary import summary
+from haptisym.verbs.cost.summary import BUSY, summary
 from haptisym.verbs.cost.tasks import Task, crossings_task, delay_tasks, effects_tasks, evaluate_task, prepared
 from haptisym.verbs.simulate.threads import one_thread
 
 Progressed = Callable[[str, float], None]
 """Called with what is measured next and the share that is done, from 0 to 1."""
 _ROUNDS = 25
+_SCATTER = 0.15  # of the middle half of the repeats: quiet machines have 0.01 to 0.05
 _BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0, "simulation": 3.0, "sweep": 6.0}
 """Seconds after which no repeats of a task are begun."""
 _FOR_REPEATS = 0.25
@@ -57,9 +59,15 @@ class Cost(Answer):
         return False
 
     @property
+    def busy(self) -> bool:
+        """Whether the repeats scatter so much that something else was running: then no sentence is made of the times."""
+        spreads = [x.spread for x in self.rows if x.spread is not None]
+        return bool(spreads) and median(spreads) > _SCATTER
+
+    @property
     def summary(self) -> str:
         """What a digit costs here, in a sentence."""
-        return summary(self.rows)
+        return BUSY if self.busy else summary(self.rows)
 
     def task(self, name: str) -> tuple[Measurement, ...]:
         """The rows of one task."""
@@ -69,6 +77,7 @@ class Cost(Answer):
         return {
             "band": [float(x) for x in self.scene.band],
             "summary": self.summary,
+            "busy": self.busy,
             "condition": {task: None if isinf(x) else x for task, x in self.condition.items()},
             "rows": [row.row() for row in self.rows],
             "left_out": [asdict(x) for x in self.left_out],
@@ -186,8 +195,8 @@ def _refused(timed: Timed) -> bool:
 def _row(task: Task, method: Method, timed: Timed) -> Measurement:
     score = task.score(method, timed.answer)
     proven = method.proves and not getattr(timed.answer, "undecided", 0)
-    seconds, counts = timed.seconds / task.per(method, timed.answer), score.wrong or (None, None)
-    late = (len(left), timed.answer.asked) if (left := getattr(timed.answer, "left_open", ())) else (None, None)
-    return Measurement(
-        task.name, method.name, score.digits, seconds, proven, score.missed, score.invented, *counts, *late
-    )
+    seconds = timed.seconds / task.per(method, timed.answer)
+    wrong, sets = score.wrong or (None, None)
+    late, asked = (len(left), timed.answer.asked) if (left := getattr(timed.answer, "left_open", ())) else (None, None)
+    counts = score.missed, score.invented, wrong, sets, late, asked
+    return Measurement(task.name, method.name, score.digits, seconds, proven, *counts, timed.spread)

@@ -13,9 +13,10 @@ class Measurement:
 
     ``task`` : evaluate, crossings, delay, effects, simulation or sweep. ``digits`` : right decimal digits of the worst number.
     ``seconds`` : median time; of ``evaluate`` for one frequency, of ``sweep`` for one set, of the other tasks for the whole
-    answer. ``proven`` : whether the answer is proven. ``missed``, ``invented`` : crossings that are there and not found, found
-    and not there. ``wrong``, ``sets`` : of a sweep the sets with a wrong count, of how many held against exact arithmetic;
-    ``left_open`` : how many sets of those ``asked`` about were not reached within the limit of time, None where all were.
+    answer. ``spread`` : half of the range of the middle half of the repeats, over it; None of fewer than four. ``proven`` :
+    whether the answer is proven. ``missed``, ``invented`` : crossings that are there and not found, found and not there.
+    ``wrong``, ``sets`` : of a sweep the sets with a wrong count, of how many held against exact arithmetic; ``left_open`` : how
+    many sets of those ``asked`` about were not reached within the limit of time, None where all were.
     """
 
     task: str
@@ -29,6 +30,7 @@ class Measurement:
     sets: int | None = None
     left_open: int | None = None
     asked: int | None = None
+    spread: float | None = None
 
     def row(self) -> dict[str, Any]:
         """As documents have it: what is of sweeps alone, or of a limit that was reached, is left out elsewhere."""

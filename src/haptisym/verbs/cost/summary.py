@@ -6,6 +6,8 @@ from collections.abc import Iterable, Sequence
 
 from haptisym.verbs.cost.measurement import HardRow, Measurement
 
+BUSY = "This machine is busy: times are not to be trusted."
+
 
 def summary(rows: Sequence[Measurement]) -> str:
     """What a digit costs, in a sentence; of a sweep what certainty costs."""
@@ -16,9 +18,10 @@ def summary(rows: Sequence[Measurement]) -> str:
         return _best(rows)
     first, last = proven[0], proven[-1]
     each = (last.seconds - first.seconds) / (last.digits - first.digits)
+    lost = sum((x.spread or 0) * x.seconds for x in (first, last))
     grids = [x for x in rows if x.task == "crossings" and x.method.startswith("grid") and x.method[-1].isdigit()]
     finest = max(grids, key=lambda x: x.seconds, default=None)
-    price = f"{duration(each)} a digit" if each > 0 else "no time that shows"
+    price = f"{duration(each)} a digit" if last.seconds - first.seconds > lost else "no time that shows"
     return (
         f"Here all crossings, proven, to {first.digits:.0f} digits take {duration(first.seconds)}; more digits cost {price}: "
         f"{last.digits:.0f} of them take {duration(last.seconds)}" + (f"; {_grid(finest)}" if finest else "") + "."

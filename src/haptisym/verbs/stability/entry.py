@@ -87,7 +87,7 @@ def _critical(scene: Scene, x: Held, free: Iterable[Knob]) -> tuple[Nearest, ...
 
 
 def chosen(scene: Scene, given: str | Hand) -> Hand:
-    """A hand by its name, the scene's own before one that the package ships; "none" is one without mass, damping and stiffness."""
+    """A hand by its name, the scene's own before one that the package ships; "none" is one that holds nothing."""
     if isinstance(given, Hand):
         return given
     own = {x.name: x for x in scene.hands}
@@ -98,6 +98,5 @@ def chosen(scene: Scene, given: str | Hand) -> Hand:
     if given == NOBODY:
         return Hand(NOBODY)
     theirs = f"the scene has {', '.join(own)}; " if own else ""
-    raise SceneError(
-        f'there is no hand "{str(given)[:60]}": {meant(str(given), [*own, *hands])}{theirs}the package ships {", ".join(hands)}, and {NOBODY} is no hand'
-    )
+    listed = f"{theirs}the package ships {', '.join(hands)}, and {NOBODY} is no hand"
+    raise SceneError(f'there is no hand "{str(given)[:60]}": {meant(str(given), [*own, *hands])}{listed}')
