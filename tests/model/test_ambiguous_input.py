@@ -95,3 +95,12 @@ def test_lines_at_the_ends_of_a_band_are_in(tmp_path: Path) -> None:
     path = bench(tmp_path, table)
     path.write_text(path.read_text() + '\n[evaluation]\nband = ["1 Hz", "10 Hz"]\n', encoding="utf-8")
     assert len(verdicts(path)) == 3
+
+
+def test_what_was_meant_is_named_where_another_was_written() -> None:
+    with pytest.raises(hs.SceneError, match='did you mean "kHz"'):
+        hs.effects.first_order_lag("1 khz")
+    with pytest.raises(hs.SceneError, match='k alone: model = "mass-spring-damper"'):
+        hs.environments.kelvin_voigt(k=100)
+    with pytest.raises(hs.SceneError, match="omega: must be real numbers"):
+        hs.distort(hs.environments.mass_spring_damper(k=100), hs.effects.first_order_lag(20)).compile()([1 + 2j])

@@ -30,10 +30,13 @@ from haptisym.cli import app
 from haptisym.judge.criteria import noticed
 from haptisym.kernel.errors import LimitError, SceneError
 from haptisym.model.jnd import Threshold
+from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.hardcases import hard_cases
 from haptisym.verbs.cost.margins import margin
+from haptisym.verbs.cost.measurement import Measurement
 from haptisym.verbs.cost.methods import CROSSINGS, RATIO_METHODS
 from haptisym.verbs.cost.questions import DOUBLE, Crossings, Found, RatioQuestion, right_digits
+from haptisym.verbs.cost.stopwatch import interleaved
 from haptisym.verbs.cost.sweeps import Answers, SweepQuestion, certified_way
 from haptisym.verbs.cost.sweeps import grid_way as grid_of_sets
 from haptisym.verbs.cost.tasks import approximated, without
@@ -554,3 +557,35 @@ def test_values_that_are_hard_are_those_of_the_scene_that_their_name_tells() -> 
                     dH = H * (wn**2 / below - 1)
                     for ball, part in zip(found, (dH.real, dH.imag), strict=True):
                         assert float(ball.mid()) == pytest.approx(float(abs(part) / abs(H)), rel=1e-10, abs=1e-320)
+
+
+# --- times -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("spread", [0.02, 0.4])
+def test_of_times_that_scatter_no_sentence_is_made(spread: float) -> None:
+    rows = [
+        Measurement("crossings", f"certified, {n} digits", n, t, proven=True, spread=spread)
+        for n, t in ((15, 1.0), (50, 1.1))
+    ]
+    found = Cost(hs.load_scene("fu2019"), tuple(rows), (), {}, {})
+    assert (found.busy, found.to_dict()["busy"]) == (spread > 0.15, spread > 0.15)
+    assert ("busy: times are not to be trusted" in found.summary) is found.busy
+    assert ("15 digits take 1 s" in found.summary) is not found.busy
+
+
+def test_a_digit_has_no_price_where_its_time_lies_within_the_spread() -> None:
+    def said(spread: float) -> str:
+        rows = [Measurement("crossings", "x", n, t, proven=True, spread=spread) for n, t in ((15, 1.0), (50, 1.07))]
+        return Cost(hs.load_scene("fu2019"), tuple(rows), (), {}, {}).summary
+
+    assert "2 ms a digit" in said(0.03)
+    assert "no time that shows" in said(0.04)
+
+
+def test_contenders_run_in_turn_and_their_repeats_tell_a_spread() -> None:
+    calls: list[str] = []
+    found = interleaved({x: partial(calls.append, x) for x in "ab"}, 1.0, rounds=5)
+    assert calls == ["a", "b", *(3 * "a" + 3 * "b") * 5]
+    assert all(x.spread is not None and x.spread >= 0 for x in found.values())
+    assert interleaved({"a": lambda: None}, 1.0, rounds=3)["a"].spread is None
