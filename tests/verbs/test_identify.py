@@ -757,3 +757,68 @@ def test_a_file_is_opened_as_what_it_holds(tmp_path: Path) -> None:
                              (given_, {"confidence": 0.9}, "confidence: goes with"), (lines, {"averages": 9}, "averages is given, but no coherence"),
                              (tmp_path / "none.csv", {}, "there is no such file")):  # fmt: skip
         assert said in refusal(opened, path, **keys)
+
+
+# --- other answers -----------------------------------------------------------------------------------------------------
+
+
+def found_with(scene: hs.Scene, environment: str, effects: list[str]) -> hs.Identification:
+    return hs.identify(noisy(scene, 0.02, 3), environment, effects)
+
+
+def test_a_maxwell_element_behind_a_lag_has_two_answers_and_both_are_named() -> None:
+    """Its own corner k/b and that of the lag may change places: b stays, k becomes b omega_c, and omega_c k/b."""
+    scene = hs.Scene(hs.environments.maxwell(300, 6), (hs.effects.first_order_lag(12),), (1, 40))
+    found = found_with(scene, "maxwell", ["first-order-lag"])
+    [other] = found.fit.others or ()
+    k, b, w = found.fit.values
+    assert other == pytest.approx([b * w, b, k / b], rel=1e-5)
+    assert Curve(found.wanted, OMEGA).at(other) == pytest.approx(found.fit.model, rel=1e-6)
+    assert sorted([k, other[0]]) == pytest.approx([72, 300], rel=0.05)
+    assert found.ambiguous == ("environment.k", "effects.first-order-lag.omega_c")
+    assert "THE SAME RESPONSE" in str(found)
+    assert "# The same response: environment.k" in found.text
+    [row] = found.to_dict()["others"]
+    assert row["environment.k"] == other[0]
+
+
+@pytest.mark.few("two lags", "three corners")
+@pytest.mark.parametrize(
+    ("environment", "effects", "count"),
+    [
+        (hs.environments.mass_spring_damper(1.8, 15, 100), [("second-order-lowpass", hs.effects.second_order_lowpass(80, "0.5"))], 0),
+        (hs.environments.zener(300, 200, 5), [("first-order-lag", hs.effects.first_order_lag(20))], 0),
+        (hs.environments.kelvin_voigt(300, 2), 2 * [("first-order-lag", None)], 1),
+        (hs.environments.maxwell(300, 6), 2 * [("first-order-lag", None)], 5),  # three corners in any order
+    ],
+    ids=["paper", "zener", "two lags", "three corners"],
+)  # fmt: skip
+def test_as_many_answers_are_named_as_there_are_orders_of_what_changes_places(
+    environment: hs.Environment, effects: list[Any], count: int
+) -> None:
+    chain = [x or hs.effects.first_order_lag(corner) for (_, x), corner in zip(effects, (12, 90), strict=False)]
+    found = found_with(hs.Scene(environment, chain, (1, 40)), environment.model, [name for name, _ in effects])
+    assert found.fit.others is not None
+    assert len(found.fit.others) == count
+    for other in found.fit.others:
+        assert Curve(found.wanted, OMEGA).at(other) == pytest.approx(found.fit.model, rel=1e-5)
+
+
+def test_of_delays_that_evenly_spaced_lines_cannot_tell_apart_the_shortest_is_kept() -> None:
+    """Lines at 1, 2, ... rad/s: a delay that is 2 pi s longer is the same to all of them."""
+    scene = hs.Scene(hs.environments.kelvin_voigt(300, 9), (hs.effects.delay("50 ms"),), (1, 40))
+    asked = wanted("kelvin-voigt", ["delay"], None, None)
+    late = np.array([300, 9, 0.05 + 2 * np.pi])
+    found = fit(asked, noisy(scene, 0.02, 3, np.arange(1, 41.0)), [late])
+    assert found.values[2] == pytest.approx(0.05, rel=0.02)
+    assert found.period == pytest.approx(2 * np.pi)
+
+
+def test_ranges_from_records_are_said_to_be_too_narrow() -> None:
+    rng = np.random.default_rng(5)
+    x = rng.normal(size=20_000)
+    found = hs.identify(
+        hs.estimated(x, 3 * x + rng.normal(size=20_000), 200, segment="2 s").on_band(5, 60), "mass-spring-damper:k"
+    )
+    assert "too narrow" in " ".join(str(found).split())
+    assert "at most 95 %" in found.text

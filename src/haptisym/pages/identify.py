@@ -151,6 +151,19 @@ def _name(a: Identification, x: Estimate) -> Phrase:
 
 
 def _told(a: Identification) -> Iterator[Phrase]:
+    if a.fit.others is None:
+        yield "Whether other values give the same response was not decided."
+    elif not a.fit.others:
+        yield "No other positive values give the same response: decided by algebra, from equal coefficients."
+    else:
+        for values in a.fit.others:
+            yield Strong("THE SAME RESPONSE"), f" at every frequency: {a.moved(values)}."
+        paths = " or ".join(a.ambiguous)
+        apart = f"No line of this response tells these answers apart. A value of {paths} from elsewhere does (as in "
+        yield apart, Code("model:key=value"), "), or a response of the environment without the effects."
+    if a.fit.period is not None:
+        apart = f"Lines {2 * np.pi / a.fit.period:.4g} rad/s apart do not tell a delay from one that is"
+        yield f"{apart} {a.fit.period:.4g} s longer, which a start found; the shortest is kept."
     for x in a.estimates:
         if not x.told:
             yield "The lines do not tell ", _name(a, x), ": leave it out, or give it a value."

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import counted
 from haptisym.model.measured import Complexes, Measurement, Reals
 from haptisym.model.parameters import Rule
+from haptisym.model.quantities import Dimension
 from haptisym.verbs.identify.curve import Curve
 from haptisym.verbs.identify.starts import scales, starts
 from haptisym.verbs.identify.wanted import Free, Wanted
@@ -88,7 +89,9 @@ class Fit:
     """What least squares found.
 
     ``lines`` : those that were fitted. ``model`` : the response there; ``residuals`` : measured less model, in units of sigma.
-    ``covariance`` : of the values, linearised. ``starts`` : from how many; ``agreeing`` : how many ended here.
+    ``covariance`` : of the values, linearised. ``starts`` : from how many; ``agreeing`` : how many ended here. ``others`` : other
+    values that give the same response; None where that is not known. ``period`` : s, by how much a delay may be longer on
+    evenly spaced lines; None where no start found a longer one.
     """
 
     wanted: Wanted
@@ -100,6 +103,8 @@ class Fit:
     residuals: Complexes
     starts: int
     agreeing: int
+    others: tuple[Reals, ...] | None = None
+    period: float | None = None
 
     @property
     def freedom(self) -> int:
@@ -123,13 +128,52 @@ def fit(wanted: Wanted, m: Measurement, begins: Iterable[Reals] | None = None) -
     if not found:
         raise SceneError("the model has no finite response at these lines with any values that were tried")
     cost, values = min(found, key=lambda x: x[0])
-    agreeing = sum(x <= cost * (1 + _SAME) + 1e-12 for x, _ in found)
+    alike = [x for sum_, x in found if sum_ <= cost * (1 + _SAME) + 1e-12]
+    cost, values, period = _shortest(curve, lines, noise, (cost, values), alike)
     model = curve.at(values)
     residuals = (lines.H - model) / noise.sigma
     covariance = _covariance(curve, lines, noise, values) * noise.widening
     if noise.freedom is None:
         covariance = covariance * 2 * cost / (2 * len(lines) - len(free))
-    return Fit(wanted, lines, noise, values, covariance, model, residuals, len(found), agreeing)
+    return Fit(wanted, lines, noise, values, covariance, model, residuals, len(found), len(alike), period=period)
+
+
+def with_others(found: Fit) -> Fit:
+    """The same, with all other values that give the same response, each fitted to the lines."""
+    from haptisym.verbs.identify.twins import twins
+
+    if found.wanted.degrees is not None:
+        return replace(found, others=())  # a fraction has its coefficients
+    nearly = twins(found.wanted, found.values)
+    if nearly is None:
+        return found
+    curve = Curve(found.wanted, found.lines.omega)
+    cost = float(np.square(np.abs(found.residuals)).sum() / 2)
+    fitted = (_least(curve, found.lines, found.noise, x) for x in nearly)
+    return replace(found, others=tuple(x for sum_, x in filter(None, fitted) if sum_ <= cost * (1 + _SAME) + 1e-12))
+
+
+def _shortest(
+    curve: Curve, m: Measurement, noise: Noise, best: tuple[float, Reals], alike: list[Reals]
+) -> tuple[float, Reals, float | None]:
+    """Of values that fit alike those with the shortest delays; and by how much others are longer.
+
+    A delay that is longer by 2 pi over the spacing of lines at multiples of it is the same to all of them.
+    """
+    late = [i for i, x in enumerate(curve.wanted.free) if x.dimension is Dimension.TIME and ".delay" in x.path]
+    steps = np.diff(m.omega)
+    if not late or len(steps) < 1 or np.ptp(steps) > 1e-6 * steps.min():
+        return *best, None
+    period = 2 * np.pi / float(steps.mean())
+    cost, values = min([best, *((best[0], x) for x in alike)], key=lambda x: float(x[1][late].sum()))
+    for i in late:
+        shorter = values.copy()
+        shorter[i] %= period
+        found = _least(curve, m, noise, shorter) if shorter[i] < values[i] else None
+        if found is not None and found[0] <= cost * (1 + _SAME) + 1e-12:
+            cost, values = found
+    is_longer = any(x[late].sum() > values[late].sum() + period / 2 for x in (best[1], *alike))
+    return cost, values, period if is_longer else None
 
 
 def _least(curve: Curve, m: Measurement, noise: Noise, begin: Reals) -> tuple[float, Reals] | None:
