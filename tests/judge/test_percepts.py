@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from fractions import Fraction
+from typing import Any
 
 import pytest
 from answers import floats, intervals
@@ -15,6 +16,7 @@ from haptisym.effects import first_order_lag, second_order_lowpass, series, shun
 from haptisym.environments import expression, kelvin_voigt, mass_spring_damper
 from haptisym.judge.percepts import NOT_NAMED
 from haptisym.judge.percepts import felt as percept_words
+from haptisym.model.jnd import Part
 
 PAPER = hs.Scene(
     mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m"),
@@ -269,3 +271,73 @@ WORDS = [
 def test_the_words_for_a_percept(words: str, scene: hs.Scene) -> None:
     [percept] = hs.evaluate(scene).percepts
     assert percept_words(percept) == words
+
+
+# --- friction ----------------------------------------------------------------------------------------------------------
+
+
+def rubbing(jnd: object = None, friction: object = None, force: str = "0.26 N") -> hs.Scene:
+    """The paper's display with friction moved by 5 cm: Im dH gains 4 F/(pi A)."""
+    chain = (hs.effects.second_order_lowpass(80, "0.5"), hs.effects.coulomb_friction(force, "5 cm"))
+    paper = hs.environments.mass_spring_damper(1.8, 15, 100)
+    return hs.Scene(paper, chain, (0, 15), **({} if jnd is None else {"threshold": jnd}), friction=friction)
+
+
+def test_what_would_not_be_noticed_without_friction_is_friction() -> None:
+    found = hs.evaluate(rubbing())
+    told = [
+        (x.property.value, *(float(y.omega) for y in (x.band.low, x.band.high)))
+        for x in found.percepts
+        if x.part is Part.IMAG
+    ]
+    alone = [float(x.omega) for x in hs.evaluate("fu2019").crossings if x.criterion.name == "imag"]
+    [own] = [float(x.omega) for x in found.crossings if x.criterion.name == "imag"]
+    assert told == [("friction", own, pytest.approx(alone[0])), ("damping", pytest.approx(alone[0]), 15)]
+    assert [x.words for x in found.felt if x.part is Part.IMAG] == ["friction", "higher damping"]
+
+
+def test_of_a_region_too() -> None:
+    disc = {"shape": "ellipse", "real": 0.1, "imag": 0.1}
+    words = {x.words for x in hs.evaluate(rubbing(disc)).felt}
+    assert any("friction" in x for x in words)
+    assert not any("friction" in x.words for x in hs.evaluate(rubbing(disc, force="0 N")).felt)
+
+
+@pytest.mark.parametrize(
+    ("friction", "noticed"),
+    [
+        (None, None), ({"floor": "0.26 N"}, False), ({"floor": "0.2599 N"}, True), ({"weber": "20 %", "reference": "0.22 N"}, False),
+        ({"weber": "10 %", "reference": "0.22 N"}, True), ({"weber": "10 %", "reference": "0.5 N", "floor": "0.3 N"}, False),
+        ({"weber": "10 %", "reference": "0.5 N"}, True),
+    ],
+)  # fmt: skip
+def test_friction_is_noticed_beyond_a_floor_and_a_share_of_what_should_be_felt(
+    friction: Any, *, noticed: bool | None
+) -> None:
+    found = hs.evaluate(rubbing(friction=friction))
+    assert found.to_dict()["friction"]["noticed"] is noticed
+    assert "threshold of its own" in " ".join(str(found).split()) or noticed is not None
+    assert hs.evaluate("fu2019").friction is None
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"floor": "1 s"}, "floor"),
+        ({"weber": -1}, "weber"),
+        ({"wbr": 1}, "weber"),
+        (0.2, "table"),
+        ({"floor": "1 N*m"}, "rotational"),
+    ],
+)
+def test_a_threshold_of_friction_that_makes_no_sense_is_refused(given: Any, said: str) -> None:
+    with pytest.raises(hs.SceneError, match=said):
+        hs.Scene(hs.environments.mass_spring_damper(k="100 N/m"), friction=given)
+
+
+def test_a_late_admittance_display_says_that_people_report_more_mass() -> None:
+    late = (hs.effects.admittance_display("1/(1 + s/500)"), hs.effects.delay("25 ms"))
+    assert any(
+        "e0138012" in x for x in hs.evaluate(hs.Scene(hs.environments.mass_spring_damper(m=6), late, (1, 15))).caveats
+    )
+    assert not any("e0138012" in x for x in hs.evaluate("admittance-display").caveats)

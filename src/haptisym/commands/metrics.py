@@ -19,12 +19,16 @@ from haptisym.model.scene import Scene
     "--to", "language", type=click.Choice(["text", "latex"]), default="text", show_default=True, help="What to write."
 )
 @figure_option("the measures over the band")
+@click.option(
+    "--absolute-stability", is_flag=True, help="Tell that a display is not absolutely stable, too: most are not."
+)
 @json_option
 @within_limit
 def metrics(
     scene: Scene,
     language: str,
     figure: Path | None,
+    absolute_stability: bool,
     as_json: bool,
 ) -> None:
     """Compare the measures of transparency that the field uses with what a hand notices.
@@ -44,7 +48,7 @@ def metrics(
     """
     from haptisym.verbs.metrics.entry import metrics as measure
 
-    found = measure(scene, limit=None)
+    found = measure(scene, absolute_stability=absolute_stability, limit=None)
     drawn(found, figure)
     if language == "latex":
         from haptisym.writing.latex import piece

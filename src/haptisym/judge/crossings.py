@@ -58,6 +58,7 @@ class Curve(Enum):
     PERCEIVED = "Re or Im of H_perc"
     DIFFERENCE = "Re or Im of dH"
     SUM = "Re or Im of H_env + H_perc; its sign times that of dH compares the magnitudes"
+    WITHOUT_FRICTION = "a criterion of the display without its friction"
     OUTSIDE = "where a region judges both parts at once: whether that part alone would be outside"
 
 
@@ -65,7 +66,9 @@ NEARER = "real nearer"
 """The function that is positive where the real part is nearer its own limit than the imaginary part, of such a region."""
 
 
-def curves(d: Distortion, criteria: Iterable[Criterion]) -> dict[Key, Signed]:
+def curves(
+    d: Distortion, criteria: Iterable[Criterion], without_friction: Distortion | None = None
+) -> dict[Key, Signed]:
     """All real functions that an evaluation asks about."""
     responses = {
         Curve.ENVIRONMENT: d.env_response,
@@ -77,6 +80,9 @@ def curves(d: Distortion, criteria: Iterable[Criterion]) -> dict[Key, Signed]:
     for region in (x.joint for x in listed if x.joint):
         found |= {(Curve.OUTSIDE, part): region.projected(d, part) for part in Part}
         found[NEARER] = region.nearer(d)
+    if without_friction is not None:
+        own = [x for x in listed if x.part is Part.IMAG or x.joint]
+        found |= {(Curve.WITHOUT_FRICTION, x): x.function(without_friction) for x in own}
     for part in Part:
         found |= {(name, part): part_of(x, part) for name, x in responses.items()}
         found[Curve.SUM, part] = part_of(d.env_response, part) + part_of(d.perc_response, part)

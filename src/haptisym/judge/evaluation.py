@@ -18,6 +18,7 @@ from haptisym.judge.climb import Bandwidths
 from haptisym.judge.criteria import JOINT, Criterion, judged, kept, noticed
 from haptisym.judge.crossings import Crossing, Curve, curves, find_crossings, unbounded_points
 from haptisym.judge.effort import Effort, effort
+from haptisym.judge.friction import Friction, frictions, without_friction
 from haptisym.judge.imposed import force_is_stable
 from haptisym.judge.passivity import Passivity, passivity
 from haptisym.judge.percepts import Felt, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
@@ -161,6 +162,11 @@ class Evaluation(Answer):
         """Everything that is noticed, as what it is felt, in words: percepts, and where no property is named."""
         return find_felt(self.chart)
 
+    @property
+    def friction(self) -> Friction | None:
+        """Whether the display's friction is noticed, by its own threshold; None of a display without it."""
+        return frictions(self.scene)
+
     @cached_property
     def unnamed(self) -> tuple[Interval, ...]:
         """Where Im H_perc < 0 and the imaginary part is noticed all the same: no property is named for it there."""
@@ -226,6 +232,7 @@ class Evaluation(Answer):
             "changeovers": {system: [float(p.omega) for p in points] for system, points in changeovers.items()},
             "percepts": [_percept(p) for p in self.percepts],
             "outside_model": [_interval(x) for x in self.outside_model],
+            **({"friction": self.friction.row()} if self.friction else {}),
             **({"unnamed": [_interval(x) for x in self.unnamed]} if self.unnamed else {}),
             "unbounded": [float(p.omega) for p in self.unbounded],
             "stable": self.stable,
@@ -268,7 +275,8 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut |
     scene.knobs.need_numbers()
     distortion = scene.distortion()
     started = time.perf_counter()
-    table = chart(curves(distortion, noticed(scene.threshold)), *scene.band)
+    bare = None if frictions(scene) is None else without_friction(scene).distortion()
+    table = chart(curves(distortion, noticed(scene.threshold), bare), *scene.band)
     isolation = time.perf_counter() - started
     stable = force_is_stable(scene, distortion)
     return Evaluation(scene, distortion, table, stable, digits, left_out, isolation)

@@ -22,6 +22,7 @@ class Property(Enum):
     STIFFNESS_TO_MASS = "stiffness-to-mass"
     MASS_TO_STIFFNESS = "mass-to-stiffness"
     DAMPING = "damping"
+    FRICTION = "friction"
 
 
 class Change(Enum):
@@ -63,6 +64,7 @@ class Felt(NamedTuple):
 NOT_NAMED = "noticed, not named"
 """What is said where the imaginary part is noticed while Im H_perc < 0: the paper's model has no property for that."""
 
+_OF_IMAG = (Property.DAMPING, Property.FRICTION)
 _EXCHANGED = {
     Property.STIFFNESS_TO_MASS: "mass instead of stiffness",
     Property.MASS_TO_STIFFNESS: "stiffness instead of mass",
@@ -81,11 +83,13 @@ def felt(percept: Percept) -> str:
 def felt_of(percept: Percept, part: Part) -> str:
     """The words for one part of what is noticed of both together."""
     labels = [(percept.property, percept.change), *([percept.other] if percept.other else [])]
-    return next(felt_words(*x) for x in labels if (x[0] is Property.DAMPING) == (part is Part.IMAG))
+    return next(felt_words(*x) for x in labels if (x[0] in _OF_IMAG) == (part is Part.IMAG))
 
 
 def felt_words(what: Property, change: Change) -> str:
     """The words for a property and its change."""
+    if what is Property.FRICTION:
+        return "friction"
     exchanged = _EXCHANGED.get(what)
     return f"{exchanged}, with {change.value} force" if exchanged else f"{change.value} {what.value}"
 
@@ -142,12 +146,18 @@ class _Noticed(NamedTuple):
         if not self.at(signs):
             return None
         if self.part:
-            own = _label(signs, self.part)
+            own = self._of(signs, self.part)
             return own and (own, None)
-        real, imag = (_label(signs, part) for part in Part)
+        real, imag = (self._of(signs, part) for part in Part)
         if real is None or imag is None:
             return None
         return (real, imag) if signs[NEARER] > 0 else (imag, real)
+
+    def _of(self, signs: Signs, part: Part) -> tuple[Property, Change] | None:
+        """Friction, where without it this would not be noticed."""
+        found = _label(signs, part)
+        friction = part is Part.IMAG and signs.get((Curve.WITHOUT_FRICTION, self.criterion), 1) <= 0
+        return (Property.FRICTION, found[1]) if found and friction else found
 
 
 def _percepts(chart: Chart, noticed: _Noticed) -> list[Percept]:

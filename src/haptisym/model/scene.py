@@ -17,6 +17,7 @@ from haptisym.kernel.shown import Shown, titled
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, distort
+from haptisym.model.friction import read_friction
 from haptisym.model.given import given_band, given_effects, given_environment, given_hands
 from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part, Threshold
@@ -55,6 +56,8 @@ class Scene(Shown):
     hands: tuple[Hand, ...] = ()
     confidence: Any = None
     """Of the region that the ranges are, where they were estimated: 0.95 of a scene that ``identify`` wrote."""
+    friction: Any = None
+    """When friction is noticed, a FrictionThreshold or its table; None where the scene does not say."""
     text: str = field(default="", repr=False, compare=False)
     """Of the file that it was read from, as it was then."""
 
@@ -79,6 +82,8 @@ class Scene(Shown):
         object.__setattr__(self, "band", (low, high))
         if self.confidence is not None:
             object.__setattr__(self, "confidence", read_confidence("confidence", self.confidence))
+        if self.friction is not None:
+            object.__setattr__(self, "friction", read_friction(self.friction))
         if not isinstance(self.threshold, Threshold):
             object.__setattr__(self, "threshold", read_threshold(self.threshold))
         if sign_of_number(low) < 0:
@@ -89,6 +94,10 @@ class Scene(Shown):
         _different(self.hands)
         _one_motion((*self.elements(), *self.held()))
         self.threshold.check(low, high, self.motion)
+        kinds = (self.friction.motion if self.friction else None), self.motion
+        if None not in kinds and kinds[0] is not kinds[1]:
+            own, scenes = (x.value for x in kinds if x)
+            raise SceneError(f"friction: its unit is {own}, but the scene is {scenes}")
         effects = with_names(self.effects)
         listed: list[Effect | Hand] = [*effects, *self.hands]
         whose = ((x.name, x) for x in listed)

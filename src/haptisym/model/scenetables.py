@@ -14,6 +14,7 @@ from sympy import Integer
 from haptisym.kernel.errors import SceneError, meant, need
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
 from haptisym.model.family import SceneFamily, named
+from haptisym.model.friction import read_friction
 from haptisym.model.hand import Hand, hand
 from haptisym.model.jnd import Threshold
 from haptisym.model.jndtables import read_threshold
@@ -94,7 +95,7 @@ def _is_measured(table: Table) -> bool:
 def _formulas(table: Table, text: str) -> SceneFamily:
     _only(table, _TABLES, "")
     evaluation = _table(table.get("evaluation", {}), "evaluation")
-    _only(evaluation, ("band", "jnd", "confidence"), "evaluation")
+    _only(evaluation, ("band", "jnd", "confidence", "friction"), "evaluation")
     effects = tuple(_effects(table.get("effects", [])))
     band = _band(evaluation["band"]) if "band" in evaluation else _DEFAULT_BAND
     threshold = _threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
@@ -102,10 +103,19 @@ def _formulas(table: Table, text: str) -> SceneFamily:
     rows = _environments(table) if "environments" in table else [_one_environment(table)]
     hands = tuple(_hands(table))
     shared: dict[str, Any] = {"hands": hands, "text": text}
+    if "friction" in evaluation:
+        shared["friction"] = _read("evaluation", read_friction, evaluation["friction"])
     if "confidence" in evaluation:
         shared["confidence"] = read_confidence("evaluation: confidence", evaluation["confidence"])
     scenes = ((name, Scene(own, effects, band, threshold, rendered, **shared)) for name, own, rendered in rows)
     return named(scenes, title, source)
+
+
+def _read(place: str, reader: Any, given: Any) -> Any:
+    try:
+        return reader(given)
+    except SceneError as error:
+        raise error.within(place) from None
 
 
 def _one_environment(table: Table) -> tuple[str, Environment, Environment | None]:

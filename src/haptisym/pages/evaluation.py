@@ -14,6 +14,7 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.jnd import Part
+from haptisym.model.quantities import Dimension
 from haptisym.pages.bandwidths import bandwidths, published_words
 from haptisym.pages.crossings import crossings, joint, proven, ratios_caption, transparency, undecided
 from haptisym.pages.held import held
@@ -36,6 +37,7 @@ from haptisym.pages.words import (
     short,
     spans,
     stiffness_unit,
+    unit,
 )
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import (
@@ -212,7 +214,7 @@ def _step_2(e: Evaluation) -> Iterator[Block]:
             e, f"projections-{part.value}", f"Magnitude of the {name} part of environment and of what is felt: bold where "
             "the difference is noticed, with what it is felt as.",
         )  # fmt: skip
-    yield Notes((*_changeovers(e), *_outside_model(e), *_unbounded(e), *held(e)))
+    yield Notes((*_friction(e), *_changeovers(e), *_outside_model(e), *_unbounded(e), *held(e)))
     yield _figure(
         e, "nyquist", "Environment (solid) and what is felt (dashed) in the complex plane; arrows towards higher frequencies.",
     )  # fmt: skip
@@ -235,6 +237,24 @@ def percepts(e: Evaluation) -> Block:
     where = f"outside the {region.kind}" if region else "where a ratio exceeds its threshold"
     caption = f"What is felt {where}, {proven(e)}."
     return Table((Column("band (rad/s)"), Column("part"), Column("felt as")), rows, caption)
+
+
+def _friction(e: Evaluation) -> Iterable[Phrase]:
+    if e.friction is None:
+        return
+    newton = unit(Dimension.FORCE, e.scene.motion)
+    found = f"Friction of {float(e.friction.force):.4g} {newton}"
+    source = "(Veldhuis, Mulder and van Paassen, 2024: a Weber fraction and a floor)"
+    if e.friction.noticed is None or e.friction.least is None:
+        how = Code('friction = { weber = ..., floor = "... N" }'), " in ", Code("[evaluation]"), "."
+        yield f"{found} has a threshold of its own {source}, which the scene does not give: ", *how
+    else:
+        verdict: Phrase = Strong("noticed") if e.friction.noticed else "not noticed"
+        least, reference = (float(x or 0) for x in (e.friction.least, e.friction.reference))
+        more = "differs by more" if e.friction.noticed else "differs by no more"
+        meant = f"the {reference:.4g} {newton} that should be felt {source}."
+        limit = f" as friction, as it {more} than {least:.4g} {newton} from {meant}"
+        yield f"{found} is ", verdict, limit
 
 
 def _changeovers(e: Evaluation) -> Iterable[Phrase]:

@@ -55,9 +55,10 @@ _MOST_LETTERS = 180  # of a formula in symbols; a longer one is told in numbers
 def page(m: Metrics) -> Document:
     """The whole page."""
     shown = "Distance of each measure from transparency over the band, and below where each measure is content."
-    notes = Section("Where they disagree", noted(map(formulated, m.notes)))
+    told = (x for x in m.notes if m.tell_absolute or "absolutely stable" not in x)
+    notes = Section("Where they disagree", noted(map(formulated, told)))
     blocks: tuple[Block, ...] = (
-        Versions((Facts((("JND", jnd_verdict(m)),)),), lambda: (_overview(m),)), *map(_measure, m.metrics),
+        Versions((Facts((("JND", jnd_verdict(m)),)),), lambda: (_overview(m),)), *map(_measure, m.told),
         Figure("metrics", shown, m.figure), notes, *caveats(m.evaluation.caveats), Paragraph(_certain(m)),
     )  # fmt: skip
     return page_about(m.scene, blocks, "Measures of transparency", m.asides())
@@ -74,7 +75,7 @@ def jnd_verdict(m: Metrics) -> Phrase:
 
 
 def _overview(m: Metrics) -> Table:
-    rows = [("JND", jnd_verdict(m), ""), *((x.name, formulated(x.verdict), x.evidence) for x in m.metrics)]
+    rows = [("JND", jnd_verdict(m), ""), *((x.name, formulated(x.verdict), x.evidence) for x in m.told)]
     columns = Column("measure"), Column("verdict"), Column("source known")
     return Table(columns, tuple(rows), "What each measure says, and how far its source was read.")
 

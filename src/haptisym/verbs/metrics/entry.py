@@ -25,14 +25,15 @@ from haptisym.verbs.metrics.freeresponse import FreeResponse
 from haptisym.verbs.metrics.judging import TOO_LARGE, WITHIN_3_DB, relative_square
 from haptisym.verbs.metrics.measured import FAR, Measured, value_at
 from haptisym.verbs.metrics.metric import Metric, Metrics, Value
-from haptisym.verbs.metrics.passivehands import absolute_stability, passivity_measure
+from haptisym.verbs.metrics.passivehands import absolute_stability_measure, passivity_measure
 
 
-def metrics(scene: Scene | str | Path, *, limit: float | None = SECONDS) -> Metrics:
+def metrics(scene: Scene | str | Path, *, absolute_stability: bool = False, limit: float | None = SECONDS) -> Metrics:
     """The measures of transparency of a scene with numbers for all parameters: each proven on its band.
 
     Transmitted impedance ratio and relative distortion, Z_min, Z_max and Z_width, sensitivity, passivity and absolute
-    stability at all frequencies, effective stiffness, mass and damping, free response. ``limit`` : seconds after which a
+    stability at all frequencies, effective stiffness, mass and damping, free response. ``absolute_stability`` : whether the page
+    tells it where it fails, too, as it does for most displays. ``limit`` : seconds after which a
     LimitError says that it is not decided; None for none. Raises SceneError if a parameter is still a symbol.
 
     >>> from haptisym.model.scenefile import load_scene
@@ -42,10 +43,10 @@ def metrics(scene: Scene | str | Path, *, limit: float | None = SECONDS) -> Metr
     """
     scene = as_scene(scene)
     with limited(limit):
-        return _measured(scene)
+        return _measured(scene, tell_absolute=absolute_stability)
 
 
-def _measured(scene: Scene) -> Metrics:
+def _measured(scene: Scene, *, tell_absolute: bool) -> Metrics:
     m = Measured(evaluate(scene))
     forms = MeasureForms(scene)
     rows = (
@@ -54,12 +55,12 @@ def _measured(scene: Scene) -> Metrics:
         _range,
         _sensitivity,
         passivity_measure,
-        absolute_stability,
+        absolute_stability_measure,
         _effective,
         _free,
         _free_of_a_helicopter,
     )
-    return Metrics(m.evaluation, tuple(row(m, forms) for row in rows), tuple(disagreements(m)), m)
+    return Metrics(m.evaluation, tuple(row(m, forms) for row in rows), tuple(disagreements(m)), m, tell_absolute)
 
 
 def _modulus_at_ends(function: RationalFunction, m: Measured, what: str) -> list[Value]:
@@ -97,8 +98,8 @@ def _ratio(m: Measured, forms: MeasureForms) -> Metric:
         "transmitted impedance ratio",
         forms("Gamma"),
         (*values, Value(f"within 3 dB (up to {upto})", inside, "rad/s")),
-        "Lawrence (1993), transparency Z_t = Z_e; the 3 dB edge is common practice",
-        "recalled, not verified",
+        "Lawrence (1993): transparent where the displayed impedance is the environment's, Z_t = Z_e",
+        "as the EuroVR knowledge base cites it: read; ratio and 3 dB edges derived",
         _beside_bandwidth(m, edges) if edges else "no 3 dB edge",
     )
 
@@ -136,8 +137,8 @@ def _relative(m: Measured, forms: MeasureForms) -> Metric:
             Value(circle, m.within, "rad/s"),
             Value("largest on the band", _largest(square, m)),
         ),
-        "Griffiths, Gillespie and Freudenberg (2008), doi:10.1109/TRO.2008.924256",
-        "abstract read; formula recalled, not verified",
+        "Fu, van Paassen and Mulder (2019): dH over |H_env|, both parts together",
+        "verified; the modulus derived",
         _RELATIVE if m.relative else _IN_CIRCLE,
     )
 
@@ -161,7 +162,7 @@ def _range(m: Measured, forms: MeasureForms) -> Metric:
         forms("Z_min", "Z_max", "Z_width"),
         tuple(values),
         "Hashtrudi-Zaad and Salcudean (2001): minimum and dynamic range (width) of the transmitted impedance",
-        "abstract read; formulas recalled, not verified; the limits derived",
+        "abstract read; the formulas are limits of the two-port, derived (15_metrics)",
         verdict,
     )
 
@@ -173,8 +174,8 @@ def _sensitivity(m: Measured, forms: MeasureForms) -> Metric:
         "sensitivity",
         forms("dH_perc/dH_env"),
         (Value("largest |dH_perc/dH_env| on the band", value),),
-        "Cavusoglu, Sherman and Tendick (2002): fidelity as sensitivity of the transmitted impedance",
-        "recalled, not verified; closed form derived (15_metrics)",
+        "derivative of H_perc by H_env",
+        "derived (15_metrics)",
         "1 where a small change of the environment is passed on as large as it is; says nothing of the environment itself",
     )
 
@@ -188,8 +189,8 @@ def _effective(m: Measured, forms: MeasureForms) -> Metric:
         "effective impedance",
         forms("k_perc", "m_perc", "b_perc"),
         tuple(values),
-        "Colonnese and Okamura: effective stiffness, damping and mass; step 2 of Fu, van Paassen and Mulder (2019)",
-        "recalled, not verified (as step 2 of the paper: verified)",
+        "step 2 of Fu, van Paassen and Mulder (2019)",
+        "verified",
         "what step 2 of the JND evaluation judges",
     )
 

@@ -58,6 +58,13 @@ class Metrics(Answer):
     metrics: tuple[Metric, ...]
     notes: tuple[str, ...]
     measured: Measured
+    tell_absolute: bool = False
+
+    @property
+    def told(self) -> tuple[Metric, ...]:
+        """Those of the page: absolute stability, which most displays lack, where it holds or is asked for."""
+        is_absolute = self["absolute stability"].verdict.startswith("absolutely stable")
+        return tuple(x for x in self.metrics if self.tell_absolute or is_absolute or x.name != "absolute stability")
 
     def _line(self) -> str:
         return f"{titled(self.scene.title)}: {counted(len(self.metrics), 'measure')}"

@@ -18,9 +18,8 @@ def passivity_measure(m: Measured, _: MeasureForms) -> Metric:
         "passivity",
         (),
         (Value("Im H_perc >= 0 on the band", m.passive, "rad/s"), *(_values(m, found) if found else ())),
-        "Colgate and Hogan (1988), Colgate and Brown (1994): a display is stable with every passive hand exactly if H_perc/s is "
-        "positive real",
-        "recalled, not verified; per frequency derived",
+        "a display is stable with every passive hand exactly if H_perc/s is positive real",
+        "per frequency derived (15_metrics); with a clock Colgate and Schenkel (1997), as quoted by Weir and Colgate: read",
         _verdict(m, found),
     )
 
@@ -75,7 +74,7 @@ def _verdict(m: Measured, found: Passivity | None) -> str:
     return f"{band}; every passive hand: not decided"
 
 
-def absolute_stability(m: Measured, forms: MeasureForms) -> Metric:
+def absolute_stability_measure(m: Measured, forms: MeasureForms) -> Metric:
     """Llewellyn's criterion: the band where its conditions on the axis hold, and all of it at all frequencies."""
     bands, whole = m.llewellyn, m.unconditional
     rows: tuple[Value, ...] = ()
