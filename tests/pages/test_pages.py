@@ -176,7 +176,7 @@ def test_every_number_of_a_table_is_one_of_the_answer_and_its_digits_are_its_val
 NOT_TOLD = {
     "derive": None, "derive-ellipse": None, "published": None, "simulate": None, "release": None,  # formulas, words, rounding
     "effects": {"operations"}, "design-map": {"unit", "band", "range", "slices", "proven"}, "peaks": {"band"}, "jnd": {"deviance"},
-    "identify": {"rows"}, "family": {"environments"},
+    "identify": {"rows"}, "family": {"environments"}, "stability-clock": {"held"},  # how far, beside a value that was found
 }  # fmt: skip
 """What the document of an answer holds and its page does not say, or says in part."""
 

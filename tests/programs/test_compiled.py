@@ -575,3 +575,12 @@ def test_machine_code_leaves_arrays_of_parameters_to_numpy() -> None:
     omega, values = drawn(FAMILIES["filter"], 20, 5)
     ours, theirs = (FAMILIES["filter"].compile(engine=x)(omega, **values) for x in ("numpy", "numba"))
     assert (np.array(ours) == np.array(theirs)).all()
+
+
+@pytest.mark.parametrize("accuracy", ["fast", "double-double", "certified"])
+def test_a_pole_of_a_display_with_pi_in_it_is_infinite_and_leaves_its_neighbours(accuracy: str) -> None:
+    """Friction, 4 F/(pi A), beside H_env = 16 - omega^2: r_i is infinite at 4 rad/s."""
+    scene = hs.Scene(hs.environments.mass_spring_damper(m=1, k=16), (hs.effects.coulomb_friction("1 N", "5 cm"),))
+    found = scene.distortion().compile(accuracy=accuracy)([1.0, 4.0, 5.0]).ratio_imag
+    assert found[1] == np.inf
+    assert found[[0, 2]] == pytest.approx([80 / np.pi / 15, 80 / np.pi / 9], rel=1e-14)

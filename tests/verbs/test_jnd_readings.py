@@ -41,3 +41,13 @@ def test_with_guesses_the_page_says_which_curve_a_jnd_is_of(tmp_path: Path) -> N
 def test_a_threshold_has_parts_and_no_items() -> None:
     with pytest.raises(TypeError):
         list(hs.Threshold.of("0.1"))
+
+
+def test_an_answer_that_is_none_is_left_out(tmp_path: Path) -> None:
+    rows = [(1 + x / 10, int(x > 4 or x == 2)) for x in range(10)]
+    lines = [f"{x},{y}" for x, y in rows]
+    for name, extra in (("with", ["1.3,None", "1.4,NA"]), ("without", [])):
+        (tmp_path / f"{name}.csv").write_text("\n".join(["x,answer", *lines, *extra]))
+    told, own = (hs.jnd(tmp_path / f"{x}.csv", columns={"level": "x", "answer": "answer"}) for x in ("with", "without"))
+    assert told.jnd.value == own.jnd.value
+    assert "2 lines without a level or an answer left out" in " ".join(str(told).split())

@@ -314,7 +314,7 @@ def test_where_a_number_has_no_end_on_a_side_nothing_is_said_to_be_left() -> Non
 def test_beyond_what_was_looked_at_nothing_is_said() -> None:
     found = hs.stability(spring(18000, hand=P3))  # 9 is more than 8.8
     [row] = found.to_dict()["held"]
-    assert {x["path"] for x in row["critical"]} == {"hand.m", "hand.b"}
+    assert {x["path"] for x in row["critical"]} == {"environment.k", "hand.m", "hand.b"}
     looked = {x["path"]: (x["from"], x["to"]) for x in row["looked_at"]}
     assert (looked["hand.k"][0], looked["hand.b"][1]) == (None, None)
     assert looked["hand.k"][1] >= 500 * 400

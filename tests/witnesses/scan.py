@@ -13,7 +13,7 @@ an evaluation says is not so.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
@@ -184,6 +184,10 @@ class Case:
             size,
         )
 
+    def without_friction(self, omega: Any, n: Numbers) -> Facts:
+        """What is there without the friction."""
+        return replace(self, between=tuple(x for x in self.between if x.model != "coulomb-friction")).facts(omega, n)
+
     def excess(self, part: str, omega: Any) -> Any:
         """r - c in mpmath."""
         return self.facts(omega, DIGITS).excess[part]
@@ -325,6 +329,8 @@ def _beside(points: Any, places: Any, share: float = 1e-12) -> Any:
 
 def _percepts(case: Case, result: Any, points: Any, facts: Facts) -> Iterator[str]:
     """Percepts cover where a ratio exceeds, but for an active display, and say what the signs say."""
+    with np.errstate(all="ignore"):
+        bare = case.without_friction(points, FLOATS)
     for part in PARTS:
         own = [(p, float(p.band.low.omega), float(p.band.high.omega)) for p in result.percepts if p.part.value == part]
         edges = np.array(sorted({x for _, low, high in own for x in (low, high)}))
@@ -332,18 +338,20 @@ def _percepts(case: Case, result: Any, points: Any, facts: Facts) -> Iterator[st
         label = np.full(len(points), "", dtype=object)
         for p, low, high in own:
             label[(points > low) & (points < high)] = f"{p.property.value} {p.change.value}"
-        for i in np.flatnonzero((label != _labels(facts, part)) & clear):
-            exact = _labels(case.facts(MP.mpf(points[i]), DIGITS), part)
+        for i in np.flatnonzero((label != _labels(facts, bare, part)) & clear):
+            at = MP.mpf(points[i])
+            exact = _labels(case.facts(at, DIGITS), case.without_friction(at, DIGITS), part)
             if str(exact) != label[i]:
                 yield f"{part} percept at {points[i]!r}: said {label[i]!r}, is {exact!s}"
 
 
-def _labels(facts: Facts, part: str) -> Any:
+def _labels(facts: Facts, bare: Facts, part: str) -> Any:
     """Property and change, or nothing, at one frequency or many."""
     env, perc = (np.asarray(x[part]) for x in (facts.env, facts.perc))
     change = np.where(abs(perc) > abs(env), " higher", " lower")
     if part == "imag":
-        return _where(facts, part, np.char.add("damping", change), passive=perc >= 0)
+        name = np.where(np.asarray(bare.excess[part]) > 0, "damping", "friction")
+        return _where(facts, part, np.char.add(name, change), passive=perc >= 0)
     # a part that is nothing throughout becomes something of the same kind
     before, after = (np.where(abs(x) > 1e-12 * np.asarray(facts.size), x, 0) for x in (env, perc))
     before, after = np.where(before == 0, after, before) > 0, np.where(after == 0, before, after) > 0

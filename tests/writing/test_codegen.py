@@ -628,3 +628,12 @@ def test_a_power_of_a_power_stands_in_brackets_on_whichever_side_it_is(language:
     for form, shown in (((x**y) ** z, "(x^y)^z"), (x ** (y**z), "x^(y^z)")):
         text = code_only(code({"r": form}, [x, y, z], language), language)
         assert shown in text.replace(".^", "^").replace("**", "^")
+
+
+def test_a_parameter_may_have_the_name_of_what_the_code_returns() -> None:
+    own = hs.environments.expression("m*s^2 + DistortionValues", parameters={"m": 1, "DistortionValues": 100})
+    code = hs.distortion_code(hs.Scene(own, (hs.effects.first_order_lag(20),)).symbolic_distortion(), "numpy")
+    space: dict[str, object] = {}
+    exec(code, space)  # noqa: S102
+    values = space["distortion"](10.0, 100.0, 2.0, 20.0)  # H_env = 100 - 2*10^2
+    assert float(values.environment_real) == -100

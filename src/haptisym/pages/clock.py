@@ -12,7 +12,7 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.pages.words import short
 from haptisym.verbs.stability.critical import Nearest
 from haptisym.verbs.stability.passive import EveryPassiveHand
-from haptisym.writing.document import Block, Notes, Paragraph, Phrase, Strong
+from haptisym.writing.document import Block, Notes, Paragraph, Phrase, Strong, listed
 from haptisym.writing.names import named
 
 _CONDITION = "Colgate and Schenkel's condition"
@@ -23,13 +23,10 @@ def looked_at(rows: Sequence[Nearest]) -> list[Phrase]:
     told: list[Phrase] = []
     for x in rows:
         low, high = (None if end is None else short(ExactNumber(_rational(end))) for end in _left(x))
-        if low is not None and high is not None:
-            told.append((f"{x.path}: looked at from ", low, " to ", high, "; what is beyond was not."))
-        elif low is not None:
-            told.append((f"{x.path}: looked at from ", low, " on; what is below was not."))
-        elif high is not None:
-            told.append((f"{x.path}: looked at up to ", high, "; what is beyond was not."))
-    return told
+        ends = (*((" from ", low) if low else ()), *((" to " if low else " up to ", high) if high else ()))
+        if ends:
+            told.append((x.path, *ends, "" if high else " on"))
+    return [("Looked at: ", listed(told), "; what lies beyond was not.")] if told else []
 
 
 def _left(x: Nearest) -> tuple[Fraction | None, Fraction | None]:

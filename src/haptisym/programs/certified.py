@@ -11,7 +11,7 @@ import numpy as np
 from flint import fmpq
 from sympy import Rational
 
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.programs.balls import BallPoint, nearest_double
@@ -80,7 +80,14 @@ class Certified:
                 balls = point.balls(bits)
                 rounded = {name: nearest_double(balls[name], bits) for name in left}
                 found.update({name: value for name, value in rounded.items() if value is not None})
-        return {name: found[name] if name in found else float(self.exact(inputs, name)) for name in names}
+        return {name: found[name] if name in found else self._settled(inputs, name) for name in names}
+
+    def _settled(self, inputs: tuple[float, ...], name: str) -> float:
+        """By the closed form; not a number where that is not decided."""
+        try:
+            return float(self.exact(inputs, name))
+        except UndecidedError:
+            return float("nan")
 
     def exact(self, inputs: tuple[float, ...], name: str) -> PointValue:
         """A result from its closed form in lowest terms."""

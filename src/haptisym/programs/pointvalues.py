@@ -66,12 +66,22 @@ class PointValue(RealNumber):
         """The value where it is none that balls of small relative radius enclose; otherwise None."""
         above, below = self._quotient
         if above is None:
-            return None
+            return self._pole
         if above == 0:
             return 0.0 if below != 0 else nan
         if below == 0:
             return inf if self.rooted or above > 0 else -inf
         return None
+
+    @property
+    def _pole(self) -> float | None:
+        """The infinite value where the denominator, with pi or other functions in it, is exactly 0 and the numerator is not."""
+        f = self.function.function
+        if not _vanishes(f.ring, f.denominator, self.frequency) or _vanishes(f.ring, f.numerator, self.frequency):
+            return None
+        if self.rooted:
+            return inf
+        return None  # on which side balls cannot tell
 
     @cached_property
     def _quotient(self) -> tuple[Any, Any]:
@@ -92,6 +102,16 @@ class PointValue(RealNumber):
         if n == m:
             return above, below
         return (fmpq(0), fmpq(1)) if n > m else (fmpq(1 if above / below > 0 else -1), fmpq(0))
+
+
+def _vanishes(ring: PolynomialRing, polynomial: Polynomial, frequency: fmpq) -> bool:
+    """Whether a polynomial of a ring of real functions is 0 at a frequency whatever the functions beside omega are there."""
+    at, rest = ring.meanings.index(omega), dict[tuple[int, ...], fmpq]()
+    for exponents, coefficient in polynomial.to_dict().items():
+        powers = [int(n) for n in exponents]
+        beside = (*powers[:at], *powers[at + 1 :])
+        rest[beside] = rest.get(beside, fmpq(0)) + coefficient * frequency ** powers[at]
+    return not any(rest.values())
 
 
 def _leading(ring: PolynomialRing, polynomial: Polynomial) -> tuple[Rational, Ball]:

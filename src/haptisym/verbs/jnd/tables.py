@@ -124,7 +124,7 @@ class _Table:
                     continue
             if any(cells[i].strip() != value for i, value in wanted):
                 continue
-            key = tuple([cells[i] for i in used])
+            key = tuple(["" if cells[i].strip().lower() in _NOTHING else cells[i] for i in used])
             if key not in self.first:
                 self.first[key] = number
             self.lines[key] += 1
@@ -194,6 +194,7 @@ def _refuse_numbers(header: Sequence[str]) -> None:
         raise SceneError("the first line holds numbers: it must name the columns, as in level,k,n")
 
 
+_NOTHING = {"none", "na", "n/a", "null"}  # as programs write what is not there
 _YES = {"1": 1, "1.0": 1, "true": 1, "yes": 1, "0": 0, "0.0": 0, "false": 0, "no": 0}
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError, meant, several
+from haptisym.model.caveats import clocks
 from haptisym.model.hand import NOBODY, Hand, hands, how_to_give
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
@@ -17,6 +18,8 @@ from haptisym.verbs.stability.boxes import whole_box
 from haptisym.verbs.stability.critical import Nearest, critical
 from haptisym.verbs.stability.held import Held, held, imposed
 from haptisym.verbs.stability.passive import every_passive_hand
+
+_OF_A_WALL = ("environment.k", "environment.b")
 
 
 def stability(
@@ -31,7 +34,8 @@ def stability(
 
     ``hand`` : the hands to ask about: the scene's, or those that the package ships (``hs.hands``), by name, or each a ``Hand``;
     those of the scene if not given. ``free`` : numbers by path or symbol; for each, and for the hand's own, the nearest
-    values are found at which the number of unstable roots changes. ``digits`` : of each number in the document.
+    values are found at which the number of unstable roots changes; of a display with a clock, if none is given, those of the
+    environment's stiffness and damping, which is what such a wall is asked about. ``digits`` : of each number in the document.
     ``limit`` : seconds after which what is not decided stays open; None for none.
 
     What stays open is None, and the answer is then not certified. SceneError where a hand is not known, is given twice or turns
@@ -46,6 +50,8 @@ def stability(
     scene = in_hands(scene, hand)
     scene.knobs.need_numbers()
     paths = [free] if isinstance(free, str) else several("free", free, "give paths or symbols of numbers")
+    if not paths and scene.hands and clocks(scene):
+        paths = [x.path for x in scene.knobs if x.path in _OF_A_WALL]
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
     with limited(limit):
         rows = tuple(held(scene, x) for x in scene.hands)

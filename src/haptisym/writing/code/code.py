@@ -75,7 +75,7 @@ class Source:
         _check(program, used, listed)
         own = function_name(name, language)
         helpers = {kind: f"{own}_{kind}" for kind in ("sinc", "sincm1")}
-        taken = {own, *helpers.values(), f"{own}_values"}
+        taken = {own, *helpers.values(), f"{own}_values", f"{own[0].upper()}{own[1:]}Values"}
         chosen = identifiers((a.symbol.name for a in listed), language, taken)
         names = {a.symbol: chosen[a.symbol.name] for a in listed}
         reader = CodeReader(

@@ -38,7 +38,8 @@ _MEANINGS = {
 }
 _NOTES = (
     "H is force per position at s = j omega. Re H > 0 is felt as stiffness Re H, Re H < 0 as mass -Re H/omega^2.",
-    "At omega = 0 and at zeros of H_env the values are the limits where these are finite; at a pole they are Inf or NaN.",
+    "At omega = 0 the values are the limits where these are finite. At a pole they are Inf or NaN.",
+    "At a zero of H_env 0/0 is NaN, where compile() of haptisym gives the limit.",
     "An argument that is 0 may make 0/0 there, which is NaN: a term that is not there is better left out of the scene.",
 )
 
