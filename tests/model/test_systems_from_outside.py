@@ -6,10 +6,11 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from sympy import Expr, I, Symbol
+from sympy import Expr, I, Rational, Symbol, exp
 from sympy.physics.control import TransferFunction
 
 import haptisym as hs
+from haptisym.kernel.symbols import omega
 
 s, w = Symbol("s"), Symbol("w", positive=True)
 SPRING = hs.environments.mass_spring_damper(k=100)
@@ -84,3 +85,54 @@ def test_a_system_in_another_letter_keeps_its_parameters_apart_from_the_laplace_
 def test_a_closed_position_loop_of_zero_is_named() -> None:
     with pytest.raises(hs.SceneError, match="P: .*must not be 0"):
         hs.effects.admittance_display("0")
+
+
+# --- taken as they are -------------------------------------------------------------------------------------------------
+
+PAPER = hs.load_scene("fu2019")
+
+
+def written(package: str) -> tuple[Any, Any]:
+    """The paper's environment and filter, as a package writes them."""
+    above, below = ([1.8, 15, 100], [1]), ([6400], [1, 80, 6400])
+    if package == "sympy":
+        return 1.8 * s**2 + 15 * s + 100, 6400 / (s**2 + 80 * s + 6400)
+    if package == "sympy.physics.control":
+        return TransferFunction(1.8 * s**2 + 15 * s + 100, 1, s), TransferFunction(6400, s**2 + 80 * s + 6400, s)
+    if package == "coefficients":
+        return above, below
+    made = pytest.importorskip(package)
+    new = made.tf if package == "control" else made.TransferFunction
+    return (new(*above) if package == "control" else above), new(*below)  # SciPy refuses what is improper
+
+
+@pytest.mark.parametrize("package", ["sympy", "sympy.physics.control", "coefficients", "control", "scipy.signal"])
+def test_what_a_control_engineer_has_is_taken_as_it_is(package: str) -> None:
+    felt, lowpass = written(package)
+    own = hs.distort(felt, lowpass)
+    assert own.perceived.equals(PAPER.distortion().perceived)
+    found = hs.evaluate(hs.Scene(felt, (lowpass,), (0, 15)))
+    assert [x.omega.digits(15) for x in found.crossings] == ["7.97891679017471", "11.9373109243221"]
+    assert hs.effects.series(lowpass).matrix == hs.interop.series(lowpass).matrix
+    assert hs.environments.expression(felt).H == hs.interop.environment(felt).H
+
+
+def test_an_exponential_is_a_delay_and_results_carry_the_symbols_given() -> None:
+    m, k, T = map(Symbol, "mkT")
+    d = hs.distort(m * s**2 + k, 1 / (1 + T * s))
+    assert {m, k, T} < d.real.free_symbols
+    assert d.real.subs({m: 2, k: 100, T: Rational(1, 10), omega: 5}) == Rational(-10)  # 50 (1/(1 + 1/4) - 1)
+    late = hs.distort(100 + 2 * s, exp(-s / 100))
+    assert late.perceived.equals(hs.distort(hs.environments.kelvin_voigt(100, 2), hs.effects.delay("10 ms")).perceived)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        ((None,), "environment"), ((100 * I + s,), "environment: .*contains I"), ((100 + s, None), "effects"), ((100 + s, I * s), r"effects\[1\]"),
+        ((100 + s, 1 / (s + 1), "delay"), "effects"), ((100 + s, TransferFunction(1, s + 1, s), ([1], [1, I])), r"effects\[2\]"),
+    ],
+)  # fmt: skip
+def test_what_is_no_system_is_refused_with_the_argument_named(arguments: tuple[Any, ...], named: str) -> None:
+    with pytest.raises(hs.SceneError, match=named):
+        hs.distort(*arguments)

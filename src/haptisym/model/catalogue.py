@@ -10,6 +10,7 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import wraps
+from pkgutil import resolve_name
 from typing import Any, TypeAlias, get_args, get_type_hints
 
 from sympy import Expr, Integer, Pow, Symbol, nan, pi, zoo
@@ -276,6 +277,15 @@ def _given(
     return {key: given[key] for key in slots if key in given}
 
 
+def is_system(given: object) -> bool:
+    """Whether something is a transfer function of another package, or a pair of coefficients."""
+    if isinstance(given, Expr):
+        return True
+    if isinstance(given, tuple | list):
+        return len(given) == 2 and all(isinstance(x, Sequence) and not isinstance(x, str) for x in given)
+    return type(given).__module__.partition(".")[0] in ("sympy", "control", "scipy")
+
+
 def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     """A formula as an expression in ``s`` and the parameters' symbols."""
     found = _read(key, given, parameters)
@@ -304,7 +314,14 @@ def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     if isinstance(given, int | float):
         given = str(given)
     if not isinstance(given, str):
-        raise SceneError(f"{key}: {quoted(given)} is not a formula: write it as a string")
+        if not is_system(given):
+            raise SceneError(
+                f"{key}: {quoted(given)} is not a formula: write it as a string, or give a transfer function"
+            )
+        try:
+            return _read(key, resolve_name("haptisym.interop:dynamics")(given), parameters)
+        except SceneError as error:
+            raise error if str(error).startswith(f"{key}:") else error.within(key) from None
     names: dict[str, Expr] = {"s": s, "pi": pi, **{p.symbol.name: p.symbol for p in parameters}}
     try:
         return expressions.evaluate(given, number=decimal, name=lambda name: _known(name, names))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from sympy import Abs, Expr, Rational, Symbol, sqrt
 
@@ -15,7 +15,6 @@ from haptisym.kernel.response import RealFunction, Response, on_axis, squared_mo
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.shown import Shown, counted
 from haptisym.kernel.symbols import omega, s
-from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.chain import Chain
 from haptisym.model.given import given_effects, given_environment
 from haptisym.model.jnd import Part
@@ -27,23 +26,27 @@ if TYPE_CHECKING:
     from haptisym.programs.values import Compiled  # brings NumPy, which a certified answer does not need
 
 
-def distort(environment: Environment, *effects: Effect, rendered: Environment | None = None) -> Distortion:
+def distort(environment: Any, *effects: Any, rendered: Any = None) -> Distortion:
     """The distortion of an environment by effects, nearest the environment first; none at all without effects.
 
     ``rendered`` is what the controller renders where that is not the environment itself: H_perc is built on it, while
     dH and the ratios compare with ``environment``; where it has ``k="environment.k"``, that is the environment's k. Parameters
-    may be numbers or symbols. Raises SceneError where H_env is zero everywhere or H_perc is not a dynamics.
+    may be numbers or symbols. Each may be a system that ``interop.dynamics`` takes (an expression in s of SymPy, a transfer
+    function of python-control or SciPy, a pair of coefficients), an effect then one in series. Raises SceneError where H_env
+    is zero everywhere or H_perc is not a dynamics.
 
     >>> from haptisym import effects, environments
     >>> d = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
     >>> d.perceived, d.real
     (2000/(s + 20), -100*omega**2/(omega**2 + 400))
+    >>> from sympy import Symbol
+    >>> distort(Symbol("s") + 100, ([20], [1, 20])).perceived
+    20*(s + 100)/(s + 20)
     """
-    given_environment("environment", environment)
-    given_effects(effects)
-    felt = rendered.tied_to(environment) if rendered else environment
-    H = environment.H
-    return Distortion.of(Chain(H, felt.H if rendered else H, tuple(e.matrix for e in in_place(effects, felt))))
+    own = given_environment("environment", environment)
+    felt = own if rendered is None else given_environment("rendered", rendered).tied_to(own)
+    between = in_place(given_effects(effects), felt)
+    return Distortion.of(Chain(own.H, felt.H, tuple(e.matrix for e in between)))
 
 
 @dataclass(frozen=True, repr=False)

@@ -3,29 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pkgutil import resolve_name
 from typing import Any
 
 from haptisym.kernel.errors import SceneError, need, several
-from haptisym.model.catalogue import Effect, Environment
+from haptisym.model.catalogue import Effect, Environment, is_system
 from haptisym.model.hand import Hand
 
-_ENVIRONMENT = "give one of haptisym.environments, as environments.kelvin_voigt(100, 2)"
-_EFFECTS = "give effects of haptisym.effects in a tuple, as (effects.delay(0.01),)"
+_ENVIRONMENT = (
+    "give one of haptisym.environments, as environments.kelvin_voigt(100, 2), or a system, as 3*s + 100 of SymPy"
+)
+_EFFECTS = "give effects of haptisym.effects, or systems in series, in a tuple, as (effects.delay(0.01),)"
 _HANDS = "give hands in a tuple, as (Hand(...),)"
 _BAND = "give its two ends, as (0, 15)"
 
 
-def given_environment(key: str, given: object) -> None:
-    """SceneError unless it is an environment."""
-    need(key, given, Environment, _ENVIRONMENT)
+def given_environment(key: str, given: object) -> Environment:
+    """An environment, or any system that ``interop`` takes; SceneError for anything else."""
+    found = given if isinstance(given, Environment) or not is_system(given) else _read(key, "environment", given)
+    need(key, found, Environment, _ENVIRONMENT)
+    assert isinstance(found, Environment)
+    return found
 
 
-def given_effects(given: Iterable[Effect]) -> tuple[Effect, ...]:
-    """Effects in their order; SceneError for anything else among them, or for one alone."""
+def given_effects(given: Iterable[Any]) -> tuple[Effect, ...]:
+    """Effects in their order, a system being one in series; SceneError for anything else among them, or for one alone."""
     listed = several("effects", given, _EFFECTS)
-    for x in listed:
+    found = [_read(f"effects[{i}]", "series", x) if is_system(x) else x for i, x in enumerate(listed, 1)]
+    for x in found:
         need("effects", x, Effect, _EFFECTS)
-    return listed
+    return tuple(found)
+
+
+def _read(key: str, how: str, given: object) -> Any:
+    try:
+        return resolve_name(f"haptisym.interop:{how}")(given)
+    except SceneError as error:
+        raise error.within(key) from None
 
 
 def given_hands(given: Iterable[Hand]) -> tuple[Hand, ...]:

@@ -71,9 +71,9 @@ class Scene(Shown):
 
     @spared()
     def __post_init__(self) -> None:
-        given_environment("environment", self.environment)
+        object.__setattr__(self, "environment", given_environment("environment", self.environment))
         if self.rendered is not None:
-            given_environment("rendered", self.rendered)
+            object.__setattr__(self, "rendered", given_environment("rendered", self.rendered))
         object.__setattr__(self, "effects", given_effects(self.effects))
         object.__setattr__(self, "hands", given_hands(self.hands))
         object.__setattr__(self, "band", given_band(self.band))
