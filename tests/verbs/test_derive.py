@@ -20,7 +20,7 @@ from pdflatex import check_layout, compiled
 from refusals import refusal
 from regions import margin
 from strategies import Seeded
-from sympy import Rational, Symbol, cosh, exp, lambdify, sinh, sqrt, symbols
+from sympy import Rational, Symbol, cosh, exp, lambdify, oo, sinh, sqrt, symbols
 
 import haptisym as hs
 from haptisym.commands.spelling import spelt
@@ -476,3 +476,103 @@ def test_a_chain_of_thirty_effects_is_derived_in_steps_without_being_multiplied_
     text = str(hs.derive(hs.Scene(wall, tuple(x for row in devices for x in row), (0, 15))))
     assert "H_env(s) = m s^2 + b s + k" in text
     assert "Closed forms of this chain are long" in text
+
+
+# --- what a distortion answers by itself -------------------------------------------------------------------------------
+
+MASS, Y = Symbol("x"), Symbol("y")
+LAGS = hs.distort(MASS * Symbol("s") ** 2 + Y, 1 / (1 + Symbol("s") / OMEGA_N))
+
+
+def ratios(d: hs.Distortion, at: float) -> dict[str, float]:
+    """Of a distortion without symbols, from H_env and H_perc as they are written."""
+    env, perc = (complex(lambdify(s, x, "mpmath")(mpmath.mpc(0, at))) for x in (d.environment, d.perceived))
+    return {"real": abs((perc - env).real / abs(env)), "imag": abs((perc - env).imag / abs(env))}
+
+
+@pytest.mark.parametrize("part", ["real", "imag"])
+def test_crossings_of_a_distortion_are_where_its_ratio_is_the_threshold(part: str) -> None:
+    numbers = hs.load_scene("fu2019").distortion()
+    told = [float(x) for x in numbers.crossings(part, 0.1)]
+    assert [ratios(numbers, x)[part] for x in told] == pytest.approx(len(told) * [0.1], rel=1e-12)
+    on_band = [float(x.omega) for x in hs.evaluate("fu2019").crossings if x.criterion.name == part]
+    assert [x for x in told if x < 15] == on_band
+    assert [x.digits(30) for x in numbers.crossings(part, 0.1, band=(0, 9))] == [
+        x.digits(30) for x in numbers.crossings(part, 0.1) if float(x) < 9
+    ]
+
+
+@pytest.mark.parametrize("part", ["real", "imag"])
+def test_formulas_of_crossings_in_the_symbols_given_hold_where_their_conditions_do(part: str) -> None:
+    level = Symbol("level")
+    d = hs.distort(100 + 0 * Symbol("s"), 1 / (1 + Symbol("s") / Y))
+    found = d.crossings(part, level)
+    values = {level: Rational(3, 10), Y: 20}
+    places = sorted(float(x.omega.subs(values)) for x in found if all(y.subs(values) >= 0 for y in x.conditions))
+    x = 0.3  # x^2/(1 + x^2) = c, and x/(1 + x^2) = c
+    own = (
+        [20 * (x / (1 - x)) ** 0.5]
+        if part == "real"
+        else [20 * (1 + sign * (1 - 4 * x * x) ** 0.5) / (2 * x) for sign in (-1, 1)]
+    )
+    assert places == pytest.approx(own)
+    poly = d.threshold_polynomial(part, level)
+    assert [
+        abs(float(poly.eval(w**2).subs(values))) < 1e-6 * abs(float(poly.LC().subs(values))) * w**4 for w in own
+    ] == [True] * len(own)
+
+
+def test_all_changeovers_are_told_not_the_lowest_alone() -> None:
+    """k (w^2 - omega^2)/... of two springs and masses: three zeros of Re H_env; behind a lag the real part has others."""
+    scene = hs.load_scene("two-mass-resonance")
+    env, perc = scene.distortion().changeovers
+    for told, system in ((env, "environment"), (perc, "perceived")):
+        form = lambdify(s, getattr(scene.distortion(), system), "numpy")
+        at = np.linspace(1e-3, 4 * float(told[-1]), 400_001)
+        real = np.real(form(1j * at))
+        near = at[1:][(np.sign(real[1:]) != np.sign(real[:-1])) & (abs(real[1:]) < 1e6 * np.median(abs(real)))]
+        assert all(np.abs(near - float(x)).min() < 1e-3 * float(x) for x in told)
+    [own] = hs.distort(M * Symbol("s") ** 2 + K).changeovers.environment
+    assert own.omega == sqrt(K) / sqrt(M)
+
+
+@pytest.mark.parametrize("name", ["fu2019", "delayed-spring", "zener-tissue", "admittance-display"])
+def test_leading_terms_are_what_the_distortion_nears(name: str) -> None:
+    d = hs.load_scene(name).distortion()
+    ends = [0] if name == "delayed-spring" else [0, oo]
+    for at in ends:
+        w = 1e-4 if at == 0 else 1e7
+        found, exact = d.asymptote(at), complex(lambdify(s, d.distortion, "mpmath")(mpmath.mpc(0, w)))
+        own = complex(found.distortion.subs(s, 1j * w))
+        assert abs(own - exact) < 1e-2 * abs(exact)
+        for form, value in ((found.real, exact.real), (found.imag, exact.imag)):
+            assert float(form.subs(omega, w)) == pytest.approx(value, rel=1e-2, abs=1e-9 * abs(exact))
+
+
+def test_a_bandwidth_is_that_of_the_evaluation() -> None:
+    for name in ("fu2019", "steering-wheel"):
+        scene = hs.load_scene(name)
+        assert scene.distortion().bandwidth(scene.threshold.real).digits(20) == hs.evaluate(scene).bandwidth.digits(20)
+    assert hs.distort(100 + Symbol("s")).bandwidth(0.1) == oo
+    assert hs.distort(100 + 0 * Symbol("s"), 2 + 0 * Symbol("s")).bandwidth(0.1) == 0
+
+
+@pytest.mark.parametrize("modules", ["math", "numpy", "mpmath"])
+def test_a_plain_function_has_the_values_of_the_closed_form(modules: str) -> None:
+    f = LAGS.lambdify("ratio_imag", modules)
+    own = LAGS.compile(of=["ratio_imag"])(3.0, omega_n=20.0, x=2.0, y=100.0).ratio_imag
+    assert float(f(3.0, 20.0, 2.0, 100.0)) == pytest.approx(float(own), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (lambda d: d.crossings("reel"), "part"), (lambda d: d.crossings("real", -1), "c: "), (lambda d: d.crossings("real", "0.1"), "c: "),
+        (lambda d: d.bandwidth(0.1), "give .* values"), (lambda d: d.asymptote(1), "at: "), (lambda d: d.lambdify("rael"), 'did you mean "real"'),
+        (lambda d: hs.distort(100 + s, exp(-s)).crossings("real", 0.1), "give a band"), (lambda d: hs.distort(100 + s, exp(-s)).asymptote(oo), "delay"),
+        (lambda d: hs.distort(100 + s, exp(-s)).crossings("real", 0.1, band=(3, 2)), "band"),
+    ],
+)  # fmt: skip
+def test_what_makes_no_sense_of_a_distortion_is_said(asked: Any, said: str) -> None:
+    with pytest.raises(hs.SceneError, match=said):
+        asked(LAGS)

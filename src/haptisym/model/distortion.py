@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from sympy import Abs, Expr, Rational, Symbol, sqrt
+from sympy import Abs, Expr, Poly, Rational, Symbol, lambdify, sqrt
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import SceneError, meant, quoted
+from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction, Response, on_axis, squared_modulus
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.shown import Shown, counted
+from haptisym.kernel.solutions import Solution
+from haptisym.kernel.symbols import c as limit
 from haptisym.kernel.symbols import omega, s
+from haptisym.model import solved
 from haptisym.model.chain import Chain
 from haptisym.model.given import given_effects, given_environment
 from haptisym.model.jnd import Part
@@ -41,7 +46,7 @@ def distort(environment: Any, *effects: Any, rendered: Any = None) -> Distortion
     (2000/(s + 20), -100*omega**2/(omega**2 + 400))
     >>> from sympy import Symbol
     >>> distort(Symbol("s") + 100, ([20], [1, 20])).perceived
-    20*(s + 100)/(s + 20)
+    (20*s + 2000)/(s + 20)
     """
     own = given_environment("environment", environment)
     felt = own if rendered is None else given_environment("rendered", rendered).tied_to(own)
@@ -231,6 +236,75 @@ class Distortion(Shown):
         least = c * self.modulus
         return ParameterJND(least, least / omega, least / omega**2)
 
+    def crossings(
+        self, part: Part | str, c: Any = limit, *, band: tuple[Any, Any] | None = None
+    ) -> tuple[Solution, ...] | tuple[RealNumber, ...]:
+        """Where a ratio meets a threshold c: all positive zeros of r^2 - c^2.
+
+        ``part`` : "real" or "imag". ``c`` : a symbol, or a fraction > 0. With symbols each is a ``Solution``: a closed form
+        ``omega`` with the ``conditions`` under which it is in force, or None and the ``equation`` where none is readable; a
+        delay's come again with ``period``. With numbers alone they are certified frequencies (``float(x)``, ``x.digits(50)``),
+        on a ``band`` if one is given, as a display with a delay may need. SceneError where they have no end.
+
+        >>> from haptisym import effects, environments
+        >>> from haptisym.kernel.symbols import symbols
+        >>> lag = effects.first_order_lag(symbols("w"))
+        >>> [x.omega for x in distort(environments.mass_spring_damper(k=symbols("k")), lag).crossings("real")]
+        [sqrt(c)*w*sqrt(1/(1 - c))]
+        >>> own = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
+        >>> [x.digits(8) for x in own.crossings("real", 0.2)]
+        ['10.000000']
+        """
+        return solved.crossings(self, solved.part_named(part), solved.threshold(c), band)
+
+    @property
+    def changeovers(self) -> solved.Changeovers:
+        """Where Re H_env and Re H_perc change their sign, each all of them: formulas, or certified numbers, as ``crossings``."""
+        return solved.changeovers(self)
+
+    def threshold_polynomial(self, part: Part | str, c: Any = limit) -> Poly | Expr:
+        """What vanishes where a ratio meets a threshold: a polynomial in W = omega^2, or with delays an expression in omega.
+
+        >>> from haptisym import effects, environments
+        >>> distort(environments.mass_spring_damper(k=1), effects.first_order_lag(1)).threshold_polynomial("imag").all_coeffs()
+        [-c**2, 1 - 2*c**2, -c**2]
+        """
+        return solved.threshold_polynomial(self, solved.part_named(part), solved.threshold(c))
+
+    def bandwidth(self, c: Any, *, band: tuple[Any, Any] | None = None) -> RealNumber | Expr:
+        """The end of the interval from 0 (or the band's low end) on which neither ratio exceeds c; 0 for none, oo for all.
+
+        Certified. SceneError for symbols.
+        """
+        return solved.bandwidth(self, solved.threshold(c), band)
+
+    def asymptote(self, at: Any = 0) -> solved.Asymptote:
+        """The leading terms of dH, Re dH and Im dH ``at`` 0 or oo.
+
+        >>> from haptisym import effects, environments
+        >>> from haptisym.kernel.symbols import symbols
+        >>> distort(environments.mass_spring_damper(k=symbols("k")), effects.delay(symbols("tau"))).asymptote().imag
+        -k*omega*tau
+        """
+        return solved.asymptote(self, at)
+
+    def lambdify(self, quantity: str = "ratio_real", modules: Any = "numpy") -> Callable[..., Any]:
+        """A plain function of omega and the parameters by name, as of ``sympy.lambdify``: for NumPy, mpmath, JAX or math.
+
+        ``quantity`` : any closed form here, by name. ``compile`` is more accurate, and knows the limits at zeros of H_env.
+
+        >>> from haptisym import effects, environments
+        >>> distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20)).lambdify("real", "math")(20.0)
+        -50.0
+        """
+        if quantity not in _QUANTITIES:
+            hint = meant(str(quantity), _QUANTITIES)
+            raise SceneError(f"quantity: {quoted(quantity)}: {hint}valid are {', '.join(_QUANTITIES)}")
+        form, names = getattr(self, quantity), sorted(self.free_symbols, key=str)
+        variable = s if form.has(s) else omega
+        made: Callable[..., Any] = lambdify([variable, *names], form, modules, cse=True)
+        return made
+
     @property
     def changeover_environment(self) -> Expr | None:
         """The lowest frequency at which Re H_env changes sign, in square roots; None where it has no such form.
@@ -248,6 +322,12 @@ class Distortion(Shown):
     def changeover_perceived(self) -> Expr | None:
         """The lowest frequency at which Re H_perc changes sign, in square roots; None where it has no such form."""
         return first_changeover(self.perc_response.real)
+
+
+_QUANTITIES = (
+    "real", "imag", "ratio_real", "ratio_imag", "relative_real", "relative_imag", "modulus",
+    "environment", "perceived", "distortion",
+)  # fmt: skip
 
 
 def part_of(response: Response, part: Part) -> RealFunction:
