@@ -153,14 +153,22 @@ class Evaluation(Answer):
         return changeovers(self.chart, Curve.PERCEIVED)
 
     @cached_property
+    def _felt_chart(self) -> Chart:
+        """With friction also where a ratio would meet its threshold without it, which is a place for percepts alone."""
+        if self.friction is None:
+            return self.chart
+        bare = without_friction(self.scene).distortion()
+        return chart(curves(self.distortion, noticed(self.scene.threshold), bare), *self.scene.band)
+
+    @cached_property
     def percepts(self) -> tuple[Percept, ...]:
         """What is felt where a ratio exceeds its threshold."""
-        return find_percepts(self.chart)
+        return find_percepts(self._felt_chart)
 
     @cached_property
     def felt(self) -> tuple[Felt, ...]:
         """Everything that is noticed, as what it is felt, in words: percepts, and where no property is named."""
-        return find_felt(self.chart)
+        return find_felt(self._felt_chart)
 
     @property
     def friction(self) -> Friction | None:
@@ -170,7 +178,7 @@ class Evaluation(Answer):
     @cached_property
     def unnamed(self) -> tuple[Interval, ...]:
         """Where Im H_perc < 0 and the imaginary part is noticed all the same: no property is named for it there."""
-        return unnamed(self.chart)
+        return unnamed(self._felt_chart)
 
     @cached_property
     def outside_model(self) -> tuple[Interval, ...]:
@@ -275,8 +283,7 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut |
     scene.knobs.need_numbers()
     distortion = scene.distortion()
     started = time.perf_counter()
-    bare = None if frictions(scene) is None else without_friction(scene).distortion()
-    table = chart(curves(distortion, noticed(scene.threshold), bare), *scene.band)
+    table = chart(curves(distortion, noticed(scene.threshold)), *scene.band)
     isolation = time.perf_counter() - started
     stable = force_is_stable(scene, distortion)
     return Evaluation(scene, distortion, table, stable, digits, left_out, isolation)

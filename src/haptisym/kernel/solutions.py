@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from sympy import Expr, Integer, Pow, S, acos, asin, atan, cos, factor, factor_terms, pi, sqrt
+from sympy import Expr, Integer, Pow, S, acos, asin, atan, cos, count_ops, factor, factor_terms, pi, sqrt
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.monomials import monomials
@@ -51,7 +51,8 @@ class Solution(Shown):
         inside = [x.base for x in self.omega.atoms(Pow) if x.exp.is_Rational and not x.exp.is_Integer]
         inside += [1 + sign * x.args[0] for x in self.omega.atoms(asin, acos) for sign in (1, -1)]
         own = [] if inside else [self.omega]  # where roots and angles are real, so is the frequency, and positive
-        return tuple(x for x in dict.fromkeys([*inside, *own]) if not x.is_nonnegative)
+        found = (x for x in dict.fromkeys([*inside, *own]) if not x.is_nonnegative)
+        return tuple(sorted(found, key=lambda x: (count_ops(x), str(x))))
 
 
 def solve(function: RealFunction) -> tuple[Solution, ...]:

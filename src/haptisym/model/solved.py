@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import factorial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from sympy import Add, Expr, Integer, Poly, Symbol, exp, nan, oo, sqrt
 
@@ -12,7 +12,8 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, quoted
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.response import RealFunction, Response, on_axis
+from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import chart
 from haptisym.kernel.solutions import Solution, solve
 from haptisym.kernel.symbols import c as limit
@@ -21,15 +22,36 @@ from haptisym.model.given import given_band
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, decimal, number
 
-if TYPE_CHECKING:
-    from haptisym.model.distortion import Distortion
-
 SQUARE = Symbol("W", positive=True)
 """omega^2, the unknown of a threshold polynomial."""
 _TERMS = 8  # of the series of a delay
 
 Frequencies = tuple[Solution, ...] | tuple[RealNumber, ...]
 """Formulas, each with the conditions under which it is in force; or, where all are numbers, certified frequencies."""
+
+
+class Responses(Protocol):
+    """What a ``Distortion`` holds of what is asked here."""
+
+    @property
+    def free_symbols(self) -> frozenset[Symbol]:
+        """The parameters that are still symbols."""
+
+    @property
+    def squared_ratios(self) -> dict[Part, RealFunction]:
+        """r_r^2 and r_i^2."""
+
+    @property
+    def env_response(self) -> Response:
+        """H_env on s = j omega."""
+
+    @property
+    def perc_response(self) -> Response:
+        """H_perc on s = j omega."""
+
+    @property
+    def difference(self) -> RationalFunction:
+        """dH."""
 
 
 class Changeovers(NamedTuple):
@@ -66,7 +88,7 @@ def threshold(given: Any) -> Expr:
     return value
 
 
-def excess(d: Distortion, part: Part, c: Expr) -> RealFunction:
+def excess(d: Responses, part: Part, c: Expr) -> RealFunction:
     """r^2 - c^2 of a part."""
     f = d.squared_ratios[part].function
     square = f.ring.convert(c**2)
@@ -74,19 +96,19 @@ def excess(d: Distortion, part: Part, c: Expr) -> RealFunction:
     return RealFunction(f.ring.function(top, f.denominator * square.denominator).reduced())
 
 
-def crossings(d: Distortion, part: Part, c: Expr, band: tuple[Any, Any] | None) -> Frequencies:
+def crossings(d: Responses, part: Part, c: Expr, band: tuple[Any, Any] | None) -> Frequencies:
     """As of ``Distortion.crossings``."""
     if not c.free_symbols:
         return _zeros(d, excess(d, part, c), band, odd=False)
     return tuple(_renamed(x, {limit: c}) for x in solve(excess(d, part, limit)))
 
 
-def changeovers(d: Distortion) -> Changeovers:
+def changeovers(d: Responses) -> Changeovers:
     """As of ``Distortion.changeovers``."""
     return Changeovers(*(_zeros(d, x.real, None, odd=True) for x in (d.env_response, d.perc_response)))
 
 
-def _zeros(d: Distortion, f: RealFunction, band: tuple[Any, Any] | None, *, odd: bool) -> Frequencies:
+def _zeros(d: Responses, f: RealFunction, band: tuple[Any, Any] | None, *, odd: bool) -> Frequencies:
     if d.free_symbols:
         return tuple(x for x in solve(f) if x.order % 2 or not odd)
     low, high = _ends(band) if band else (Integer(0), _far(f))
@@ -117,7 +139,7 @@ def _renamed(x: Solution, names: Mapping[Symbol, Expr]) -> Solution:
     return Solution(x.omega and x.omega.xreplace(names), x.equation.xreplace(names), x.period.xreplace(names), x.order)
 
 
-def threshold_polynomial(d: Distortion, part: Part, c: Expr) -> Poly | Expr:
+def threshold_polynomial(d: Responses, part: Part, c: Expr) -> Poly | Expr:
     """As of ``Distortion.threshold_polynomial``."""
     f = excess(d, part, limit if c.free_symbols else c)
     found = f.function.expression().as_numer_denom()[0].expand().xreplace({limit: c})
@@ -125,7 +147,7 @@ def threshold_polynomial(d: Distortion, part: Part, c: Expr) -> Poly | Expr:
     return Poly(found.subs(omega, sqrt(SQUARE)), SQUARE) if is_polynomial else found
 
 
-def bandwidth(d: Distortion, c: Expr, band: tuple[Any, Any] | None) -> RealNumber | Expr:
+def bandwidth(d: Responses, c: Expr, band: tuple[Any, Any] | None) -> RealNumber | Expr:
     """As of ``Distortion.bandwidth``."""
     if c.free_symbols or d.free_symbols:
         free = ", ".join(sorted(map(str, c.free_symbols | d.free_symbols)))
@@ -139,7 +161,7 @@ def bandwidth(d: Distortion, c: Expr, band: tuple[Any, Any] | None) -> RealNumbe
     return oo if kept[0].high is table.points[-1] and not band else kept[0].high.omega
 
 
-def asymptote(d: Distortion, at: Any) -> Asymptote:
+def asymptote(d: Responses, at: Any) -> Asymptote:
     """As of ``Distortion.asymptote``."""
     if at not in (0, oo):
         raise SceneError(f"at: {quoted(at)} is neither 0 nor oo")

@@ -7,7 +7,7 @@ from collections import Counter, namedtuple
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -206,7 +206,9 @@ def _array(name: str, given: ArrayLike) -> Array:
         raise SceneError(f"{name}: {given!r} must be real numbers") from None
 
 
-def _tuple(name: str, fields: Sequence[str]) -> Any:
+@cache
+def _tuple(name: str, fields: tuple[str, ...]) -> Any:
+    """A class is made once: that takes longer than a thousand values."""
     return namedtuple(name, fields)
 
 

@@ -14,6 +14,7 @@ from sympy import pi
 
 from haptisym.judge.crossings import Curve, curves
 from haptisym.judge.evaluation import Evaluation
+from haptisym.judge.percepts import find_percepts
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import Sliver
 from haptisym.kernel.response import RealFunction
@@ -179,7 +180,7 @@ def _claim(e: Evaluation) -> dict[str, Any]:
         "percepts": [
             {"part": x.part.value, "from": at(x.band.low), "to": at(x.band.high)}
             | {"property": x.property.value, "change": x.change.value}
-            for x in e.percepts
+            for x in find_percepts(e.chart)  # of friction the property alone is another
             if x.part
         ],
         "outside_model": ends(e.outside_model),
