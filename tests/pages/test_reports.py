@@ -361,3 +361,17 @@ def test_other_names_and_a_missing_program_are_errors_that_say_so(
     with pytest.raises(hs.SceneError, match=r"needs pdflatex.*\.html"):
         report.save_report(answer, tmp_path / "x.pdf")
     assert not [*tmp_path.iterdir()]
+
+
+def test_a_report_of_a_fitted_scene_calls_nothing_of_the_device_proven() -> None:
+    felt = E.mass_spring_damper(k=["90 N/m", "110 N/m"])
+    report = undrawn(hs.evaluate(hs.Scene(felt, (F.first_order_lag(20),), (0, 15), confidence=0.95)))
+    words = " ".join(re.sub("<[^>]*>", " ", re.sub("<(script|style).*?</\\1>", "", report, flags=re.DOTALL)).split())
+    assert "95 % region of the fit" in words
+    assert "estimates (exact for the fitted model)" in words
+    assert not re.search(r"\b(Certain:|[Gg]uaranteed|none invented\) proven)", words)
+
+
+def test_a_half_width_in_omega_is_written_as_it_is() -> None:
+    wide = {"shape": "ellipse", "real": "0.1 + 0.01*omega", "imag": 0.1}
+    assert "which-values-would-do" in undrawn(hs.evaluate(hs.Scene(E.mass_spring_damper(k=100), (LAG,), (0, 15), wide)))

@@ -39,6 +39,8 @@ def crossings(e: Evaluation) -> Block:
 
 def proven(e: Evaluation) -> str:
     """How certain a table is."""
+    if e.scene.level is not None:
+        return "of the fitted model: none missed, none invented"
     return "proven: none missed, none invented" if e.certified else "proven, but for what is listed as undecided"
 
 

@@ -29,8 +29,9 @@ def design(e: Evaluation) -> Iterator[Block]:
     if e.scene.untied():
         yield Paragraph(e.scene.untied_note())
     columns = tuple(map(Column, ("parameter", "in the scene", "transparent for", "what binds")))
+    how = "proven" if e.scene.level is None else "of the fitted model"
     yield Table(
-        columns, tuple(map(_row, found)), "Values for which the display is transparent on its whole band, proven."
+        columns, tuple(map(_row, found)), f"Values for which the display is transparent on its whole band, {how}."
     )
 
 

@@ -31,8 +31,12 @@ def findings(e: Evaluation) -> Iterator[tuple[Phrase, Phrase]]:
         if number
         else "jumps of the bandwidth stayed open"
     )
-    proof = (Strong("proven"), " (none missed, none invented)"), (Strong("in part undecided"), f" ({tangencies})")
-    yield "these answers", proof[not e.certified]
+    if not e.certified:
+        yield "these answers", (Strong("in part undecided"), f" ({tangencies})")
+    elif e.scene.level is not None:
+        yield "these answers", (Strong("estimates"), " (exact for the fitted model)")
+    else:
+        yield "these answers", (Strong("proven"), " (none missed, none invented)")
 
 
 def _of_hands(found: Passivity | None) -> Phrase:

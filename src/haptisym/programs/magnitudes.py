@@ -12,7 +12,7 @@ import numpy as np
 from haptisym.programs.floats import nearest
 from haptisym.programs.program import Program
 
-_SINE = 70.0  # no sine or cosine of a double that is not 0 is smaller than 2^-70
+_SINE = 70.0  # no cosine, and no sine of a double of at least 2^-69, is smaller than 2^-70
 
 
 class MagnitudeRange(NamedTuple):
@@ -82,7 +82,8 @@ def _step(name: str, arguments: Sequence[int], of: Sequence[MagnitudeRange], dig
     if name == "sqrt":
         return MagnitudeRange(x.low / 2 - 1, x.high / 2 + 1, positive=True, nonzero=x.nonzero)
     if name in ("sin", "cos", "sinc"):
-        return MagnitudeRange(-_SINE - (max(x.high, 0.0) if name == "sinc" else 0.0), 0.0)
+        least = {"sin": min(-_SINE, x.low - 1), "cos": -_SINE, "sinc": -_SINE - max(x.high, 0.0)}[name]
+        return MagnitudeRange(least, 0.0)
     if name == "sincm1":  # between -x^2/6 and -x^2/8 for abs(x) <= 2, between -5/4 and -1/2 beyond
         return MagnitudeRange(min(2 * x.low - 3, -1.0), min(2 * x.high - 2, 1.0), nonzero=x.nonzero)
     y = of[1]

@@ -38,7 +38,7 @@ def breakpoints(places: Sequence[RealNumber], factors: Sequence[Factor | WaveFac
         elif len(found) + len(waiting) < _MOST:
             waiting.append(_between(factors, found[-1], waiting[-1]))
         else:
-            raise UndecidedError("the cells of a certificate")
+            raise UndecidedError("a certificate: it would take too many cells")
     return found
 
 

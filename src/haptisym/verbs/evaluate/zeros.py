@@ -70,7 +70,9 @@ def _cells(rows: Rows) -> list[Fraction]:
         elif len(found) + len(waiting) < _MOST:
             waiting.append(_between(even, low, high))
         else:
-            raise UndecidedError("the cells of a certificate")
+            raise UndecidedError(
+                "a certificate: the real or the imaginary part of p(j omega) has zeros that cells do not part, as a double one"
+            )
     return found[1:]
 
 
