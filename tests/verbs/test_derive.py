@@ -576,3 +576,21 @@ def test_a_plain_function_has_the_values_of_the_closed_form(modules: str) -> Non
 def test_what_makes_no_sense_of_a_distortion_is_said(asked: Any, said: str) -> None:
     with pytest.raises(hs.SceneError, match=said):
         asked(LAGS)
+
+
+def test_closed_forms_are_in_the_frequency_that_was_given() -> None:
+    own, laplace = Symbol("omega"), Symbol("s")
+    given = (M * laplace**2 + B * laplace + K, 1 / (1 + laplace / OMEGA_N))
+    d, plain_one = hs.distort(*given, omega=own), hs.distort(*given)
+    for name in ("real", "imag", "ratio_real", "ratio_imag", "relative_real", "relative_imag", "modulus"):
+        assert getattr(d, name) == getattr(plain_one, name).xreplace({omega: own}), name
+        assert not getattr(d, name).has(omega)
+    assert not d.perceived_properties.mass.has(omega)
+    assert d.perceived_properties.damping == plain_one.perceived_properties.damping.xreplace({omega: own})
+    assert d.asymptote().imag == plain_one.asymptote().imag.xreplace({omega: own})
+    values = {M: 2, B: 1, K: 100, OMEGA_N: 20}
+    assert d.lambdify("real", "math")(8.0, 1.0, 100.0, 2.0, 20.0) == pytest.approx(
+        float(d.real.subs(own, 8).subs(values))
+    )
+    with pytest.raises(hs.SceneError, match="omega"):
+        hs.distort(*given, omega="w")

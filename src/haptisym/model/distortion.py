@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ from sympy import Abs, Expr, Poly, Rational, Symbol, lambdify, sqrt
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import SceneError, meant, quoted
+from haptisym.kernel.errors import SceneError, meant, need, quoted
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction, Response, on_axis, squared_modulus
 from haptisym.kernel.rings import RationalFunction
@@ -31,14 +31,15 @@ if TYPE_CHECKING:
     from haptisym.programs.values import Compiled  # brings NumPy, which a certified answer does not need
 
 
-def distort(environment: Any, *effects: Any, rendered: Any = None) -> Distortion:
+def distort(environment: Any, *effects: Any, rendered: Any = None, omega: Symbol = omega) -> Distortion:
     """The distortion of an environment by effects, nearest the environment first; none at all without effects.
 
     ``rendered`` is what the controller renders where that is not the environment itself: H_perc is built on it, while
     dH and the ratios compare with ``environment``; where it has ``k="environment.k"``, that is the environment's k. Parameters
     may be numbers or symbols. Each may be a system that ``interop.dynamics`` takes (an expression in s of SymPy, a transfer
-    function of python-control or SciPy, a pair of coefficients), an effect then one in series. Raises SceneError where H_env
-    is zero everywhere or H_perc is not a dynamics.
+    function of python-control or SciPy, a pair of coefficients), an effect then one in series. ``omega`` : the symbol of the
+    frequency in closed forms, ``hs.omega`` unless given. Raises SceneError where H_env is zero everywhere or H_perc is not a
+    dynamics.
 
     >>> from haptisym import effects, environments
     >>> d = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
@@ -51,7 +52,9 @@ def distort(environment: Any, *effects: Any, rendered: Any = None) -> Distortion
     own = given_environment("environment", environment)
     felt = own if rendered is None else given_environment("rendered", rendered).tied_to(own)
     between = in_place(given_effects(effects), felt)
-    return Distortion.of(Chain(own.H, felt.H, tuple(e.matrix for e in between)))
+    need("omega", omega, Symbol, "give a symbol, as Symbol('w')")
+    found = Distortion.of(Chain(own.H, felt.H, tuple(e.matrix for e in between)))
+    return replace(found, frequency=omega)
 
 
 @dataclass(frozen=True, repr=False)
@@ -66,6 +69,8 @@ class Distortion(Shown):
     env: RationalFunction = field(repr=False)
     perc: RationalFunction = field(repr=False)
     chain: Chain
+    frequency: Symbol = omega
+    """The symbol of omega in closed forms."""
 
     @classmethod
     def of(cls, chain: Chain, ring: Ring | None = None) -> Distortion:
@@ -120,6 +125,10 @@ class Distortion(Shown):
 
     # Closed forms for people.
 
+    def _told(self, form: Expr) -> Expr:
+        """In the symbol that was given for the frequency."""
+        return form if self.frequency == omega else form.xreplace({omega: self.frequency})
+
     @property
     def environment(self) -> Expr:
         """H_env(s)."""
@@ -138,47 +147,49 @@ class Distortion(Shown):
     @property
     def real(self) -> Expr:
         """Re dH(j omega), N/m or N m/rad."""
-        return self.difference_response.real.factored()
+        return self._told(self.difference_response.real.factored())
 
     @property
     def imag(self) -> Expr:
         """Im dH(j omega), N/m or N m/rad."""
-        return self.difference_response.imag.factored()
+        return self._told(self.difference_response.imag.factored())
 
     @property
     def ratio_real(self) -> Expr:
         """r_r = ``|Re dH|/|H_env|``."""
-        return magnitude(self.real, self.difference) / self.modulus
+        part = self.difference_response.real.factored()
+        return self._told(magnitude(part, self.difference) / sqrt(self.squared_modulus.factored()))
 
     @property
     def ratio_imag(self) -> Expr:
         """r_i = ``|Im dH|/|H_env|``."""
-        return magnitude(self.imag, self.difference) / self.modulus
+        part = self.difference_response.imag.factored()
+        return self._told(magnitude(part, self.difference) / sqrt(self.squared_modulus.factored()))
 
     @property
     def relative_real(self) -> Expr:
         """Re(dH/H_env), which is not r_r."""
-        return self.relative_response.real.factored()
+        return self._told(self.relative_response.real.factored())
 
     @property
     def relative_imag(self) -> Expr:
         """Im(dH/H_env), which is not r_i."""
-        return self.relative_response.imag.factored()
+        return self._told(self.relative_response.imag.factored())
 
     @property
     def modulus(self) -> Expr:
         """``|H_env(j omega)|``."""
-        return sqrt(self.squared_modulus.factored())
+        return self._told(sqrt(self.squared_modulus.factored()))
 
     @cached_property
     def environment_properties(self) -> Properties:
         """Stiffness, mass, damping and force phasors of the environment."""
-        return properties(self.env_response)
+        return properties(self.env_response, self.frequency)
 
     @cached_property
     def perceived_properties(self) -> Properties:
         """Stiffness, mass, damping and force phasors of what is felt."""
-        return properties(self.perc_response)
+        return properties(self.perc_response, self.frequency)
 
     def compile(
         self,
@@ -217,7 +228,7 @@ class Distortion(Shown):
     def at(self, values: Mapping[str, Rational]) -> Distortion:
         """The distortion with exact numbers for the parameters of these names."""
         known = {x: values[x.name] for x in self.free_symbols}
-        return Distortion.of(self.chain.at(known)) if known else self
+        return replace(Distortion.of(self.chain.at(known)), frequency=self.frequency) if known else self
 
     def functions(self, names: Sequence[str]) -> dict[str, RealFunction]:
         """The real functions behind the fields of ``numeric.Values``, in lowest terms; of the ratios their squares."""
@@ -233,8 +244,8 @@ class Distortion(Shown):
 
     def parameter_jnd(self, c: Expr) -> ParameterJND:
         """The JNDs of stiffness, damping and mass for a threshold c."""
-        least = c * self.modulus
-        return ParameterJND(least, least / omega, least / omega**2)
+        least, w = c * self.modulus, self.frequency
+        return ParameterJND(least, least / w, least / w**2)
 
     def crossings(
         self, part: Part | str, c: Any = limit, *, band: tuple[Any, Any] | None = None
@@ -269,7 +280,8 @@ class Distortion(Shown):
         >>> distort(environments.mass_spring_damper(k=1), effects.first_order_lag(1)).threshold_polynomial("imag").all_coeffs()
         [-c**2, 1 - 2*c**2, -c**2]
         """
-        return solved.threshold_polynomial(self, solved.part_named(part), solved.threshold(c))
+        found = solved.threshold_polynomial(self, solved.part_named(part), solved.threshold(c))
+        return found if isinstance(found, Poly) else self._told(found)
 
     def bandwidth(self, c: Any, *, band: tuple[Any, Any] | None = None) -> RealNumber | Expr:
         """The end of the interval from 0 (or the band's low end) on which neither ratio exceeds c; 0 for none, oo for all.
@@ -286,7 +298,7 @@ class Distortion(Shown):
         >>> distort(environments.mass_spring_damper(k=symbols("k")), effects.delay(symbols("tau"))).asymptote().imag
         -k*omega*tau
         """
-        return solved.asymptote(self, at)
+        return solved.Asymptote(*map(self._told, solved.asymptote(self, at)))
 
     def lambdify(self, quantity: str = "ratio_real", modules: Any = "numpy") -> Callable[..., Any]:
         """A plain function of omega and the parameters by name, as of ``sympy.lambdify``: for NumPy, mpmath, JAX or math.
@@ -301,7 +313,7 @@ class Distortion(Shown):
             hint = meant(str(quantity), _QUANTITIES)
             raise SceneError(f"quantity: {quoted(quantity)}: {hint}valid are {', '.join(_QUANTITIES)}")
         form, names = getattr(self, quantity), sorted(self.free_symbols, key=str)
-        variable = s if form.has(s) else omega
+        variable = s if form.has(s) else self.frequency
         made: Callable[..., Any] = lambdify([variable, *names], form, modules, cse=True)
         return made
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import Expr, I
+from sympy import Expr, I, Symbol
 
 from haptisym.kernel.response import RealFunction, Response
 from haptisym.kernel.solutions import solve
@@ -22,6 +22,8 @@ class Properties:
 
     real: Expr
     imag: Expr
+    frequency: Symbol = omega
+    """The symbol of omega."""
 
     @property
     def stiffness(self) -> Expr:
@@ -31,12 +33,12 @@ class Properties:
     @property
     def mass(self) -> Expr:
         """-Re H/omega^2, kg or kg m^2: an inertia where it is positive."""
-        return -self.real / omega**2
+        return -self.real / self.frequency**2
 
     @property
     def damping(self) -> Expr:
         """Im H/omega: N s/m or N m s/rad."""
-        return self.imag / omega
+        return self.imag / self.frequency
 
     @property
     def spring_inertia_force(self) -> Expr:
@@ -62,9 +64,10 @@ class ParameterJND:
     mass: Expr
 
 
-def properties(response: Response) -> Properties:
-    """Of the dynamics that has this response."""
-    return Properties(response.real.factored(), response.imag.factored())
+def properties(response: Response, frequency: Symbol = omega) -> Properties:
+    """Of the dynamics that has this response, with that symbol for omega."""
+    real, imag = (x.factored().xreplace({omega: frequency}) for x in (response.real, response.imag))
+    return Properties(real, imag, frequency)
 
 
 def first_changeover(f: RealFunction) -> Expr | None:
