@@ -7,7 +7,6 @@ from dataclasses import asdict, dataclass, field
 from functools import partial
 from math import isinf
 from pathlib import Path
-from statistics import median
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
@@ -19,14 +18,13 @@ from haptisym.model.scenefile import as_scene
 from haptisym.verbs.cost.measurement import Measurement, Omission
 from haptisym.verbs.cost.methods import Method
 from haptisym.verbs.cost.stopwatch import Timed, interleaved, machine
-from haptisym.verbs.cost.summary import BUSY, summary
+from haptisym.verbs.cost.summary import is_busy, summary
 from haptisym.verbs.cost.tasks import Task, crossings_task, delay_tasks, effects_tasks, evaluate_task, prepared
 from haptisym.verbs.simulate.threads import one_thread
 
 Progressed = Callable[[str, float], None]
 """Called with what is measured next and the share that is done, from 0 to 1."""
 _ROUNDS = 25
-_SCATTER = 0.15  # of the middle half of the repeats: quiet machines have 0.01 to 0.05
 _BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0, "simulation": 3.0, "sweep": 6.0}
 """Seconds after which no repeats of a task are begun."""
 _FOR_REPEATS = 0.25
@@ -61,13 +59,12 @@ class Cost(Answer):
     @property
     def busy(self) -> bool:
         """Whether the repeats scatter so much that something else was running: then no sentence is made of the times."""
-        spreads = [x.spread for x in self.rows if x.spread is not None]
-        return bool(spreads) and median(spreads) > _SCATTER
+        return is_busy(self.rows)
 
     @property
     def summary(self) -> str:
         """What a digit costs here, in a sentence."""
-        return BUSY if self.busy else summary(self.rows)
+        return summary(self.rows)
 
     def task(self, name: str) -> tuple[Measurement, ...]:
         """The rows of one task."""

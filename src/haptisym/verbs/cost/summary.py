@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from statistics import median
 
 from haptisym.verbs.cost.measurement import HardRow, Measurement
 
+_SCATTER = 0.15  # of the middle half of the repeats: quiet machines have 0.02 to 0.1
 BUSY = "This machine is busy: times are not to be trusted."
 
 
+def is_busy(rows: Sequence[Measurement]) -> bool:
+    """Whether the repeats scatter so much that something else was running."""
+    spreads = [x.spread for x in rows if x.spread is not None]
+    return bool(spreads) and median(spreads) > _SCATTER
+
+
 def summary(rows: Sequence[Measurement]) -> str:
-    """What a digit costs, in a sentence; of a sweep what certainty costs."""
+    """What a digit costs, in a sentence; of a sweep what certainty costs; of times that scatter that they do."""
+    if is_busy(rows):
+        return BUSY
     if rows and rows[0].task == "sweep":
         return _of_sweep(rows)
     proven = sorted((x for x in rows if x.task == "crossings" and x.proven), key=lambda x: x.digits)
