@@ -17,7 +17,7 @@ from haptisym.kernel.response import RealFunction, Response, on_axis, squared_mo
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.shown import Shown, counted
 from haptisym.kernel.solutions import Solution
-from haptisym.kernel.symbols import c as limit
+from haptisym.kernel.symbols import c as symbol_c
 from haptisym.kernel.symbols import omega, s
 from haptisym.model import solved
 from haptisym.model.chain import Chain
@@ -248,14 +248,14 @@ class Distortion(Shown):
         return ParameterJND(least, least / w, least / w**2)
 
     def crossings(
-        self, part: Part | str, c: Any = limit, *, band: tuple[Any, Any] | None = None
+        self, part: Part | str, c: Any = symbol_c, *, band: tuple[Any, Any] | None = None
     ) -> tuple[Solution, ...] | tuple[RealNumber, ...]:
         """Where a ratio meets a threshold c: all positive zeros of r^2 - c^2.
 
         ``part`` : "real" or "imag". ``c`` : a symbol, or a fraction > 0. With symbols each is a ``Solution``: a closed form
         ``omega`` with the ``conditions`` under which it is in force, or None and the ``equation`` where none is readable; a
         delay's come again with ``period``. With numbers alone they are certified frequencies (``float(x)``, ``x.digits(50)``),
-        on a ``band`` if one is given, as a display with a delay may need. SceneError where they have no end.
+        on a ``band`` if one is given, as a display with a delay needs.
 
         >>> from haptisym import effects, environments
         >>> from haptisym.kernel.symbols import symbols
@@ -273,7 +273,7 @@ class Distortion(Shown):
         """Where Re H_env and Re H_perc change their sign, each all of them: formulas, or certified numbers, as ``crossings``."""
         return solved.changeovers(self)
 
-    def threshold_polynomial(self, part: Part | str, c: Any = limit) -> Poly | Expr:
+    def threshold_polynomial(self, part: Part | str, c: Any = symbol_c) -> Poly | Expr:
         """What vanishes where a ratio meets a threshold: a polynomial in W = omega^2, or with delays an expression in omega.
 
         >>> from haptisym import effects, environments

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import factorial
 from typing import Any, NamedTuple, Protocol
 
-from sympy import Add, Expr, Integer, Poly, Symbol, exp, nan, oo, sqrt
+from sympy import Add, Expr, Float, Integer, Poly, Symbol, exp, nan, oo, sqrt
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, quoted
@@ -16,7 +16,7 @@ from haptisym.kernel.response import RealFunction, Response, on_axis
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import chart
 from haptisym.kernel.solutions import Solution, solve
-from haptisym.kernel.symbols import c as limit
+from haptisym.kernel.symbols import c as symbol_c
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.given import given_band
 from haptisym.model.jnd import Part
@@ -82,7 +82,7 @@ def threshold(given: Any) -> Expr:
     """A fraction > 0 as a number or symbols. SceneError for any other."""
     if isinstance(given, str):
         raise SceneError(f"c: {quoted(given)} must be a number or a symbol, as 0.1 or Rational(1, 10)")
-    value = decimal(str(given)) if isinstance(given, int | float) else given
+    value = decimal(str(float(given))) if isinstance(given, int | float | Float) else given
     if not isinstance(value, Expr) or value.is_positive is False or value is nan:
         raise SceneError(f"c: {quoted(given)} must be a fraction > 0")
     return value
@@ -100,7 +100,7 @@ def crossings(d: Responses, part: Part, c: Expr, band: tuple[Any, Any] | None) -
     """As of ``Distortion.crossings``."""
     if not c.free_symbols:
         return _zeros(d, excess(d, part, c), band, odd=False)
-    return tuple(_renamed(x, {limit: c}) for x in solve(excess(d, part, limit)))
+    return tuple(_renamed(x, {symbol_c: c}) for x in solve(excess(d, part, symbol_c)))
 
 
 def changeovers(d: Responses) -> Changeovers:
@@ -129,9 +129,13 @@ def _far(f: RealFunction) -> Expr:
     """A frequency beyond which a function has no zero."""
     if f.function.is_zero:
         return Integer(1)
+    if any(not angle.constant for angle in f.axis.angles):
+        raise SceneError(
+            "with a delay there may be crossings at ever higher frequencies: give a band, as band=(0, 100)"
+        )
     found = far(f.function)
     if found.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
-        raise SceneError("there are crossings at ever higher frequencies: give a band, as band=(0, 100)")
+        raise SceneError("as far as all crossings lie is not known: give a band, as band=(0, 100)")
     return max(found.radius, Integer(1))
 
 
@@ -141,8 +145,8 @@ def _renamed(x: Solution, names: Mapping[Symbol, Expr]) -> Solution:
 
 def threshold_polynomial(d: Responses, part: Part, c: Expr) -> Poly | Expr:
     """As of ``Distortion.threshold_polynomial``."""
-    f = excess(d, part, limit if c.free_symbols else c)
-    found = f.function.expression().as_numer_denom()[0].expand().xreplace({limit: c})
+    f = excess(d, part, symbol_c if c.free_symbols else c)
+    found = f.function.expression().as_numer_denom()[0].expand().xreplace({symbol_c: c})
     is_polynomial = found.is_polynomial(omega) and all(n % 2 == 0 for (n,) in Poly(found, omega).monoms())
     return Poly(found.subs(omega, sqrt(SQUARE)), SQUARE) if is_polynomial else found
 

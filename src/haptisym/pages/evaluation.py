@@ -243,7 +243,7 @@ def _friction(e: Evaluation) -> Iterable[Phrase]:
     if e.friction is None:
         return
     newton = unit(Dimension.FORCE, e.scene.motion)
-    found = f"Friction of {float(e.friction.force):.4g} {newton}"
+    found = f"Friction of {float(e.friction.force):.4g} {newton} in the display"
     source = "(Veldhuis, Mulder and van Paassen, 2024: a Weber fraction and a floor)"
     if e.friction.noticed is None or e.friction.least is None:
         how = Code('friction = { weber = ..., floor = "... N" }'), " in ", Code("[evaluation]"), "."

@@ -154,7 +154,10 @@ def _told(a: Identification) -> Iterator[Phrase]:
     if a.fit.others is None:
         yield "Whether other values give the same response was not decided."
     elif not a.fit.others:
-        yield "No other positive values give the same response: decided by algebra, from equal coefficients."
+        yield (
+            "No other positive values give the same response: by equal coefficients, solved at these values to three digits, "
+            "delays as they are."
+        )
     else:
         for values in a.fit.others:
             yield Strong("THE SAME RESPONSE"), f" at every frequency: {a.moved(values)}."

@@ -149,8 +149,9 @@ def with_others(found: Fit) -> Fit:
         return found
     curve = Curve(found.wanted, found.lines.omega)
     cost = float(np.square(np.abs(found.residuals)).sum() / 2)
-    fitted = (_least(curve, found.lines, found.noise, x) for x in nearly)
-    return replace(found, others=tuple(x for sum_, x in filter(None, fitted) if sum_ <= cost * (1 + _SAME) + 1e-12))
+    fitted = filter(None, (_least(curve, found.lines, found.noise, x) for x in nearly))
+    others = tuple(x for sum_, x in fitted if sum_ <= cost * (1 + _SAME) + 1e-12)
+    return found if len(others) < len(nearly) and not others else replace(found, others=others)
 
 
 def _shortest(
