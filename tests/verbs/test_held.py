@@ -490,3 +490,66 @@ def test_hands_have_knobs_that_change_nothing_of_what_is_felt() -> None:
     one = hs.parse_scene(LATE.format(k=100) + "[hand]\nm = 1\n")
     assert {one.knobs[x].path for x in ("hand.m", "hands.hand.m", "m_h")} == {"hand.m"}
     assert all(hs.hands[name].source for name in hs.hands)
+
+
+# What nothing holds in place drifts, and need not shake
+
+
+def arms(k: str = "0 N*m/rad", tau: Any = "2 ms") -> hs.Scene:
+    units = {"Mm": "0.35 kg*m^2", "Bm": "3.85 N*m*s/rad", "Km": "350 N*m/rad"}
+    own = {**units, **{f"{x[0]}s": y for x, y in units.items()}}
+    link = F.position_position_teleoperator(**own, tau=tau, name="tele")
+    return hs.Scene(E.mass_spring_damper(k=k), (link,), hands=(hs.Hand("light", "0.02 kg*m^2", "0.1 N*m*s/rad"),))
+
+
+def test_two_arms_in_free_air_drift_and_shake_only_from_a_delay_on() -> None:
+    found = hs.stability(arms(), free="tele.tau")
+    own, [critical] = found.held[0], [x for near in found.critical[0] for x in near.found]
+    assert (own.stable, own.unstable, own.drifts, own.shakes) == (False, 1, 1, False)
+    assert (critical.path, critical.stable_side, critical.below, critical.above) == ("effects.tele.tau", "below", 0, 2)
+    tau, omega = float(critical.value), float(critical.omega)
+
+    def C(s: Any, late: float) -> Any:  # by hand
+        return (0.37 * s**2 + 3.95 * s + 350) * (0.35 * s**2 + 3.85 * s + 350) - np.exp(-2 * s * late) * (
+            3.85 * s + 350
+        ) ** 2
+
+    assert abs(C(1j * omega, tau)) < 1e-6 * abs(350 * (1j * omega) ** 2)
+    for late, beyond in ((tau * 0.999, 0), (tau * 1.001, 2)):
+        assert winding(lambda s, late=late: C(s + 1e-6, late), 500.0) == beyond
+        assert held(arms(tau=Rational(late)), found.scene.hands[0]).unstable == 1 + beyond
+
+
+CLOCKS = {
+    "a handle that its damping stops": (F.shunt(m="0.1 kg", b="0.5 N*s/m"), "0 N/m", {}, 1, False),
+    "a handle that nothing stops": (F.shunt(m="0.1 kg"), "0 N/m", {}, 2, False),
+    "a handle that a wall holds": (F.shunt(m="0.1 kg", b="0.5 N*s/m"), "9 N/m", {}, 0, False),
+    "a handle that a hand holds": (F.shunt(m="0.1 kg", b="0.5 N*s/m"), "0 N/m", {"k": "3 N/m"}, 0, False),
+    "a wall that pushes as hard as the hand holds": (
+        F.shunt(m="0.1 kg", b="0.5 N*s/m"),
+        "-3 N/m",
+        {"k": "3 N/m"},
+        0,
+        True,
+    ),
+}
+
+
+@pytest.mark.parametrize("clock", [False, True])
+@pytest.mark.parametrize("case", CLOCKS)
+def test_a_root_at_0_is_a_drift_where_no_spring_is_and_none_where_two_cancel(case: str, *, clock: bool) -> None:
+    device, k, springs, drifts, shakes = CLOCKS[case]
+    effects = (F.sampled_loop("1 ms", "backward-difference"),) if clock else ()
+    scene = hs.Scene(E.expression("K", parameters={"K": k}), (*effects, device))
+    own = hs.Hand("own", m="0.3 kg", **springs)
+    found = held(scene, own)
+    assert (found.drifts, found.shakes, found.stable) == (drifts, shakes, not drifts and not shakes)
+    assert found.unstable == max(drifts, int(shakes))
+
+
+def test_free_air_has_a_verdict_about_shaking_and_no_ratio() -> None:
+    page = str(hs.stability(arms()))
+    assert "does not shake; drifts: nothing holds it in place" in page
+    for ask in (hs.evaluate, hs.metrics):
+        with pytest.raises(hs.SceneError, match="nothing to compare with"):
+            ask(arms())

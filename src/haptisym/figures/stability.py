@@ -84,7 +84,7 @@ def _window(found: Stability, shown: Iterable[Hand]) -> Window:
     near = [(x.path, float(x.value)) for rows in found.critical for row in rows for x in row.found]
     b = max([b, *(v for path, v in near if path.startswith("hand") and path.endswith(".b") and v < _NEAR * b)])
     k = max([k, *(v for path, v in near if path.startswith("hand") and path.endswith(".k") and v < _NEAR * k)])
-    at_0 = float(found.scene.distortion().compile(of=("perceived_real",))(np.array([0.0])).perceived_real[0])
+    at_0 = float(found.scene.closed.compile(of=("perceived_real",))(np.array([0.0])).perceived_real[0])
     low = -1.3 * at_0 if 0 < at_0 < k else -0.05 * k
     return low, ROOM * k, -0.05 * b, ROOM * b
 

@@ -40,7 +40,7 @@ def force_is_stable(scene: Scene, distortion: Distortion) -> bool | None:
 
 def _damps(scene: Scene) -> bool:
     """Whether Im H_env > 0 at every frequency > 0 by signs alone, powers of s included."""
-    return takes_energy(scene.environment.H) and not scene.distortion().env_response.raw_imag.is_zero
+    return takes_energy(scene.environment.H) and not scene.closed.env_response.raw_imag.is_zero
 
 
 def _has_pole_on_axis(distortion: Distortion) -> bool:

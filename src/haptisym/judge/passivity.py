@@ -182,7 +182,7 @@ def passivity(scene: Scene, distortion: Distortion | None = None) -> Passivity:
     >>> found.holds, found.beyond.name, [x.low.omega.digits(7) for x in found.active]
     (False, 'ALWAYS', ['92.70739'])
     """
-    d = distortion or scene.distortion()
+    d = distortion or scene.closed
     periods = clocks(scene)
     settled = Far(Sense.POSITIVE) if periods else far(d.perc_response.raw_imag)
     high, is_late = (pi / max(periods, key=float), False) if periods else _reach(scene, d, settled)

@@ -22,6 +22,11 @@ if TYPE_CHECKING:
     from haptisym.programs.program import Program
     from haptisym.programs.steps import Steps
 
+NOTHING_TO_FEEL = (
+    "the environment is zero at every frequency: there is nothing to feel, and nothing to compare with (whether the display "
+    "shakes in a hand can be asked: `stability`)"
+)
+
 
 @dataclass(frozen=True)
 class Chain:
@@ -31,15 +36,17 @@ class Chain:
     rendered: Expr
     matrices: tuple[Matrix, ...]
 
-    def dynamics(self, ring: Ring | None = None) -> tuple[RationalFunction, RationalFunction]:
+    def dynamics(
+        self, ring: Ring | None = None, *, free_air: bool = False
+    ) -> tuple[RationalFunction, RationalFunction]:
         """H_env and H_perc in lowest terms, in a ring that holds them (the smallest one unless given).
 
-        Raises SceneError where H_env is zero everywhere or H_perc is not a dynamics.
+        Raises SceneError where H_perc is not a dynamics, and where H_env is zero everywhere but in ``free_air``.
         """
         ring = ring or self.ring
         environment = ring.convert(self.environment).reduced()
-        if environment.is_zero:
-            raise SceneError("the environment is zero at every frequency: there is nothing to feel")
+        if environment.is_zero and not free_air:
+            raise SceneError(NOTHING_TO_FEEL)
         return environment, self.perceived(range(len(self.matrices)), ring)
 
     def perceived(self, places: Iterable[int], ring: Ring | None = None) -> RationalFunction:
@@ -82,9 +89,9 @@ class Chain:
     def vanishes(self, name: str) -> bool:
         """Whether a field is 0 at all frequencies, whatever the parameters."""
         kind, _, part = name.rpartition("_")
-        env, perc = self.dynamics()
+        env, perc = self.dynamics(free_air=kind == "perceived")
         change = perc - env
-        of = {"relative": change / env, "environment": env, "perceived": perc}.get(kind, change)
+        of = change / env if kind == "relative" else {"environment": env, "perceived": perc}.get(kind, change)
         raw = on_axis(of)
         return (raw.raw_real if part == "real" else raw.raw_imag).is_zero
 

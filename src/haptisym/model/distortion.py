@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -49,12 +49,20 @@ def distort(environment: Any, *effects: Any, rendered: Any = None, omega: Symbol
     >>> distort(Symbol("s") + 100, ([20], [1, 20])).perceived
     (20*s + 2000)/(s + 20)
     """
+    need("omega", omega, Symbol, "give a symbol, as Symbol('w')")
+    return replace(Distortion.of(_chain_of(environment, effects, rendered)), frequency=omega)
+
+
+def felt_instead(environment: Any, effects: Iterable[Any], rendered: Any = None) -> Distortion:
+    """The same, in free air too, where H_env is zero and no ratio is asked for: what a hand holds."""
+    return Distortion(*(chain := _chain_of(environment, effects, rendered)).dynamics(free_air=True), chain)
+
+
+def _chain_of(environment: Any, effects: Iterable[Any], rendered: Any) -> Chain:
     own = given_environment("environment", environment)
     felt = own if rendered is None else given_environment("rendered", rendered).tied_to(own)
     between = in_place(given_effects(effects), felt)
-    need("omega", omega, Symbol, "give a symbol, as Symbol('w')")
-    found = Distortion.of(Chain(own.H, felt.H, tuple(e.matrix for e in between)))
-    return replace(found, frequency=omega)
+    return Chain(own.H, felt.H, tuple(e.matrix for e in between))
 
 
 @dataclass(frozen=True, repr=False)

@@ -42,7 +42,7 @@ class Rule(Enum):
     def allows(self, value: Expr) -> bool:
         """Whether an exact number keeps the rule; symbols are taken at their word."""
         if value.free_symbols:
-            return self not in _WHOLE_NUMBERS
+            return self not in WHOLE_NUMBERS
         sign = sign_of_number(value)
         if self is Rule.POSITIVE:
             return sign > 0
@@ -57,7 +57,7 @@ class Rule(Enum):
         return True
 
 
-_WHOLE_NUMBERS = (Rule.ORDER, Rule.WHOLE)
+WHOLE_NUMBERS = (Rule.ORDER, Rule.WHOLE)
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class Slot:
     @property
     def is_setting(self) -> bool:
         """Whether what stands here is chosen, and no number that may be varied."""
-        return bool(self.choices) or self.rule in _WHOLE_NUMBERS
+        return bool(self.choices) or self.rule in WHOLE_NUMBERS
 
 
 NAMED = Slot(Dimension.ANY, Rule.ANY)
@@ -160,7 +160,7 @@ def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
     reserved = {x.name for x in read.value.free_symbols} & {"s", "omega", "X"}
     if reserved:
         raise SceneError(f"{key}: {quoted(given)} contains {min(reserved)}, which has a meaning of its own here")
-    if found.interval and slot.rule in _WHOLE_NUMBERS:
+    if found.interval and slot.rule in WHOLE_NUMBERS:
         raise SceneError(f"{key}: {quoted(given)} {slot.rule.value}, and no range")
     if not all(slot.rule.allows(x) for x in (read.value, *(found.interval or ()))):
         kind = SignError if slot.rule in (Rule.POSITIVE, Rule.NONNEGATIVE) else SceneError

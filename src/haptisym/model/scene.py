@@ -15,8 +15,8 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import Shown, titled
 from haptisym.model.catalogue import Effect, Environment
-from haptisym.model.chain import Chain
-from haptisym.model.distortion import Distortion, distort
+from haptisym.model.chain import NOTHING_TO_FEEL, Chain
+from haptisym.model.distortion import Distortion, felt_instead
 from haptisym.model.friction import read_friction
 from haptisym.model.given import given_band, given_effects, given_environment, given_hands
 from haptisym.model.hand import Hand
@@ -248,12 +248,15 @@ class Scene(Shown):
         return next((p.motion for _, x in self.elements() for p in x.parameters if p.motion is not None), None)
 
     def distortion(self) -> Distortion:
-        """The closed forms with every parameter's value in place."""
-        return self._distortion
+        """The closed forms with every parameter's value in place. SceneError in free air, where H_env is zero."""
+        if self.closed.env.is_zero:
+            raise SceneError(NOTHING_TO_FEEL)
+        return self.closed
 
     @cached_property
-    def _distortion(self) -> Distortion:
-        return distort(self.environment, *self.effects, rendered=self.rendered)
+    def closed(self) -> Distortion:
+        """The same for what asks about H_perc alone, in free air too."""
+        return felt_instead(self.environment, self.effects, self.rendered)
 
     def symbolic_distortion(self) -> Distortion:
         """The closed forms with every parameter a symbol."""

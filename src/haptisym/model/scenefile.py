@@ -154,7 +154,7 @@ def _parsed(name: str, read: Callable[[], _T]) -> _T:
     try:
         found = read()
         for scene in () if isinstance(found, MeasuredScene) else found.scenes.values():
-            scene.distortion()  # what is wrong with the dynamics as a whole is wrong with this file
+            _ = scene.closed  # what is wrong with the dynamics as a whole is wrong with this file
     except SceneError as error:
         raise error.within(name) from None
     return found

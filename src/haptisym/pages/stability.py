@@ -137,12 +137,12 @@ def _going(found: Stability, x: Held, rows: tuple[Nearest, ...]) -> Section:
     columns = tuple(Column(words, number=is_number) for words, is_number in heads)
     lines = tuple(_critical(found, one) for near in rows for one in near.found)
     caption = (
-        "The nearest values, either way, at which the number of unstable roots changes, and where it then oscillates."
+        "The nearest values, either way, at which the number of roots that shake changes, and where it then oscillates."
     )
     blocks: list[Block] = [Table(columns, lines, caption)] if lines else []
     never = [x.path for x in rows if not x.found and not x.reason and x.low is x.high is None]
     notes: list[Phrase] = (
-        [(listed(never), ": the number of unstable roots is the same for all values.")] if never else []
+        [(listed(never), ": the number of roots that shake is the same for all values.")] if never else []
     )
     notes += [(Strong("UNDECIDED"), f": {near.path}: {near.reason}.") for near in rows if near.reason]
     notes += looked_at(rows)
@@ -166,7 +166,10 @@ def _units(found: Stability) -> list[str]:
 
 
 def _row(x: Held) -> tuple[Phrase, ...]:
-    verdict: Phrase = Strong("UNDECIDED") if x.stable is None else "yes" if x.stable else Strong("NO")
+    drifts = x.shakes is False and x.drifts
+    verdict: Phrase = (
+        Strong("UNDECIDED") if x.stable is None else "yes" if x.stable else "drifts" if drifts else Strong("NO")
+    )
     return x.hand.name, *(rounded(float(p.value), 6) for p in x.hand.parameters), verdict, _count(x)
 
 
@@ -182,8 +185,11 @@ def _reason(x: Held) -> Phrase:
         return "not decided: ", x.reason
     if x.roots.chain:
         return _CHAINS[x.roots.chain]
-    if x.on_axis:
-        where = listed(map(short, x.on_axis))
+    on_axis = x.on_axis[bool(x.drifts) :]
+    if x.shakes is False and x.drifts:
+        return "does not shake; drifts: nothing holds it in place"
+    if on_axis:
+        where = listed(map(short, on_axis))
         return "on the imaginary axis, at ", where, " rad/s, lie roots that neither grow nor decay"
     return ""
 

@@ -128,7 +128,7 @@ def closed_form(scene: Scene, hand: Hand) -> Closed | None:
     if clocks(scene):
         sampled = clocked_root(scene, hand)
         return None if sampled is None else Closed(sampled)
-    perceived = scene.distortion().perc
+    perceived = scene.closed.perc
     ring = ring_of(perceived)
     top = characteristic(perceived, ring.convert(hand.Z))
     shared = min(order_at_0(top, ring), order_at_0(perceived.denominator, ring))

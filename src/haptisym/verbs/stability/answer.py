@@ -21,8 +21,9 @@ from haptisym.verbs.stability.passive import EveryPassiveHand
 class Stability(Answer):
     """Three statements about a display, that are never mixed.
 
-    ``imposed`` : the force under imposed motion is stable. ``held`` : it is stable in this hand, for each hand; ``critical`` :
-    for each hand, and each number that was asked about, the nearest values at which the number of unstable roots changes.
+    ``imposed`` : the force under imposed motion is stable. ``held`` : it is stable in this hand, for each hand, and whether it
+    shakes, which a handle that nothing holds in place need not: it drifts; ``critical`` : for each hand, and each number that
+    was asked about, the nearest values at which the number of roots that shake changes.
     ``boxes`` : of each hand with ranges, in which of its hands it is stable. ``every_passive_hand`` : it is stable in every one.
     ``scene`` : with the hands that were asked about.
     """
@@ -54,9 +55,8 @@ class Stability(Answer):
     @property
     def certified(self) -> bool:
         """Whether nothing was left undecided."""
-        decided = (
-            None not in (self.imposed.stable, *(x.stable for x in self.held)) and self.every_passive_hand.is_decided
-        )
+        held = all(x.is_decided for x in self.held)
+        decided = self.imposed.stable is not None and held and self.every_passive_hand.is_decided
         left = [x.reason for rows in self.critical for x in rows] + [x.reason for x in self.boxes if x]
         return decided and not any(left)
 
@@ -74,7 +74,8 @@ class Stability(Answer):
         chain = {"chain": x.roots.chain.value} if x.roots and x.roots.chain else {}
         critical = [self._critical(found) for near in rows for found in near.found]
         left = [{"path": near.path, "reason": near.reason} for near in rows if near.reason]
-        own: dict[str, Any] = {"hand": _hand(x.hand), "stable": x.stable, "unstable": x.unstable, "critical": critical}
+        verdict = {"stable": x.stable, "shakes": x.shakes, "drifts": x.drifts, "unstable": x.unstable}
+        own: dict[str, Any] = {"hand": _hand(x.hand), **verdict, "critical": critical}
         if box is not None:
             own["whole_box"] = box.share.value if box.share else None
             left += [{"path": x.hand.name, "reason": box.reason}] if box.reason else []

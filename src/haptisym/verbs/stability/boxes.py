@@ -59,7 +59,7 @@ def whole_box(scene: Scene, hand: Hand) -> Box | None:
     try:
         if clocks(scene):
             return _sampled(scene, hand)
-        return _decided(scene.distortion().perc, hand)
+        return _decided(scene.closed.perc, hand)
     except UndecidedError as error:
         return Box(None, reason=str(error))
 

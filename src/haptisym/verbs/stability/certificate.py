@@ -26,7 +26,7 @@ def certificate(found: Stability) -> str:
     scene = found.scene
     if clocks(scene):
         raise SceneError(NOT_RATIONAL)
-    perceived, environment = scene.distortion().perc, named(scene)
+    perceived, environment = scene.closed.perc, named(scene)
     own = [x for one in read_scenes(scene.text).scenes.values() for x in one.hands]
     ring = ring_of(perceived)
     claim = {

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import flint
 from sympy import Expr, I, Integer, Rational, pi
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, UndecidedError
+from haptisym.kernel.nearone import about_one, at_one
 from haptisym.kernel.pulse import Plant, SampledLoop
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import Roots, count_roots
@@ -17,11 +19,26 @@ from haptisym.model.hand import Hand
 from haptisym.model.sampled import CLOCKS, SAMPLED_LOOP, controller
 from haptisym.model.scene import Scene
 
+_BITS = 256
+
 
 def clocked_roots(scene: Scene, hand: Hand) -> Roots:
     """The roots in |z| >= 1 of a display with a clock in a hand; those outside the circle are its ``right``."""
     found = loop_of(scene, hand).circle()  # in 1/z
     return Roots(found.inside + found.on, found.inside)
+
+
+def roots_at_one(loop: SampledLoop) -> int:
+    """How many roots lie at z = 1: exactly, as long as they are two at most. UndecidedError otherwise."""
+    if at_one(loop) != 0:
+        return 0
+    if not any(loop.above) or not any(x for _, N in loop.plant.terms for x in N):  # the poles of what moves, alone
+        return next(n for n, x in enumerate(loop.plant.denominator) if x != 0)
+    with flint.ctx.workprec(_BITS):
+        _, slope, *_ = about_one(loop, {})
+    if slope.contains(0):
+        raise UndecidedError("how many roots of a loop with a clock lie at z = 1")
+    return 1
 
 
 def clock_of(scene: Scene) -> tuple[int, Effect]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
@@ -22,6 +22,7 @@ from haptisym.model.scene import Scene
 from haptisym.verbs.stability.boundary import meetings
 from haptisym.verbs.stability.clockrange import passages
 from haptisym.verbs.stability.curves import Gap, Meeting, Meetings
+from haptisym.verbs.stability.held import drifts
 from haptisym.verbs.stability.loops import ALLOWED, Loop
 from haptisym.verbs.stability.tally import Tally
 
@@ -30,7 +31,7 @@ Count: TypeAlias = tuple[int | None, RootChain | None]
 
 @dataclass(frozen=True, repr=False)
 class Critical(Shown):
-    """A value of a number at which the count of roots in Re s >= 0 changes: ``below`` and ``above`` it, None if infinite.
+    """A value of a number at which the count of roots that shake changes: ``below`` and ``above`` it, None if infinite.
 
     ``omega`` : the frequency at which roots then lie on the axis, rad/s; None where they come from infinity.
     ``is_crowded`` : whether the count is that of one value only, as more and more roots of a chain that leaves may stay behind.
@@ -78,11 +79,23 @@ def critical(scene: Scene, hand: Hand, free: Knob) -> Nearest:
     try:
         if clocks(scene):
             found = passages(scene, hand, free)
-            rows = tuple(Critical(free.path, x.value, x.omega, x.below, x.above) for x in found.found)
+            still = (
+                drifts(scene, hand) if found.found else 0
+            )  # for all of the values: no walk sets out from one at z = 1 alone
+            if still is None:
+                raise UndecidedError("how many roots at z = 1 only drift")
+            rows = tuple(Critical(free.path, x.value, x.omega, x.below - still, x.above - still) for x in found.found)
             return Nearest(free.path, rows, low=found.low, high=found.high)
-        return _Walk(Loop.of(scene, hand, free), free).nearest()
+        return _Walk(Loop.of(scene, hand, free), free, lambda x: drifts(*_moved(scene, hand, free, x))).nearest()
     except UndecidedError as error:
         return Nearest(free.path, reason=str(error))
+
+
+def _moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Hand]:
+    """Display and hand at a value of a number of either."""
+    if any(p.symbol == free.symbol for p in hand.parameters):
+        return scene, hand.with_values({free.symbol.name: value})
+    return scene.with_values({free.path: value}), hand
 
 
 @dataclass(frozen=True)
@@ -117,10 +130,10 @@ class _Line:
 class _Walk:
     """From a value on, meeting after meeting, until the count changes."""
 
-    def __init__(self, loop: Loop, free: Knob) -> None:
+    def __init__(self, loop: Loop, free: Knob, drifts: Callable[[Expr], int | None]) -> None:
         self.loop, self.free, self.start = loop, free, ExactNumber(free.value)
         self.low, self.high, self.closed = ALLOWED[free.rule]
-        self.tally = Tally(loop)
+        self.tally = Tally(loop, drifts=drifts)
 
     def nearest(self) -> Nearest:
         """Below and above, as far as they are there: what was found stays so where the rest cannot be told."""

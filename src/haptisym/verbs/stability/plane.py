@@ -67,13 +67,13 @@ def plane(scene: Scene, hand: Hand, window: Window) -> Plane:
 def boundary(scene: Scene, hand: Hand, window: Window) -> Plane:
     """The same without its cells."""
     mass = float(hand.m.value)
-    response = scene.distortion().compile(of=("perceived_real", "perceived_imag"))
+    response = scene.closed.compile(of=("perceived_real", "perceived_imag"))
 
     def at(omega: Array) -> tuple[Array, Array]:
         values = response(omega)
         return mass * omega**2 - values.perceived_real, -values.perceived_imag / omega
 
-    end = _end(at, window, [float(x) for x in ring_of(scene.distortion().perc).lags])
+    end = _end(at, window, [float(x) for x in ring_of(scene.closed.perc).lags])
     grids = np.geomspace(1e-5 * end, end, _FREQUENCIES), np.linspace(1e-5 * end, end, _FREQUENCIES)
     k, b = at(np.unique(np.concatenate(grids)))
     start = -float(response(np.array([0.0])).perceived_real[0])
@@ -150,7 +150,7 @@ def _deepest(part: Any) -> tuple[int, int]:
 
 
 def _roots(scene: Scene, hand: Hand, k: float, b: float) -> Roots | None:
-    perceived = scene.distortion().perc
+    perceived = scene.closed.perc
     ring = ring_of(perceived)
     near_k, near_b = (Rational(f"{x:.3g}") for x in (k, b))
     Z = ring.convert(hand.m.value * s**2 + near_b * s + near_k)
