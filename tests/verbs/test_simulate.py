@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from itertools import count
 from pathlib import Path
 from random import Random
 from typing import Annotated, Any
@@ -20,6 +21,8 @@ from sympy import I, exp, log, tanh
 
 import haptisym as hs
 from haptisym import effects, environments
+from haptisym.kernel.budget import timed_by
+from haptisym.kernel.errors import LimitError
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, effect, environment
 from haptisym.model.parameters import Slot
@@ -816,3 +819,43 @@ def test_bounds_of_what_a_display_is_asked_for(tmp_path: Path) -> None:
             run(scene, True, {key: "1"})  # noqa: FBT003
     [one] = run(scene, False, {"quantise": "3 mm", "saturate": "4 N", "duration": "0.01 s", "amplitude": "1 cm"})  # noqa: FBT003
     assert one.extras == (hs.EncoderQuantisation("3 mm"), hs.ForceSaturation("4 N"))
+
+
+@pytest.mark.parametrize("between", [(), (effects.delay("37 ms"),)], ids=["at the hand", "late"])
+def test_a_hand_at_rest_feels_no_friction_and_one_that_sets_out_the_right_way_at_once(
+    tmp_path: Path, between: tuple[hs.Effect, ...]
+) -> None:
+    """Rest at 1 cm, a movement to -1 cm from 0.5 to 1 s, rest, and forth again from 2 s on."""
+    t = np.arange(0, 3, 1e-3)
+
+    def moved(start: float, length: float) -> Any:
+        u = np.clip((t - start) / length, 0, 1)
+        return 10 * u**3 - 15 * u**4 + 6 * u**5
+
+    x = 0.01 - 0.02 * moved(0.5, 0.5) + 0.03 * moved(2, 1)
+    path = tmp_path / "hand.csv"
+    path.write_text("t [s],x [m]\n" + "\n".join(f"{a:.4f},{b!r}" for a, b in zip(t.tolist(), x.tolist(), strict=True)))
+    scene = hs.Scene(environments.mass_spring_damper(k=100), (effects.coulomb_friction("1.5 N", "5 cm"), *between))
+    run = hs.simulate(scene, hs.recording(path))
+    friction = run.force - 100 * (run.environment_displacement if not between else np.interp(run.time - 0.037, t, x))
+    at, late = run.time - (0.037 if between else 0), 2e-3
+    for low, high, expected in ((0, 0.5, 0), (0.5, 1, -1.5), (1, 2, 0), (2, 2.9, 1.5)):
+        inside = (at > low + late) & (at < high - late)
+        assert friction[inside] == pytest.approx(np.full(inside.sum(), expected), abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda: hs.simulate("fu2019", hs.sine("5 cm", 10), limit=2),
+        lambda: hs.check("fu2019", limit=9),
+        lambda: hs.release("delayed-spring", "1 cm", "light-touch", limit=9),
+        lambda: hs.identify(
+            hs.sampled("fu2019", range(1, 20)), "mass-spring-damper", ["second-order-lowpass"], limit=3
+        ),
+    ],
+    ids=["simulate", "check", "release", "identify"],
+)
+def test_what_takes_longer_than_its_limit_ends_in_time(ask: Any) -> None:
+    with timed_by(count().__next__), pytest.raises(LimitError, match="the limit of"):  # a reading is a second
+        ask()

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from haptisym.commands.limit import within_limit
 from haptisym.commands.options import drawn, figure_option, file_option, json_option, keep, show
 from haptisym.commands.verb import PAGES, not_over, verb
 from haptisym.kernel.errors import SceneError
@@ -65,6 +66,7 @@ def _no_such_option(_context: click.Context, _option: click.Parameter, given: st
 @json_option
 @file_option("scene", "Write the scene that was found, each parameter with its range.")
 @figure_option("the model over what was measured, and the residuals")
+@within_limit
 def identify(
     file: str,
     environment: str | None,
@@ -103,7 +105,7 @@ def identify(
     given = identification.opened(file, averages, confidence, **records)
     outputs = {"scene": scene, "figure": figure, **click.get_current_context().meta[PAGES]}
     not_over(given.files, outputs)
-    found = identification.identify(given, environment, effects, degrees=degrees, band=band, title=title)
+    found = identification.identify(given, environment, effects, degrees=degrees, band=band, title=title, limit=None)
     if scene is not None:
         keep("scene", scene, lambda: scene.write_text(found.text, encoding="utf-8"))
     drawn(found, figure)

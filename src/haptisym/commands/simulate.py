@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from haptisym.commands.limit import within_limit
 from haptisym.commands.options import figures_option, file_option, json_option, keep, keep_figures, scene_argument, show
 from haptisym.commands.progress import progress
 from haptisym.commands.verb import verb
@@ -48,6 +49,7 @@ _MOVED = ("--motion", "--amplitude", "--omega", "--check", "--quantise", "--satu
 )
 @file_option("force", "Write the force in time, with the motion, as CSV.")
 @figures_option
+@within_limit
 def simulate(
     scene: Scene, as_json: bool, check: bool, figures: Path | None, force: Path | None, **options: str | None
 ) -> None:
@@ -95,7 +97,12 @@ def _let_go(
 
     with progress("s simulated") as told:
         found = release(
-            scene, str(options["release"]), options.get("hand"), duration=options.get("duration"), progress=told
+            scene,
+            str(options["release"]),
+            options.get("hand"),
+            duration=options.get("duration"),
+            progress=told,
+            limit=None,
         )
     if force is not None:
         keep("force", force, lambda: force.write_text(found.to_csv(), encoding="utf-8"))

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from haptisym.judge.answers import Answer
+from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.catalogue import Environment
@@ -228,13 +229,15 @@ def identify(
     averages: float | None = None,
     confidence: float | None = None,
     title: str = "",
+    limit: float | None = SECONDS,
 ) -> Identification:
     """Fit a model to a measured response, by least squares weighted with its discs. Estimated, not proven.
 
     ``response`` : what was measured, or the file of it; or a scene with ``[perceived]``, of which what should be felt is known
     and the effects are fitted. ``environment``, ``effects`` : models of the catalogue, ``"shunt:m"`` with some parameters alone,
     ``"second-order-lowpass:zeta=0.5"`` with a given value. ``degrees`` : of a numerator and denominator, in place of a model.
-    ``band`` : only lines on it. ``averages``, ``confidence`` : of a file's. SceneError for what cannot be fitted.
+    ``band`` : only lines on it. ``averages``, ``confidence`` : of a file's. ``limit`` : seconds that it may take, LimitError
+    after them; None for none. SceneError for what cannot be fitted.
 
     >>> import haptisym as hs
     >>> felt = hs.sampled("fu2019", [2, 4, 6, 8, 10, 12])
@@ -254,9 +257,9 @@ def identify(
         band = band or given.band
     assert isinstance(felt, Measurement)
     asked = wanted(environment, [effects] if isinstance(effects, str) else list(effects), degrees, known)
-    found = with_others(
-        fit(asked, felt if band is None else felt.on_band(*(float(frequency("band", x)) for x in band)))
-    )
+    lines = felt if band is None else felt.on_band(*(float(frequency("band", x)) for x in band))
+    with limited(limit):
+        found = with_others(fit(asked, lines))
     name = name or f"{asked.words}, as measured"
     motion = felt.motion or (given.motion if isinstance(given, MeasuredScene) else None)
     return Identification(replace(felt, motion=motion), threshold, name, found, estimates(found), verdict(found))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import counted
 from haptisym.model.measured import Complexes, Measurement, Reals
@@ -124,7 +125,11 @@ def fit(wanted: Wanted, m: Measurement, begins: Iterable[Reals] | None = None) -
         raise SceneError(
             f"{counted(len(lines), 'line')} cannot tell {numbers}: at least {len(free) // 2 + 1} lines are needed"
         )
-    found = [x for begin in begins or starts(wanted, lines) if (x := _least(curve, lines, noise, begin)) is not None]
+    found: list[tuple[float, Reals]] = []
+    for begin in begins or starts(wanted, lines):
+        tick(len(found), None, "starts")
+        if (x := _least(curve, lines, noise, begin)) is not None:
+            found.append(x)
     if not found:
         raise SceneError("the model has no finite response at these lines with any values that were tried")
     cost, values = min(found, key=lambda x: x[0])

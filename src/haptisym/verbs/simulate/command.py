@@ -27,9 +27,11 @@ def run(
     if along_band and (refused or options.get("kind") not in (None, "sine")):
         raise SceneError(f"--check chooses motion and time itself: leave out --{(refused or ['motion'])[0]}")
     if along_band:
-        return check(scene, amplitude=options.get("amplitude"), progress=progress)
+        return check(scene, amplitude=options.get("amplitude"), progress=progress, limit=None)
     made = motion(scene, options)
-    found = simulate(scene, made, duration=options.get("duration"), extras=_extras(options), progress=progress)
+    found = simulate(
+        scene, made, duration=options.get("duration"), extras=_extras(options), progress=progress, limit=None
+    )
     return Simulations([found])
 
 

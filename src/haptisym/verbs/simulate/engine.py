@@ -14,6 +14,7 @@ from functools import cached_property, lru_cache, reduce
 
 import numpy as np
 
+from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import SceneError
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.descriptor import Input
@@ -61,13 +62,16 @@ class Engine:
         self.modes = [
             0 if s.offset or self.systems[frozenset([i])] is not None else 1 for i, s in enumerate(net.switches)
         ]
+        self.driven = [i for i, mode in enumerate(self.modes) if mode and not net.switches[i].offset]
+        """Frictions whose velocity is prescribed, so that they cannot stick: where it is exactly 0 they give no force."""
+        self.resting = set(self.driven)
         check_jumps(net, self.systems)
         check_derivatives(motion, self.systems)
         self.z = np.zeros(self.system.exact.size)
         self.held = dict.fromkeys(net.jumps, 0.0)
         self.record = Record(len(self.system.readings))
         self.t, self.samples = 0.0, [0] * len(net.holds)
-        self.breaks = Breaks(self._lags)
+        self.breaks = Breaks(self._lags, motion.breaks)
         self.longest = self._regular(longest)
         self.stalled, self.events, self.calm = (0.0, 0), 0, _MOST_AT_ONCE
         self._update_forces()
@@ -131,6 +135,7 @@ class Engine:
     def advance(self, until: float, watch: Callable[[float], None] | None = None) -> None:
         """Simulate up to a time, s; ``watch`` is called with the time that is reached."""
         while self.t < until * (1 - 1e-15):
+            tick(self.t, until, "s simulated")
             if watch is not None:
                 watch(self.t)
             self._sample()
@@ -145,7 +150,9 @@ class Engine:
 
     def _take(self, chunk: int, h: float, end: float) -> None:
         w, after, values = self._attempt(chunk, h)
-        event = first_event(guards(self.net, self.modes, self.held), values, self.column, self.motion)
+        if self._moves_or_rests(values[0, 0]):
+            w, after, values = self._attempt(chunk, h)
+        event = first_event(guards(self.net, self.modes, self.held, self.resting), values, self.column, self.motion)
         if event is None:
             self._accept(h, values, after, end)
             self.calm = min(2 * self.calm, _MOST_AT_ONCE)
@@ -161,6 +168,19 @@ class Engine:
             _, after, values = self._attempt(1, place * h)
             self._accept(place * h, values, after, self.t + place * h)
         self._react(guard)
+
+    def _moves_or_rests(self, now: Array) -> bool:
+        """Whether a driven friction begins to slip, or comes to rest, with these readings: by the sign of its velocity."""
+        before = set(self.resting), tuple(self.modes)
+        for i in self.driven:
+            velocity = now[self.column(self.net.switches[i].driver)]
+            if velocity == 0:
+                self.resting.add(i)
+            elif i in self.resting:
+                self.resting.discard(i)
+                self.modes[i] = 1 if velocity > 0 else -1
+        self._update_forces()
+        return before != (self.resting, tuple(self.modes))
 
     def _attempt(self, chunk: int, h: float) -> tuple[Array, Array, Array]:
         times = self.t + h * (np.arange(chunk)[:, None] + NODES)
@@ -295,5 +315,5 @@ class Engine:
         return result
 
     def _update_forces(self) -> None:
-        for switch, mode in zip(self.net.switches, self.modes, strict=True):
-            self.held[switch.target] = mode * switch.limit
+        for i, (switch, mode) in enumerate(zip(self.net.switches, self.modes, strict=True)):
+            self.held[switch.target] = 0.0 if i in self.resting else mode * switch.limit

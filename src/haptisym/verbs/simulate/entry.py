@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.model.quantities import Dimension, Number
 from haptisym.model.scene import Scene
@@ -42,13 +43,15 @@ def simulate(
     duration: Number | None = None,
     extras: Sequence[Extra] = (),
     progress: Callable[[float, float], None] | None = None,
+    limit: float | None = SECONDS,
 ) -> Simulation:
     """The force at the hand for a prescribed motion, and H_perc recovered from it at the frequencies of the motion.
 
     ``duration``: s, or with a unit (a step is not cut short); as long as transient and lock-in need if not given. ``extras``:
     encoder quantisation or force saturation. ``progress`` is called with the simulated time and, as far as it is known, the
-    time to simulate, s. Guaranteed: events are hit exactly, and linear parts are integrated without a stability limit; the
-    error of each estimate is estimated, not proven.
+    time to simulate, s. ``limit`` : seconds that it may take, LimitError after them; None for none.
+    Guaranteed: events are hit exactly, and linear parts are integrated without a stability limit; the error of each estimate is
+    estimated, not proven.
     Raises SceneError for scenes that are not stable or not causal, for symbols, for motions whose derivatives do not exist or
     whose unit does not fit, and at and beyond the Nyquist frequency of a clock.
 
@@ -58,7 +61,7 @@ def simulate(
     >>> run.agrees, bool(abs(estimate.simulated - estimate.closed) < 1e-6 * abs(estimate.closed))
     (True, True)
     """
-    with one_thread():
+    with one_thread(), limited(limit):
         return _simulated(as_scene(scene), motion, duration, extras, progress)
 
 
@@ -87,8 +90,11 @@ def check(
     amplitude: Number | None = None,
     count: int = 10,
     progress: Callable[[float, float], None] | None = None,
+    limit: float | None = SECONDS,
 ) -> Simulations:
     """Simulate along the band of a scene, at ``count`` frequencies: all at once, or, with friction, one after the other.
+
+    ``limit`` : seconds that all may take, LimitError after them; None for none.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> [run] = check(load_scene("zener-tissue"), count=4)
@@ -100,9 +106,10 @@ def check(
         raise SceneError(f"count: {count} frequencies; at least 1 is needed")
     size = default_amplitude(scene) if amplitude is None else amplitude
     omegas = band_frequencies(scene, count)
-    if any(effect.model == "coulomb-friction" for effect in scene.effects):
-        return Simulations(simulate(scene, sine(size, omega), progress=progress) for omega in omegas)
-    return Simulations([simulate(scene, multisine(size, omegas), progress=progress)])
+    one_by_one = any(effect.model == "coulomb-friction" for effect in scene.effects)
+    motions = [sine(size, omega) for omega in omegas] if one_by_one else [multisine(size, omegas)]
+    with limited(limit):
+        return Simulations(simulate(scene, x, progress=progress, limit=None) for x in motions)
 
 
 def band_frequencies(scene: Scene, count: int) -> list[float]:

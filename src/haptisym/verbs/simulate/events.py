@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from heapq import heappop, heappush
@@ -48,10 +48,15 @@ def falls(course: Array, bad: int) -> float:
     return float(brentq(value, places[start], places[bad + 1], xtol=1e-15))
 
 
-def guards(net: Network, modes: Sequence[int], held: Mapping[str, float]) -> list[Guard]:
-    """What ends the present state of each element: ``modes`` of the switches, and the values that are ``held``."""
+def guards(net: Network, modes: Sequence[int], held: Mapping[str, float], resting: Container[int] = ()) -> list[Guard]:
+    """What ends the present state of each element: ``modes`` of the switches, and the values that are ``held``.
+
+    Nothing does of those that are ``resting``, before the motion goes on.
+    """
     found = []
-    for switch, mode in zip(net.switches, modes, strict=True):
+    for i, (switch, mode) in enumerate(zip(net.switches, modes, strict=True)):
+        if i in resting:
+            continue
         if mode == 0:
             found += [Guard(switch, (switch.target, 0), sign, -switch.limit) for sign in (1, -1)]
         else:
@@ -85,9 +90,12 @@ def first_event(
 class Breaks:
     """Instants at which what jumped once comes out of a delay line; ``lags`` : of the lines, s."""
 
-    def __init__(self, lags: Sequence[float]) -> None:
+    def __init__(self, lags: Sequence[float], known: Iterable[float] = ()) -> None:
         self.lags = lags
         self.due: list[float] = []
+        for t in known:
+            heappush(self.due, t)
+            self.after(t)
 
     def after(self, t: float) -> None:
         """Something jumps at t."""

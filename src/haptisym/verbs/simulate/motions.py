@@ -51,6 +51,11 @@ class Motion(Protocol):
         ...
 
     @property
+    def breaks(self) -> tuple[float, ...]:
+        """Where a higher one jumps, s: rests begin and end there."""
+        ...
+
+    @property
     def kind(self) -> Kind | None:
         """Translation or rotation, where a unit told."""
         ...
@@ -72,6 +77,7 @@ class Sines:
     kind: Kind | None = None
     duration: float | None = None
     smoothness: int = 1000
+    breaks: tuple[float, ...] = ()
 
     @property
     def amplitude(self) -> float:
@@ -109,6 +115,7 @@ class Chirp:
     kind: Kind | None = None
     omegas: tuple[float, ...] = ()
     smoothness: int = 1000
+    breaks: tuple[float, ...] = ()
 
     @property
     def span(self) -> tuple[float, float]:

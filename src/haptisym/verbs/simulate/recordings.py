@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,8 @@ from haptisym.programs.values import Array
 from haptisym.verbs.simulate.motions import positive
 
 _GAP = 1.5  # of the usual spacing of samples; a longer one is a gap
+_RESTING = 10  # equal samples in a row: what a spline would swing there has faded to some thousandths
+_STILL = 1e-12  # of the largest displacement: what a filter leaves of a rest
 
 
 @dataclass(frozen=True)
@@ -63,22 +66,66 @@ class Lowpass:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A recorded motion: a spline of degree 5 through samples at ``times``, s."""
+    """A recorded motion: a spline of degree 5 through samples at ``times``, s; where ten or more are equal the hand rests.
+
+    It then has no velocity at all, which friction would feel: each movement between two rests has a spline of its own, that
+    sets out from rest and comes to rest.
+    """
 
     times: Array
     values: Array
     name: str = "recording"
     kind: Kind | None = None
     omegas: tuple[float, ...] = ()
-    smoothness: int = 4
     lowpass: Lowpass | None = None
     """What smoothed it."""
 
     @cached_property
-    def _spline(self) -> Any:
-        from scipy.interpolate import make_interp_spline
+    def _rests(self) -> list[tuple[int, int]]:
+        """From which sample to which the hand rests."""
+        moves = np.abs(np.diff(self.values)) > _STILL * self.amplitude
+        ends = [-1, *np.flatnonzero(moves), len(moves)]
+        return [(int(a) + 1, int(b)) for a, b in pairwise(ends) if b - a >= _RESTING]
 
-        return make_interp_spline(self.times, self.values, k=5)
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Where a rest begins or ends, s: its third derivative jumps there."""
+        return tuple(float(self.times[i]) for rest in self._rests for i in rest)
+
+    @property
+    def smoothness(self) -> int:
+        """How many of its derivatives exist."""
+        return 3 if self._rests else 4
+
+    @cached_property
+    def _pieces(self) -> tuple[Array, list[Any]]:
+        """Where pieces end, s, and the polynomials in pieces that they are."""
+        from scipy.interpolate import PPoly, make_interp_spline
+
+        if not self._rests:
+            return np.array([]), [make_interp_spline(self.times, self.values, k=5)]
+        last = len(self.times) - 1
+        edges = sorted({0, last, *(i for rest in self._rests for i in rest)})
+        pieces = []
+        for a, b in pairwise(edges):
+            t, x = self.times[a : b + 1], self.values[a : b + 1]
+            if (a, b) in self._rests:
+                pieces.append(PPoly([[x[0]]], [t[0], t[-1]]))
+                continue
+            free = [(3, 0.0), (4, 0.0)]  # at an end of the recording
+            still = [(1, 0.0), (2, 0.0)]
+            ends = free if a == 0 else still, free if b == last else still
+            pieces.append(make_interp_spline(t, x, k=5, bc_type=ends))
+        return self.times[edges[1:-1]], pieces
+
+    def _spline(self, t: Array, nu: int) -> Array:
+        """A derivative of it, at times within the recording."""
+        edges, pieces = self._pieces
+        which = np.searchsorted(edges, t, side="right")
+        found = np.zeros(t.shape)
+        for i in np.unique(which):
+            found[which == i] = pieces[i](t[which == i], nu=nu)
+        return found
 
     @property
     def amplitude(self) -> float:
@@ -97,10 +144,10 @@ class Recording:
 
     def derivatives(self, t: Array, order: int) -> Array:
         """Of the spline through its samples; at rest before the first."""
-        spline, inside = self._spline, np.clip(t, self.times[0], self.times[-1])
+        inside = np.clip(t, self.times[0], self.times[-1])
         # before its first sample the hand is at rest there
         return np.stack(
-            [np.where((t >= self.times[0]) | (k == 0), spline(inside, nu=k), 0.0) for k in range(order + 1)]
+            [np.where((t >= self.times[0]) | (k == 0), self._spline(inside, k), 0.0) for k in range(order + 1)]
         )
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.terms import at_least, order_at_0
 from haptisym.model.caveats import clocks
@@ -62,6 +63,7 @@ class LettingGo:
     omegas: tuple[float, ...] = ()
     duration: float | None = None
     smoothness: int = 1000
+    breaks: tuple[float, ...] = ()
     kind: Kind | None = None
 
     @property
@@ -83,12 +85,13 @@ def release(
     *,
     duration: Number | None = None,
     progress: Callable[[float, float], None] | None = None,
+    limit: float | None = SECONDS,
 ) -> Release:
     """Let a display go that a hand has held displaced, and tell at which rate the motion dies away or grows.
 
     ``displacement`` : m or rad, or with a unit. ``hand`` : one of the scene, or one that the package ships, by name, or a
     ``Hand``; the scene's if it has one and none is given. ``duration`` : s, or with a unit; as long as a verdict needs
-    if not given.
+    if not given. ``limit`` : seconds that it may take, LimitError after them; None for none.
     Raises SceneError where nothing holds the display (no static stiffness), and for what cannot be simulated.
 
     >>> from haptisym.model.scenefile import load_scene
@@ -102,7 +105,7 @@ def release(
     size = positive("release", displacement, Dimension.DISPLACEMENT)
     _one_kind(scene, quantity(displacement, Dimension.DISPLACEMENT).motion, hand)
     length = None if duration is None else positive("duration", duration, Dimension.TIME)
-    with one_thread():
+    with one_thread(), limited(limit):
         return _Run(scene, hand, size, closed_form(scene, hand)).go(length, progress)
 
 
