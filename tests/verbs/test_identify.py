@@ -822,3 +822,11 @@ def test_ranges_from_records_are_said_to_be_too_narrow() -> None:
     )
     assert "too narrow" in " ".join(str(found).split())
     assert "at most 95 %" in found.text
+
+
+def test_what_a_model_gives_to_the_last_digit_is_not_said_not_to_fit() -> None:
+    """What is left are roundings, which go together from line to line: they tell nothing of the model."""
+    exact = hs.sampled("fu2019", [0.5 * n for n in range(1, 40)])
+    told = hs.identify(exact, "mass-spring-damper", ["second-order-lowpass"]).verdict
+    assert (told.fits, told.neighbours) == (None, None)
+    assert hs.identify(exact, "mass-spring-damper", ["first-order-lag"]).verdict.fits is False

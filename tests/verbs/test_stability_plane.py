@@ -20,7 +20,7 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.require.plane import held_rectangles
 from haptisym.verbs.stability.held import held, unstable_roots
-from haptisym.verbs.stability.plane import boundary, plane
+from haptisym.verbs.stability.plane import boundary, plane, wall_plane
 from haptisym.verbs.tolerances.heldplane import HeldPlane, held_plane
 
 E, F = hs.environments, hs.effects
@@ -52,6 +52,27 @@ def test_the_cells_of_a_hands_plane_bear_the_number_of_roots_that_every_hand_in_
             inside = hs.Hand("inside", own.m.value, Rational(float(b[i])), Rational(float(k[i])))
             assert x.roots is not None
             assert held(scene, inside).unstable == x.roots.number
+
+
+@pytest.mark.parametrize(("name", "hand"), [("virtual-wall", "light-touch"), ("sampled-wall", "none")])
+def test_the_cells_of_a_walls_plane_bear_the_number_of_roots_that_every_wall_in_them_has(name: str, hand: str) -> None:
+    scene, own = hs.load_scene(name), hs.Hand("none") if hand == "none" else hs.hands[hand]
+    found = wall_plane(scene, own, (0.0, 1500.0, 0.0, 8.0))
+    assert {x.roots.number for x in found.cells if x.roots} == {0, 2}
+    for x in found.cells:
+        rows, columns = (i + 0.5 for i in np.nonzero(x.pixels))
+        for i in range(0, len(rows), len(rows) // 5 + 1):
+            k, b = (Rational(float(share * most / len(x.pixels))) for share, most in ((rows[i], 1500), (columns[i], 8)))
+            assert x.roots is not None
+            assert held(scene.with_values({"environment.k": k, "environment.b": b}), own).unstable == x.roots.number
+
+
+def test_a_wall_that_is_not_rendered_has_no_plane() -> None:
+    clock = F.zero_order_hold("1 ms"), F.shunt(m="0.1 kg", b=1)
+    spring = E.expression("k", parameters={"k": 300})
+    other = hs.Scene(E.kelvin_voigt(300, 2), clock, rendered=spring)
+    with pytest.raises(UndecidedError, match="not what is rendered"):
+        wall_plane(other, hs.Hand("none"), (0.0, 900.0, 0.0, 8.0))
 
 
 def test_the_boundary_is_where_roots_lie_on_the_axis() -> None:

@@ -15,12 +15,12 @@ from haptisym.figures import pen
 from haptisym.figures.names import Room
 from haptisym.figures.sheet import one_column
 from haptisym.figures.style import dress, handle, legend, number
-from haptisym.kernel.errors import NothingToDrawError
+from haptisym.kernel.errors import NothingToDrawError, UndecidedError
 from haptisym.model.caveats import clocks
-from haptisym.model.hand import Hand, hands
+from haptisym.model.hand import NOBODY, Hand, hands
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
-from haptisym.verbs.stability.answer import Stability
-from haptisym.verbs.stability.plane import Plane, Window, plane
+from haptisym.verbs.stability.answer import WALL, Stability, has_plane
+from haptisym.verbs.stability.plane import Plane, Window, plane, wall_plane
 
 _SMALLER = pen.SMALL - 1
 ROOM = 1.25  # of the largest number that is shown
@@ -30,10 +30,44 @@ _NEAR = 20  # times that a critical value may be beyond the hands
 
 
 def stability_figure(found: Stability) -> Figure:
-    """The plane of the mass of the first hand; NothingToDrawError with a clock, which has no such plane."""
+    """The plane of the mass of the first hand; with a clock that of stiffness and damping of the wall, in the first hand.
+
+    NothingToDrawError where a display with a clock renders no wall of stiffness and damping.
+    """
     if clocks(found.scene):
-        raise NothingToDrawError("with a clock the boundary in a hand's plane is none of H_perc")
+        return one_column(2.6, lambda ax: draw_wall(ax, found))
     return one_column(2.6, lambda ax: draw_plane(ax, found))
+
+
+def draw_wall(ax: Axes, found: Stability) -> list[Artist]:
+    """Damping against stiffness of the wall that is rendered: a ground where it is not stable, with the number of roots."""
+    if not has_plane(found.scene):
+        raise NothingToDrawError(
+            "with a clock the plane is that of a wall's stiffness and damping, and the scene has none"
+        )
+    hand = found.held[0].hand if found.held else Hand(NOBODY)
+    own = [float(found.scene.knobs[path].value) for path in WALL]
+    near = [
+        [float(x.value) for rows in found.critical[:1] for row in rows for x in row.found if x.path == path]
+        for path in WALL
+    ]
+    k = ROOM * max([2 * own[0], *(x for x in near[0] if x < _NEAR * own[0])]) or 1.0
+    b = ROOM * max([2 * own[1], k * float(clocks(found.scene)[0]), *(x for x in near[1] if x < _NEAR * own[1])])
+    try:
+        drawn = wall_plane(found.scene, hand, (0.0, k, 0.0, b))
+    except UndecidedError as error:
+        raise NothingToDrawError(str(error)) from None
+    ax.set(xlim=(0, k), ylim=(0, b))
+    made = _ground(ax, drawn)
+    ax.plot(*own, "o", color=pen.INK, markersize=3.5, clip_on=False)
+    _counts(ax, drawn, _room(ax, drawn))
+    dress(ax)
+    damping, stiffness = (unit_text(x.unit(found.scene.motion or MotionKind.TRANSLATION)) for x in _KINDS[1:])
+    ax.set_xlabel(rf"stiffness of the wall, $k$ ({stiffness}), hand: {hand.name}", fontsize=pen.TEXT)
+    ax.set_ylabel(rf"damping of the wall, $b$ ({damping})", fontsize=pen.TEXT)
+    made.append(handle(pen.INK, "none", "the scene", marker="o", markersize=3.5))
+    legend(ax, made)
+    return made
 
 
 def draw_plane(ax: Axes, found: Stability, hand: Hand | None = None) -> list[Artist]:

@@ -29,7 +29,7 @@ from haptisym.pages.words import (
     span,
     unit,
 )
-from haptisym.verbs.stability.answer import Stability
+from haptisym.verbs.stability.answer import Stability, has_plane
 from haptisym.verbs.stability.boxes import Box, Share
 from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.held import Held
@@ -55,6 +55,7 @@ _IM = Prefixed(OPERATORS[Part.IMAG], H_PERC)
 _REAL = Prefixed(OPERATORS[Part.REAL], named("s"))
 _LEFT, _RIGHT = compared(_REAL, "<"), compared(_REAL, "≥")
 _PLANE = "Hands of one mass: where the display is stable in them, and the number of roots on the right where it is not."
+_WALLS = "Walls on the clock: where the display is stable with them, and the number of roots with |z|\xa0≥\xa01 where it is not."
 _MOST = 6  # active intervals that are told
 _CHAINS = {
     RootChain.RIGHT: "infinitely many roots lie to the right of the imaginary axis: the highest power of s comes late too "
@@ -65,7 +66,9 @@ _CHAINS = {
 
 def page(found: Stability) -> Document:
     """The whole page."""
-    drawn = () if clocks(found.scene) else (Figure("plane", _PLANE, found.figure),)
+    drawn = (
+        (Figure("plane", _WALLS if clocks(found.scene) else _PLANE, found.figure),) if has_plane(found.scene) else ()
+    )
     blocks = (
         Section("Imposed: the force under imposed motion", (Paragraph(_imposed(found)),)),
         Section("Held: the display in a hand", (*_held(found), *drawn)),

@@ -14,6 +14,7 @@ from haptisym.model.parameters import Rule
 from haptisym.verbs.identify.fitting import Fit
 from haptisym.verbs.identify.wanted import Free
 
+_EXACT = 1e-9  # of the largest response
 _LEAST_LINES = 8
 """For a test of neighbours."""
 
@@ -44,7 +45,9 @@ def verdict(found: Fit) -> Verdict:
     known, welch = found.noise.freedom is not None, found.lines.welch
     square = float(found.noise.squares(found.residuals).sum()) if known else None
     chance = None if square is None or not found.freedom else float(gammaincc(found.freedom / 2, square / 2))
-    together = _neighbours(even(found))
+    # residuals that are no more than where least squares end tell nothing of the model
+    is_exact = bool(np.abs(found.model - found.lines.H).max() <= _EXACT * np.abs(found.lines.H).max())
+    together = None if is_exact else _neighbours(even(found))
     by_chance = None if together is None else erfc(together * sqrt(len(found.lines) - 1)) / 2
     by_cube = welch.cube_chance if welch else None
     spare = (1 - found.lines.confidence) / (2 if by_cube is None else 3)

@@ -9,12 +9,21 @@ from typing import Any, ClassVar
 from haptisym.judge.answers import Answer
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.kernel.shown import titled
+from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.boxes import Box
 from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.held import Held, Imposed
 from haptisym.verbs.stability.passive import EveryPassiveHand
+
+WALL = ("environment.k", "environment.b")
+"""What is asked about a display with a clock, and what its plane shows."""
+
+
+def has_plane(scene: Scene) -> bool:
+    """Whether there is a plane to draw: of a hand, or with a clock of a wall of stiffness and damping."""
+    return not clocks(scene) or {*WALL} <= {x.path for x in scene.knobs}
 
 
 @dataclass(frozen=True, repr=False)

@@ -13,13 +13,11 @@ from haptisym.model.hand import NOBODY, Hand, hands, how_to_give
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.stability.answer import Stability
+from haptisym.verbs.stability.answer import WALL, Stability
 from haptisym.verbs.stability.boxes import whole_box
 from haptisym.verbs.stability.critical import Nearest, critical
 from haptisym.verbs.stability.held import Held, held, imposed
 from haptisym.verbs.stability.passive import every_passive_hand
-
-_OF_A_WALL = ("environment.k", "environment.b")
 
 
 def stability(
@@ -51,7 +49,7 @@ def stability(
     scene.knobs.need_numbers()
     paths = [free] if isinstance(free, str) else several("free", free, "give paths or symbols of numbers")
     if not paths and scene.hands and clocks(scene):
-        paths = [x.path for x in scene.knobs if x.path in _OF_A_WALL]
+        paths = [x.path for x in scene.knobs if x.path in WALL]
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
     with limited(limit):
         rows = tuple(held(scene, x) for x in scene.hands)

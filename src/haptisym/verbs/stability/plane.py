@@ -1,4 +1,4 @@
-"""The plane of a hand of one mass: the boundary of stability, drawn in floats, and the certified count in each of its cells."""
+"""The plane of a hand of one mass, or of a wall with a clock: cells drawn in floats, and the certified count in each of them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, TypeAlias
 
+import flint
 import numpy as np
 from sympy import Rational
 
@@ -16,12 +17,16 @@ from haptisym.kernel.symbols import s
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
+from haptisym.verbs.stability.answer import WALL
+from haptisym.verbs.stability.clocked import clocked_roots, loop_of
 from haptisym.verbs.stability.held import characteristic, ring_of, zeros_of
 
 _PIXELS = 200  # along each axis, that find the cells
 _LEAST = 60  # pixels of a cell that is counted
 _FREQUENCIES = 4000
 _MOST_CELLS = 12
+_BITS = 128
+_ROUNDING = 1e-9  # in shares
 _TURNS = 12  # of the longest delay, at most, that are drawn
 
 Window: TypeAlias = tuple[float, float, float, float]
@@ -61,7 +66,8 @@ class Plane:
 def plane(scene: Scene, hand: Hand, window: Window) -> Plane:
     """The plane of a hand's mass."""
     found = boundary(scene, hand, window)
-    return replace(found, cells=tuple(_cells(scene, hand, _labels(found.k, found.b, found.at_0, window), window)))
+    labels = _labels(found.k, found.b, found.at_0, window)
+    return replace(found, cells=tuple(_cells(lambda k, b: _roots(scene, hand, k, b), labels, window)))
 
 
 def boundary(scene: Scene, hand: Hand, window: Window) -> Plane:
@@ -79,6 +85,61 @@ def boundary(scene: Scene, hand: Hand, window: Window) -> Plane:
     start = -float(response(np.array([0.0])).perceived_real[0])
     at_0 = start if np.isfinite(start) else None
     return Plane(mass, k, b, at_0, window)
+
+
+def wall_plane(scene: Scene, hand: Hand, window: Window) -> Plane:
+    """Stiffness and damping of the wall that a display with a clock renders, in a hand.
+
+    UndecidedError where the loop's polynomial is not linear in them, as it is of a spring with a damper.
+    """
+    low, high, least, most = window
+    middles = (np.arange(_PIXELS) + 0.5) / _PIXELS
+    k, b = low + middles * (high - low), least + middles * (most - least)
+    k0, k1, b0, b1 = k[_PIXELS // 4], k[-_PIXELS // 4], b[_PIXELS // 4], b[-_PIXELS // 4]  # nothing cancels within
+    c = {(x, y): _coefficients(scene, hand, x, y) for x in (k0, k1) for y in (b0, b1)}
+    size = max(map(len, c.values()))
+    c = {at: np.pad(row, (0, size - len(row))) for at, row in c.items()}
+    along, across = (c[k1, b0] - c[k0, b0]) / (k1 - k0), (c[k0, b1] - c[k0, b0]) / (b1 - b0)
+    bent = c[k1, b1] - c[k0, b0] - along * (k1 - k0) - across * (b1 - b0)
+    if np.abs(bent).max() > _ROUNDING * max(np.abs(x).max() for x in c.values()):
+        raise UndecidedError("the plane of a wall of which the loop is no linear function")
+    if not along.any() and not across.any():
+        raise UndecidedError("the plane of a wall that is not what is rendered")
+    rows = c[k0, b0] + (k - k0)[:, None, None] * along + (b - b0)[None, :, None] * across
+    counts = _outside(rows)
+    labels = np.zeros(counts.shape, dtype=int)
+    for number in np.unique(counts):
+        part = _filled(counts == number)
+        labels += np.where(part > 0, part + labels.max(), 0)
+    nowhere = np.array([])
+
+    def at(k: float, b: float) -> Roots | None:
+        try:
+            return clocked_roots(_wall(scene, k, b), hand)
+        except UndecidedError:
+            return None
+
+    return Plane(float(hand.m.value), nowhere, nowhere, None, window, tuple(_cells(at, labels, window)))
+
+
+def _wall(scene: Scene, k: float, b: float) -> Scene:
+    return scene.with_values({path: Rational(f"{x:.3g}") for path, x in zip(WALL, (k, b), strict=True)})
+
+
+def _coefficients(scene: Scene, hand: Hand, k: float, b: float) -> Array:
+    """Of the loop's polynomial in 1/z, ascending."""
+    own = scene.with_values({path: Rational(x) for path, x in zip(WALL, (k, b), strict=True)})
+    with flint.ctx.workprec(_BITS):
+        return np.array([float(x.mid()) for x in loop_of(own, hand).balls()])
+
+
+def _outside(rows: Array) -> Array:
+    """How many roots z of polynomials in 1/z with these coefficients have ``|z|`` >= 1."""
+    n = rows.shape[-1] - 1
+    companion = np.zeros((*rows.shape[:-1], n, n))
+    companion[..., 0, :] = -rows[..., 1:] / rows[..., :1]
+    companion[..., np.arange(1, n), np.arange(n - 1)] = 1
+    return np.asarray((np.abs(np.linalg.eigvals(companion)) >= 1).sum(-1))
 
 
 def _end(boundary: Callable[[Array], tuple[Array, Array]], window: Window, lags: list[float]) -> float:
@@ -125,7 +186,7 @@ def _filled(open_ones: Array) -> Array:
     return labels
 
 
-def _cells(scene: Scene, hand: Hand, labels: Array, window: Window) -> Iterator[Cell]:
+def _cells(roots: Callable[[float, float], Roots | None], labels: Array, window: Window) -> Iterator[Cell]:
     """The largest parts, each with the certified count at its pixel that is farthest from the boundary."""
     low, high, least, most = window
     sizes = np.bincount(labels.ravel())
@@ -134,7 +195,7 @@ def _cells(scene: Scene, hand: Hand, labels: Array, window: Window) -> Iterator[
             return
         i, j = _deepest(labels == number)
         k, b = low + (i + 0.5) * (high - low) / _PIXELS, least + (j + 0.5) * (most - least) / _PIXELS
-        yield Cell(k, b, _roots(scene, hand, k, b), labels == number)
+        yield Cell(k, b, roots(k, b), labels == number)
 
 
 def _deepest(part: Any) -> tuple[int, int]:
