@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -61,66 +61,85 @@ class Floats:
 
         ``watched`` : FloatingPointError where the processor says that a step overflowed, or lost digits to underflow.
         """
-        results = tuple(self.program.results.values())
         flag: Any = "raise" if watched else "ignore"
         with np.errstate(divide="ignore", invalid="ignore", over=flag, under=flag):
-            single = self._single(inputs)
-            plan = _plan(self.program, frozenset(single), results)
-            buffers = np.empty((plan.buffers, BLOCK))
-            for start in range(0, size, BLOCK):
-                self._block(plan, single, inputs, out, buffers, slice(start, min(start + BLOCK, size)))
-        for n, x in enumerate(results):
-            if x in single:
-                out[n][...] = single[x]
-            elif self.program.operations[x].name == "input":
-                out[n][...] = inputs[self.program.operations[x].arguments[0]]
-            elif results.index(x) < n:
-                out[n][...] = out[results.index(x)]
+            plan = self._plan(tuple([not isinstance(x, np.ndarray) for x in inputs]))
+            known = plan.known.copy()
+            for i, x in plan.numbers:
+                known[i] = np.float64(inputs[x])
+            for i, function, arguments in plan.single:
+                known[i] = function(*[known[x] for x in arguments])
+            buffers = [*np.empty((plan.buffers, min(size, BLOCK)))]
+            if size <= BLOCK:
+                self._block(plan, known, inputs, [*buffers, *out])
+            else:
+                for start in range(0, size, BLOCK):
+                    part = slice(start, min(start + BLOCK, size))
+                    held = [*(row[: part.stop - start] for row in buffers), *(x[part] for x in out)]
+                    given = [x if np.ndim(x) == 0 else x[part] for x in inputs]
+                    self._block(plan, known.copy(), given, held)
+        for n, x, what, place in plan.others:
+            out[n][...] = known[x] if what == "number" else inputs[place] if what == "input" else out[place]
 
-    def _single(self, inputs: Sequence[Any]) -> dict[int, np.float64]:
-        """The steps that are one number for all frequencies."""
-        found = dict(self.constants)
-        for i, step in enumerate(self.program.operations):
-            if step.name == "input":
-                given = inputs[step.arguments[0]]
-                if np.ndim(given) == 0:
-                    found[i] = np.float64(given)
-            elif step.name != "constant" and all(x in found for x in step.arguments):
-                found[i] = UFUNCS[step.name](*(found[x] for x in step.arguments))
-        return found
+    def _plan(self, numbers: tuple[bool, ...]) -> _Plan:
+        """For inputs of which these are single numbers: made once, as it takes longer than a thousand frequencies."""
+        if numbers not in self._plans:
+            self._plans[numbers] = _plan(self.program, self.constants, numbers)
+        return self._plans[numbers]
 
-    def _block(self, plan: _Plan, single: Any, inputs: Any, out: Any, buffers: Any, part: slice) -> None:
-        size = part.stop - part.start
-        held: list[Any] = [*(row[:size] for row in buffers), *(x[part] for x in out)]
-        known: list[Any] = [None] * len(self.program.operations)
-        for i, value in single.items():
-            known[i] = value
+    @cached_property
+    def _plans(self) -> dict[tuple[bool, ...], _Plan]:
+        return {}
+
+    @staticmethod
+    def _block(plan: _Plan, known: list[Any], inputs: Sequence[Any], held: Sequence[Any]) -> None:
         for i, x in plan.inputs:
-            known[i] = inputs[x][part]
-        for i, function, (x, *y), place in plan.steps:
-            known[i] = function(known[x], known[y[0]], held[place]) if y else function(known[x], held[place])
+            known[i] = inputs[x]
+        known += held
+        for function, x, y, place in plan.steps:
+            if y is None:
+                function(known[x], known[place])
+            else:
+                function(known[x], known[y], known[place])
 
 
 @dataclass(frozen=True)
 class _Plan:
-    """The steps that differ from frequency to frequency, and the buffer of each; buffers beyond ``buffers`` are the results."""
+    """What is done, in order. ``known`` : the constants in their places, ``numbers`` and ``single`` : what is one number for all
+    frequencies. ``steps`` : those that differ from frequency to frequency, with the places of their arguments and of what they
+    make: behind the places of all operations stand so many ``buffers``, and then the results. ``others`` : results that are a
+    number, an input, or another result.
+    """
 
+    known: list[Any]
+    numbers: tuple[tuple[int, int], ...]
+    single: tuple[tuple[int, Callable[..., Any], tuple[int, ...]], ...]
     inputs: tuple[tuple[int, int], ...]
-    steps: tuple[tuple[int, Callable[..., Any], tuple[int, ...], int], ...]
+    steps: tuple[tuple[Callable[..., Any], int, int | None, int], ...]
     buffers: int
+    others: tuple[tuple[int, int, str, int], ...]
 
 
-def _plan(program: Program, single: frozenset[int], results: tuple[int, ...]) -> _Plan:
-    last = _last_uses(program.operations, results)
-    steps, inputs, free, count = [], [], [], 0
-    place: dict[int, int] = {}
-    direct = {x: n for n, x in reversed(list(enumerate(results)))}
-    for i, step in enumerate(program.operations):
-        if i in single:
-            continue
+def _plan(program: Program, constants: Mapping[int, np.float64], are_numbers: Sequence[bool]) -> _Plan:
+    operations, results = program.operations, tuple(program.results.values())
+    known: list[Any] = [constants.get(i) for i in range(len(operations))]
+    numbers: list[tuple[int, int]] = []
+    inputs: list[tuple[int, int]] = []
+    single, are_single = [], set(constants)
+    for i, step in enumerate(operations):
         if step.name == "input":
-            inputs.append((i, step.arguments[0]))
-            continue
+            (numbers if are_numbers[step.arguments[0]] else inputs).append((i, step.arguments[0]))
+            are_single |= {i} if are_numbers[step.arguments[0]] else set()
+        elif step.name != "constant" and all(x in are_single for x in step.arguments):
+            single.append((i, UFUNCS[step.name], step.arguments))
+            are_single.add(i)
+    last = _last_uses(operations, results)
+    moving = [(i, x) for i, x in enumerate(operations) if i not in are_single and x.name != "input"]
+    direct = {x: n for n, x in reversed(list(enumerate(results)))}
+    free: list[int] = []
+    place: dict[int, int] = {}
+    count = 0
+    for i, step in moving:
         ended = {x for x in step.arguments if last.get(x) == i and x in place and x not in direct}
         if step.name not in _SELDOM:  # these read their argument again after they have begun to write
             free += [place[x] for x in ended]
@@ -132,9 +151,21 @@ def _plan(program: Program, single: frozenset[int], results: tuple[int, ...]) ->
             place[i] = free.pop()
         if step.name in _SELDOM:
             free += [place[x] for x in ended]
-        steps.append((i, UFUNCS[step.name], step.arguments, place[i]))
-    placed = [(i, f, arguments, x if x >= 0 else count - 1 - x) for i, f, arguments, x in steps]
-    return _Plan(tuple(inputs), tuple(placed), count)
+    size = len(operations)
+    put = {x: size + (n if n >= 0 else count - 1 - n) for x, n in place.items()}
+    steps = []
+    for i, step in moving:
+        x, y = (put.get(a, a) for a in (*step.arguments, -1)[:2])
+        steps.append((UFUNCS[step.name], x, None if y < 0 else y, put[i]))
+    others = []
+    for n, x in enumerate(results):
+        if x in are_single:
+            others.append((n, x, "number", 0))
+        elif operations[x].name == "input":
+            others.append((n, x, "input", operations[x].arguments[0]))
+        elif results.index(x) < n:
+            others.append((n, x, "result", results.index(x)))
+    return _Plan(known, tuple(numbers), tuple(single), tuple(inputs), tuple(steps), count, tuple(others))
 
 
 def _last_uses(operations: Sequence[Operation], results: Sequence[int]) -> dict[int, int]:

@@ -12,6 +12,7 @@ import numpy as np
 from haptisym.programs.floats import nearest
 from haptisym.programs.program import Program
 
+_MIN, _MAX = np.minimum.reduce, np.maximum.reduce
 _SINE = 70.0  # no cosine, and no sine of a double of at least 2^-69, is smaller than 2^-70
 
 
@@ -44,11 +45,21 @@ def judge(program: Program, inputs: Sequence[Any], digits: int, limit: int) -> J
     >>> judge(program, [np.array([0.0, 1.0])], 53, 1020), judge(program, [1e-110], 53, 1020).safe
     (Judgement(safe=True, finite=False), False)
     """
+    return judged(program, ranges(inputs), digits, limit)
+
+
+def ranges(inputs: Sequence[Any]) -> tuple[MagnitudeRange, ...]:
+    """Of inputs, in powers of two, so that others of about the same size have the same ones."""
+    return tuple(_of_array(np.asarray(x)) for x in inputs)
+
+
+def judged(program: Program, inputs: Sequence[MagnitudeRange], digits: int, limit: int) -> Judgement:
+    """The same for inputs in these ranges."""
     known: list[MagnitudeRange] = []
     finite = True
     for step in program.operations:
         if step.name == "input":
-            known.append(_of_array(np.asarray(inputs[step.arguments[0]])))
+            known.append(inputs[step.arguments[0]])
         elif step.name == "constant":
             known.append(_of_number(float(nearest(step.value))))
         else:
@@ -66,7 +77,7 @@ def _of_number(x: float) -> MagnitudeRange:
 
 def _of_array(x: Any) -> MagnitudeRange:
     """The range of given numbers; where all are 0, that of 1."""
-    least, most = float(np.min(x, initial=inf)), float(np.max(x, initial=-inf))
+    least, most = (float(_MIN(x, None)), float(_MAX(x, None))) if x.size else (inf, -inf)
     low, high = least if least > 0 else float(np.min(np.abs(x), where=x != 0, initial=inf)), max(most, -least)
     if not isfinite(high) and x.size:
         return MagnitudeRange(-inf, inf)

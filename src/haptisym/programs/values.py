@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
+from math import prod
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -22,7 +23,7 @@ from haptisym.programs.certified import Certified, FormsAt
 from haptisym.programs.doubled import Doubles
 from haptisym.programs.floats import Floats
 from haptisym.programs.machine import Machine
-from haptisym.programs.magnitudes import judge
+from haptisym.programs.magnitudes import Judgement, MagnitudeRange, judged, ranges
 from haptisym.programs.program import Program
 
 Array: TypeAlias = NDArray[np.float64]
@@ -30,6 +31,7 @@ Array: TypeAlias = NDArray[np.float64]
 _LEAST = 32  # frequencies that are not taken apart to find those at which a float overflows
 _MOST_DOUBLED = 28  # decimal digits that a double-double can prove
 _ROOM = {True: (53, 1020), False: (107, 900)}  # binary digits and greatest exponent of floats, and of double-doubles
+_MOST_KEPT = 64  # judgements
 _FEW = 24  # points for which balls alone are cheaper than an array of double-doubles
 
 
@@ -90,8 +92,11 @@ class Compiled(Shown):
         inputs, shape, size = self._inputs(omega, values)
         out = np.empty((len(self.fields), size))
         self._fill(inputs, size, out)
-        kind = Values if self.fields == Values._fields else _tuple("Values", self.fields)
-        return kind(*(x.reshape(shape) for x in out))
+        return self._kind(*[x.reshape(shape) for x in out])
+
+    @cached_property
+    def _kind(self) -> Any:
+        return Values if self.fields == Values._fields else _tuple("Values", self.fields)
 
     def digits(self, omega: ArrayLike, count: int, **values: ArrayLike) -> Any:
         """Correctly rounded decimal strings with ``count`` significant digits, by the cheapest method that proves them.
@@ -121,8 +126,8 @@ class Compiled(Shown):
 
     def _fill(self, inputs: Sequence[Any], size: int, out: Any) -> None:
         fast = self.accuracy is Accuracy.FAST
-        ranges = None if self.accuracy is Accuracy.CERTIFIED else judge(self.program, inputs, *_ROOM[fast])
-        if ranges is not None and ranges.safe:
+        found = None if self.accuracy is Accuracy.CERTIFIED else self._judged(ranges(inputs))
+        if found is not None and found.safe:
             self._compute(inputs, size, out)
         else:
             (self._watch if fast else self._prove)(inputs, size, out)
@@ -130,8 +135,20 @@ class Compiled(Shown):
             if not fast:
                 return
         # one sum tells of all whether any is not finite; where they overflow only together, nothing is repaired
-        if not (ranges and ranges.finite) and not _all_finite(out):
+        if not (found and found.finite) and not _all_finite(out):
             self._repair(inputs, out)
+
+    def _judged(self, inputs: tuple[MagnitudeRange, ...]) -> Judgement:
+        """What can over- or underflow, kept for other inputs of that size: it takes longer than a thousand frequencies."""
+        if inputs not in self._judgements:
+            if len(self._judgements) >= _MOST_KEPT:
+                self._judgements.clear()
+            self._judgements[inputs] = judged(self.program, inputs, *_ROOM[self.accuracy is Accuracy.FAST])
+        return self._judgements[inputs]
+
+    @cached_property
+    def _judgements(self) -> dict[tuple[MagnitudeRange, ...], Judgement]:
+        return {}
 
     def _watch(self, inputs: Sequence[Any], size: int, out: Any) -> None:
         """In floats wherever the processor sees them keep their digits, and proven elsewhere."""
@@ -185,16 +202,20 @@ class Compiled(Shown):
         if sorted(values) != list(self.parameters):
             needed, given = (", ".join(sorted(x)) or "none" for x in (self.parameters, values))
             raise SceneError(f"parameters needed are {needed}; given are {given}")
-        arguments = [_array("omega", omega), *(_array(name, values[name]) for name in self.parameters)]
+        arguments = [_array("omega", omega), *[_array(name, values[name]) for name in self.parameters]]
+        shapes = {x.shape for x in arguments}
         try:
-            shape = np.broadcast_shapes(*(x.shape for x in arguments))
+            shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
         except ValueError:
-            shapes = ", ".join(
+            told = ", ".join(
                 f"{name} {x.shape}" for name, x in zip(("omega", *self.parameters), arguments, strict=True)
             )
-            raise SceneError(f"the shapes of the arguments do not broadcast: {shapes}") from None
-        flat = [float(x.item()) if x.size == 1 else np.broadcast_to(x, shape).ravel() for x in arguments]
-        return flat, shape, int(np.prod(shape))
+            raise SceneError(f"the shapes of the arguments do not broadcast: {told}") from None
+        flat = [
+            float(x.item()) if x.size == 1 else (x if x.shape == shape else np.broadcast_to(x, shape)).ravel()
+            for x in arguments
+        ]
+        return flat, shape, prod(shape)
 
 
 def _array(name: str, given: ArrayLike) -> Array:
