@@ -1,94 +1,137 @@
-"""What symbolic formulas cost, against SymPy's own route, in one run.
+"""How long formulas are, and what they cost, against the usual ways, in one run.
 
-    python benchmarks/formulas.py
+    python benchmarks/formulas.py [most]
 
-A mass, a damper and a spring behind one, two and four second-order low-passes (device orders 2, 4 and 8), every parameter a
-symbol. SymPy splits dH into real and imaginary part with ``as_real_imag`` and simplifies each, as its users do; it gets a minute,
-and what it does not finish is reported as a lower bound. Order 8 of SymPy is left to that bound.
+A mass, a damper and a spring behind 1, 2, ..., 12 lags, every parameter a symbol. Each way makes Re dH and Im dH; told are
+operations of both (SymPy's ``count_ops``) and, in brackets, milliseconds of processor time; each gets ten seconds. "plain" is
+``as_real_imag``, which from two lags on leaves re(1/(...)) and im(1/(...)) in its answer: it is no closed form there. Lcapy and
+symengine stand where they are installed; symengine has no real part of symbols, so that its number is that of the numerator times
+the conjugate denominator, multiplied out.
 """
 
 from __future__ import annotations
 
 import multiprocessing
+import sys
 import time
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import Any
 
 import sympy
-from timing import machine, medians
+from timing import machine
 
 import haptisym as hs
-from haptisym.kernel.response import on_axis
-from haptisym.model.chain import Chain
-from haptisym.writing.mathtext import plain
 
-LIMIT = 60.0
-"""Seconds that SymPy gets."""
+LIMIT = 10.0
+"""Seconds that each way gets."""
+M, B, K = hs.symbols("m b k")
 
 
-def cascade(count: int) -> Chain:
-    """The chain of that many low-passes."""
-    m, b, k = hs.symbols("m b k")
-    filters = [hs.effects.second_order_lowpass(*hs.symbols(f"omega_{i} zeta_{i}")) for i in range(1, count + 1)]
-    H = hs.environments.mass_spring_damper(m, b, k).H
-    return Chain(H, H, tuple(f.matrix for f in filters))
+def lags(count: int) -> list[sympy.Symbol]:
+    return [sympy.Symbol(f"w_{i}", positive=True) for i in range(1, count + 1)]
 
 
-def exact(count: int) -> object:
-    """Re dH and Im dH as exact quotients of polynomials over a squared modulus."""
-    chain = cascade(count)
-    H = chain.ring.convert(chain.environment)
-    G = chain.ring.one
-    for matrix in chain.matrices:
-        G = G * chain.ring.convert(matrix[0])
-    response = on_axis(H * (G - chain.ring.one))
-    return response.raw_real, response.raw_imag
+def change(count: int) -> sympy.Expr:
+    """DH at s = j omega, as a person writes it down."""
+    G = sympy.Mul(*(w / (hs.s + w) for w in lags(count)))
+    return ((M * hs.s**2 + B * hs.s + K) * (G - 1)).subs(hs.s, sympy.I * hs.omega)
 
 
-def display(count: int) -> list[str]:
-    """The formulas in named steps, written as text."""
-    steps = cascade(count).steps
-    return [f"{name} = {plain(value)}" for name, value in (*steps.definitions, *steps.results.items())]
+def distortion(count: int) -> hs.Distortion:
+    return hs.distort(hs.environments.mass_spring_damper(M, B, K), *map(hs.effects.first_order_lag, lags(count)))
 
 
-def by_sympy(count: int) -> object:
-    """The same with SymPy alone."""
-    chain = cascade(count)
-    s, omega = hs.s, hs.omega
-    G = sympy.Mul(*(matrix[0] for matrix in chain.matrices))
-    real, imag = (chain.environment * (G - 1)).subs(s, sympy.I * omega).as_real_imag()
-    return sympy.simplify(real), sympy.simplify(imag)
+def by_plain(count: int) -> tuple[sympy.Expr, ...]:
+    return tuple(change(count).as_real_imag())
 
 
-def limited(count: int) -> float | None:
-    """Seconds that SymPy takes; None beyond the limit."""
-    worker = multiprocessing.Process(target=by_sympy, args=(count,))
-    started = time.perf_counter()
+def by_cancel(count: int) -> tuple[sympy.Expr, ...]:
+    return tuple(map(sympy.cancel, by_plain(count)))
+
+
+def by_simplify(count: int) -> tuple[sympy.Expr, ...]:
+    return tuple(map(sympy.simplify, by_plain(count)))
+
+
+def by_lcapy(count: int) -> tuple[sympy.Expr, ...]:
+    import lcapy
+
+    G = "*".join(f"w_{i}/(s + w_{i})" for i in range(1, count + 1))
+    response = lcapy.expr(f"(m*s**2 + b*s + k)*({G} - 1)", positive=True)(lcapy.jw)
+    return response.real.sympy, response.imag.sympy
+
+
+def by_symengine(count: int) -> tuple[sympy.Expr, ...]:
+    import symengine
+
+    names = [w.name for w in lags(count)]
+    m, b, k, omega, *each = symengine.symbols(" ".join(["m b k omega", *names]))
+    j = symengine.I * omega
+    above, below, other = m * j**2 + b * j + k, symengine.Integer(1), symengine.Integer(1)
+    for w in each:
+        below, other = below * (w + j), other * (w - j)
+    product = symengine.expand(above * (symengine.Mul(*each) - below) * other)
+    parts: tuple[list[Any], list[Any]] = ([], [])
+    for term in product.args:
+        turned = symengine.expand(term / symengine.I)
+        (parts[0] if turned.has(symengine.I) or "I" in str(turned) else parts[1]).append(term)
+    size = symengine.Mul(*(omega**2 + w**2 for w in each))
+    return tuple(sympy.sympify(symengine.Add(*x) / size) for x in parts)
+
+
+def by_haptisym(count: int) -> tuple[sympy.Expr, ...]:
+    d = distortion(count)
+    return d.real, d.imag
+
+
+def by_steps(count: int) -> int:
+    return distortion(count).steps().operations
+
+
+WAYS: dict[str, Callable[[int], Any]] = {
+    "plain": by_plain, "cancel": by_cancel, "simplify": by_simplify, "Lcapy": by_lcapy, "symengine": by_symengine,
+    "d.real, d.imag": by_haptisym, "d.steps()": by_steps,
+}  # fmt: skip
+NEEDED = {"Lcapy": "lcapy", "symengine": "symengine"}
+
+
+def measured(way: str, count: int, queue: Any) -> None:
+    WAYS[way](1)  # imports are not timed
+    sympy.core.cache.clear_cache()
+    started = time.process_time()
+    found = WAYS[way](count)
+    seconds = time.process_time() - started
+    queue.put((found if isinstance(found, int) else sum(int(x.count_ops()) for x in found), seconds))
+
+
+def limited(way: str, count: int) -> tuple[int, float] | None:
+    """Operations and seconds; None beyond the limit."""
+    queue: Any = multiprocessing.Queue()
+    worker = multiprocessing.Process(target=measured, args=(way, count, queue))
     worker.start()
     worker.join(LIMIT)
-    if worker.is_alive():
+    if worker.is_alive() or queue.empty():
         worker.kill()
         worker.join()
         return None
-    return time.perf_counter() - started
+    return queue.get()
 
 
-def main() -> None:
-    """Print one table."""
+def main(most: int) -> None:
+    """Print one table: operations, and milliseconds in brackets."""
     print(machine())
-    print("\norder   exact closed forms   steps, as text   operations   SymPy as_real_imag + simplify")
-    for count in (1, 2, 4):
-        contenders = {"exact": lambda n=count: exact(n), "display": lambda n=count: display(n)}
-        found = medians(contenders, 9 if count < 4 else 3)
-        other = limited(count)
-        said = (
-            f"{other:8.2f} s  {other / found['exact']:8.0f} x"
-            if other
-            else f"> {LIMIT:.0f} s  > {LIMIT / found['exact']:.0f} x"
-        )
-        operations = cascade(count).steps.operations
-        print(
-            f"{2 * count:5d} {1000 * found['exact']:16.2f} ms {1000 * found['display']:13.2f} ms {operations:12d}   {said}"
-        )
+    ways = [x for x in WAYS if x not in NEEDED or find_spec(NEEDED[x])]
+    print("\nlags" + "".join(f"{x:>20}" for x in ways))
+    over: set[str] = set()
+    for count in range(1, most + 1):
+        cells = []
+        for way in ways:
+            found = None if way in over else limited(way, count)
+            over |= set() if found else {way}
+            cells.append(f"{found[0]} ({1000 * found[1]:.0f})" if found else "> 10 s")
+        print(f"{count:4d}" + "".join(f"{x:>20}" for x in cells), flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 12)

@@ -53,6 +53,7 @@ _ON_DEMAND = {
     "Sensitivities": "verbs.sensitivity.entry",
     "Simulation": "verbs.simulate.results",
     "Tolerances": "verbs.tolerances.proofs",
+    "Verification": "verbs.derive.verify",
     "check": "verbs.simulate.entry",
     "chirp": "verbs.simulate.motions",
     "cost": "verbs.cost.entry",
@@ -91,6 +92,7 @@ _ON_DEMAND = {
     "sweep": "verbs.sweep.entry",
     "sweep_cost": "verbs.cost.entry",
     "tolerances": "verbs.tolerances.entry",
+    "verify": "verbs.derive.verify",
 }
 """What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start.
 
@@ -159,6 +161,7 @@ __all__ = [
     "Threshold",
     "Tolerances",
     "UndecidedError",
+    "Verification",
     "check",
     "chirp",
     "cost",
@@ -207,4 +210,5 @@ __all__ = [
     "sweep_cost",
     "symbols",
     "tolerances",
+    "verify",
 ]

@@ -25,6 +25,7 @@ from haptisym.verbs.cost.entry import Cost, cost, simulation_cost, sweep_cost
 from haptisym.verbs.cost.hardcosts import HardCosts, hard_costs
 from haptisym.verbs.derive.derivation import Derivation
 from haptisym.verbs.derive.entry import derive
+from haptisym.verbs.derive.verify import Verification, verify
 from haptisym.verbs.effects.entry import relevance
 from haptisym.verbs.effects.relevance import Relevance
 from haptisym.verbs.evaluate.entry import evaluate
@@ -104,6 +105,7 @@ __all__ = [
     "Threshold",
     "Tolerances",
     "UndecidedError",
+    "Verification",
     "check",
     "chirp",
     "cost",
@@ -152,4 +154,5 @@ __all__ = [
     "sweep_cost",
     "symbols",
     "tolerances",
+    "verify",
 ]

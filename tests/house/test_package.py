@@ -225,6 +225,7 @@ def answers(path: Path) -> list[str]:
     kinds: set[hs.CrossingKind] = {x.kind for x in crossings}
     high: tuple[hs.Peak, ...] = hs.peaks(own)
     derived: hs.Derivation = hs.derive(scene, keep=["m"])
+    verified: hs.Verification = hs.verify(scene, 3)
     needed: hs.Requirement = hs.require(Path("own.toml"), "effects.filter.omega_n", (50, "200 rad/s"), part=hs.Part.REAL)
     design: hs.DesignMap = hs.design_map(scene, ["zeta", "omega_n"], [(0.4, "0.6"), (50, 500)], slices=3)
     slopes: hs.Sensitivities = hs.sensitivity(scene)

@@ -254,7 +254,7 @@ def test_a_name_or_a_path_is_as_good_as_the_scene(name: str, tmp_path: Path) -> 
 
 
 NO_SCENE: dict[str, tuple[Callable[[], object], str]] = {
-    "a distortion": (lambda: hs.load_scene("fu2019").distortion(), r"Scene\("), "an environment": (lambda: environments.kelvin_voigt(1, 2), r"make one with Scene\("),
+    "a distortion": (lambda: hs.load_scene("fu2019").distortion(), r"Scene\(|leave it out"), "an environment": (lambda: environments.kelvin_voigt(1, 2), r"make one with Scene\("),
     "a family": (lambda: hs.load_scenes("palpation-device"), r"evaluate_all\("), "an evaluation": (lambda: hs.evaluate("fu2019"), "its attribute scene"), "a text": (lambda: ENV, r"parse_scene\("),
     "a number": (lambda: 3, "int is not a scene"), "nothing": (lambda: None, "NoneType is not a scene"), "a wrong name": (lambda: "fu2020", 'did you mean "fu2019"'),
     "the name of a family": (lambda: "palpation-device", "--environment NAME"),

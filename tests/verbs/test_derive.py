@@ -6,6 +6,7 @@ import json
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from math import factorial, prod
 from pathlib import Path
@@ -19,14 +20,15 @@ from marks import QUICK_SCENES, often
 from pdflatex import check_layout, compiled
 from refusals import refusal
 from regions import margin
-from strategies import Seeded
-from sympy import Rational, Symbol, cosh, exp, lambdify, oo, sinh, sqrt, symbols
+from strategies import CATALOGUE, Seeded, case
+from strategies import scene as random_scene
+from sympy import Float, I, Rational, Symbol, cosh, count_ops, exp, lambdify, oo, sinh, sqrt, symbols
 
 import haptisym as hs
 from haptisym.commands.spelling import spelt
 from haptisym.kernel.lattices import Lattice, Piece
 from haptisym.kernel.symbols import X, omega, s
-from haptisym.model.catalogue import EFFECTS, Slot, effect
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Slot, effect
 from haptisym.model.jnd import Part
 from haptisym.model.jndtables import read_threshold
 from haptisym.model.quantities import Dimension
@@ -594,3 +596,119 @@ def test_closed_forms_are_in_the_frequency_that_was_given() -> None:
     )
     with pytest.raises(hs.SceneError, match="omega"):
         hs.distort(*given, omega="w")
+
+
+# --- one value by every way ------------------------------------------------------------------------------------------
+
+CHAIN = 3e-20, 3e-20, 0.5000001  # ulp: sixty digits have room for cancellation; balls are rounded once
+
+
+def agree(found: Any) -> None:
+    assert found.points > 0
+    assert all(
+        found.worst[way] <= most
+        for way, most in zip(("closed form", "named steps", "ball arithmetic"), CHAIN, strict=True)
+    ), found
+    assert found.worst["compiled"] < 1e12, found  # Re dH of a late mass is some 1e-9 of |H_env| at slow motion
+
+
+@pytest.mark.few("wave-variables", "zero-order-hold", "coulomb-friction", "two-port", "compliance")
+@pytest.mark.parametrize("model", sorted({*EFFECTS, *ENVIRONMENTS}))
+def test_every_model_in_symbols_has_one_value_by_every_way(model: str) -> None:
+    agree(hs.verify(CATALOGUE[model].symbolic_distortion(), 8, seed=3))
+
+
+@pytest.mark.few(5)
+@pytest.mark.parametrize("seed", range(200))
+def test_a_random_chain_in_symbols_has_one_value_by_every_way(seed: int) -> None:
+    agree(hs.verify(random_scene(case(Seeded(seed))).symbolic_distortion(), 3, seed=seed))
+
+
+def lags(count: int, *others: hs.Effect) -> hs.Distortion:
+    each = (hs.effects.first_order_lag(Symbol(f"w_{n}", positive=True)) for n in range(1, count + 1))
+    return hs.distort(hs.environments.mass_spring_damper(M, B, K), *each, *others)
+
+
+@pytest.mark.parametrize(
+    "others",
+    [
+        (hs.effects.delay(Symbol("tau", positive=True)), hs.effects.zero_order_hold(Symbol("T", positive=True))),
+        (hs.effects.shunt(m=Symbol("m_d"), b=Symbol("b_d")), *(hs.effects.compliance(Symbol(f"k_{n}", positive=True), Symbol(f"d_{n}", positive=True)) for n in range(4))),
+    ],
+    ids=["in series", "not in series"],
+)  # fmt: skip
+def test_the_formulas_of_a_long_chain_grow_by_as_much_with_each_effect_and_stay_true(
+    others: tuple[hs.Effect, ...],
+) -> None:
+    sizes = [count_ops(d.real) + count_ops(d.imag) for d in (lags(n, *others) for n in (4, 8, 12))]
+    assert sizes[2] - sizes[1] == sizes[1] - sizes[0] <= 4 * 140
+    steps = [lags(n, *others).steps().operations for n in (4, 8, 12)]
+    assert steps[2] - steps[1] == steps[1] - steps[0] < 4 * 25
+    agree(hs.verify(lags(6, *others), 5))
+
+
+def test_a_wrong_formula_is_noticed_by_where_it_stands() -> None:
+    right, other = (
+        lags(1),
+        hs.distort(
+            hs.environments.mass_spring_damper(M, B, 1.0001 * K),
+            hs.effects.first_order_lag(Symbol("w_1", positive=True)),
+        ),
+    )
+    found = hs.verify(replace(right, perc=other.perc), 5)  # the chain of one, the lowest terms of the other
+    assert found.worst["closed form"] > 1e6
+    assert found.worst["named steps"] < 1e-20
+    assert found.worst["ball arithmetic"] <= 0.5
+
+
+@pytest.mark.parametrize(
+    "d",
+    [
+        hs.distort(hs.environments.mass_spring_damper(k=K), hs.effects.wave_variables(B, Symbol("tau", positive=True))),
+        hs.distort(hs.environments.mass_spring_damper(M, B, K), hs.effects.delay(Symbol("tau", positive=True)), hs.effects.first_order_lag(OMEGA_N)),
+        hs.distort(hs.environments.zener(K, M, B), hs.effects.compliance(Symbol("c", positive=True))),
+    ],
+    ids=["a spring behind a link", "late", "tissue behind a cable"],
+)  # fmt: skip
+def test_a_slow_hand_feels_what_the_taylor_series_begins_with(d: hs.Distortion) -> None:
+    values = {x: Rational(n + 3, 4) for n, x in enumerate(sorted(d.free_symbols, key=str))}
+    H = lambdify(s, d.chain.at(values).perceived(range(len(d.chain.matrices))).expression(), "mpmath")
+    with mpmath.workdps(60):
+        nodes = [mpmath.expjpi(mpmath.mpf(n) / 16) / 50 for n in range(32)]  # Cauchy's integral about 0
+        series = [sum(H(z) / z**n for z in nodes) / 32 for n in range(3)]
+        for found, expected in zip(d.low_frequency, series, strict=True):
+            assert abs(mpmath.mpmathify(found.xreplace(values).evalf(30)) - expected) < 1e-12
+
+
+def test_a_link_in_free_space_is_felt_as_the_mass_b_tau() -> None:
+    tau = Symbol("tau", positive=True)
+    felt = hs.distort(hs.environments.mass_spring_damper(k=K), hs.effects.wave_variables(B, tau)).low_frequency
+    assert (felt.stiffness, felt.mass.subs(K, 0)) == (B * K / (B + K * tau), B * tau)
+
+
+def test_a_distortion_is_derived_in_its_own_symbols() -> None:
+    q, y = symbols("q y", positive=True)
+    d = hs.distort(hs.environments.mass_spring_damper(k=y), hs.effects.first_order_lag(q))
+    found = hs.derive(d)
+    assert (found["Re dH"], found["H_perc"]) == (d.real, d.perceived)
+    first = d.crossings("real", Symbol("c", positive=True))[0]
+    assert found.crossings(Part.REAL)[0].omega == first.omega
+    with pytest.raises(hs.SceneError, match="keep"):
+        hs.derive(d, keep=["q"])
+
+
+@pytest.mark.few("organ-tissue", "fu2019", "position-force-teleoperation")
+@pytest.mark.parametrize("name", hs.scene_names())
+def test_a_script_of_sympy_makes_the_parts_of_the_distortion(name: str, call: Any) -> None:
+    """Line by line with numbers for its symbols, against its own H_perc - H_env at s = j omega."""
+    lines = [x for x in call("derive", name, "--to", "sympy")[1].splitlines() if not x.startswith(("#", '"'))]
+    known: dict[str, Any] = {}
+    exec(next(x for x in lines if x.startswith("from sympy")), known)  # noqa: S102 - it is what was written
+    made = [x.split(" = ")[0] for x in lines if " = Symbol(" in x]
+    known |= {x: Float(Rational(n + 3, 7), 50) for n, x in enumerate(made)}
+    known["s"] = I * known["omega"]
+    for line in (x for x in lines if " = " in x and " = Symbol(" not in x):
+        exec(line, known)  # noqa: S102
+    change = complex(known["H_perc"] - known["H_env"])
+    assert (complex(known["real"]), complex(known["imag"])) == pytest.approx((change.real, change.imag), rel=1e-13)
+    assert float(known["ratio_imag"]) == pytest.approx(abs(change.imag) / abs(complex(known["H_env"])), rel=1e-13)

@@ -15,7 +15,7 @@ import threadpoolctl
 from marks import often
 from scipy import special
 from scipy.interpolate import CubicSpline
-from strategies import BETWEEN, FELT, Seeded, case
+from strategies import BETWEEN, CATALOGUE, FELT, MSD, SOFT, Seeded, case
 from strategies import scene as told_scene
 from sympy import I, exp, log, tanh
 
@@ -35,38 +35,6 @@ from haptisym.verbs.simulate.recordings import Recording
 from haptisym.verbs.simulate.results import Estimate, Simulations
 
 SPRING = environments.mass_spring_damper(k=100)
-MSD = environments.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
-SOFT = environments.kelvin_voigt(200, 5)
-TELEOPERATOR = {"Mm": "0.5 kg", "Ms": "2 kg", "Bs": "64 N*s/m", "Ks": "400 N/m", "tau": "20 ms"}
-MASTER = {"Bm": "16 N*s/m", "Km": "100 N/m"}
-CATALOGUE: dict[str, hs.Scene] = {
-    "mass-spring-damper": hs.Scene(MSD),
-    "kelvin-voigt": hs.Scene(SOFT),
-    "maxwell": hs.Scene(environments.maxwell(100, 5)),
-    "zener": hs.Scene(environments.zener(200, 300, 6)),
-    "prony": hs.Scene(environments.prony(100, [300, 50], [6, 20])),
-    "spring-pot": hs.Scene(environments.spring_pot(80, "0.3", 50)),
-    "two-mass": hs.Scene(environments.two_mass("0.5", 4, 200, "0.3", 1, 120)),
-    "expression": hs.Scene(environments.expression("k*(s + 3)/(s + 20) + b*s", parameters={"k": 100, "b": 2})),
-    "first-order-lag": hs.Scene(MSD, (effects.first_order_lag(30),)),
-    "second-order-lowpass": hs.Scene(MSD, (effects.second_order_lowpass(40, "0.4"),)),
-    "delay": hs.Scene(MSD, (effects.delay("37 ms"),)),
-    "pade-delay": hs.Scene(MSD, (effects.pade_delay("37 ms", 3),)),
-    "zero-order-hold": hs.Scene(SOFT, (effects.zero_order_hold("30 ms"),)),
-    "sampled-loop": hs.Scene(SOFT, (effects.sampled_loop("30 ms", "tustin", 1),)),
-    "series": hs.Scene(MSD, (effects.series("(1 + s/50)/(1 + s/5)"),)),
-    "shunt": hs.Scene(MSD, (effects.shunt(m="-0.4", b=2),)),
-    "compliance": hs.Scene(MSD, (effects.compliance(500, 3),)),
-    "coulomb-friction": hs.Scene(MSD, (effects.coulomb_friction("0.5 N", "5 cm"), effects.first_order_lag(30))),
-    "admittance-display": hs.Scene(MSD, (effects.admittance_display("400/(s^2 + 30*s + 400)"),)),
-    "wave-variables": hs.Scene(MSD, (effects.wave_variables(10, "20 ms"),)),
-    "position-force-teleoperator": hs.Scene(SOFT, (effects.position_force_teleoperator(**TELEOPERATOR),)),
-    "position-position-teleoperator": hs.Scene(SOFT, (effects.position_position_teleoperator(**TELEOPERATOR, **MASTER),)),
-    "four-channel-teleoperator": hs.Scene(SOFT, (effects.four_channel_teleoperator(**TELEOPERATOR, **MASTER),)),
-    "two-port": hs.Scene(MSD, (effects.two_port("0.8", "2*s", "0.001/(1 + s/9)", "1"),)),
-}  # fmt: skip
-"""A scene for each model."""
-
 LOOPS = {
     "a lag behind a cable": (effects.first_order_lag(30), effects.compliance(500, 3)),
     "a delay inside a loop": (effects.second_order_lowpass(60, 1), effects.delay("10 ms"), effects.compliance(2000, 40)),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,13 +14,12 @@ from haptisym.commands.verb import given, verb
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 
-_CODE = ("numpy", "c", "octave", "julia", "javascript")
-_OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
-_MEANT = {
-    "python": "code in Python is --to numpy",
-    "matlab": "MATLAB runs --to octave",
-    "sympy": 'SymPy has no text of its own: in Python hs.derive(SCENE)["Re dH"] is an expression',
-}
+if TYPE_CHECKING:
+    from haptisym.verbs.derive.derivation import Derivation
+
+_CODE = ("numpy", "python", "c", "octave", "julia", "javascript")
+_OUTPUTS = ("text", "latex", "mathml", "json", "sympy", *_CODE)
+_MEANT = {"matlab": "MATLAB runs --to octave"}
 
 
 class _Language(click.Choice[str]):
@@ -77,25 +77,33 @@ def derive(
         raise SceneError(
             f"--json is one document of all formulas, and --to {language} another output: leave out one of them"
         )
-    if names and language in _CODE:
+    if names and language in (*_CODE, "sympy"):
         raise SceneError(
             f"--of chooses among formulas, and --to {language} writes all quantities: leave out one of them"
         )
     kept = keep or (() if mode == "numeric" else None)
     d = replace(derive_scene(scene, kept), of=names)
     keep_pages(d.document, d.to_json)
-    if language in _CODE:
-        from haptisym.writing.code.entry import Language, scene_code
-
-        write(scene_code(scene, Language[language.upper()], parameters=kept))
-        return
-    from haptisym.writing.html import fragment
-
     if as_json or language == "json":
         say_document(d.to_json())
     elif language == "text":
         say(d.document())
-    elif language == "latex":
-        write(d.to_latex())
     else:
-        write(fragment(d.document()) + "\n")
+        write(_written(d, language, kept))
+
+
+def _written(d: Derivation, language: str, kept: tuple[str, ...] | None) -> str:
+    """In another language; ``kept`` : the parameters that stay arguments of code."""
+    if language in _CODE:
+        from haptisym.writing.code.entry import Language, scene_code
+
+        return scene_code(d.scene, Language["NUMPY" if language == "python" else language.upper()], parameters=kept)
+    if language == "latex":
+        return d.to_latex()
+    if language == "sympy":
+        from haptisym.pages.script import script
+
+        return script(d)
+    from haptisym.writing.html import fragment
+
+    return fragment(d.document()) + "\n"

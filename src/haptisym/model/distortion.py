@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from sympy import Abs, Expr, Poly, Rational, Symbol, lambdify, sqrt
 
@@ -20,14 +20,17 @@ from haptisym.kernel.solutions import Solution
 from haptisym.kernel.symbols import c as symbol_c
 from haptisym.kernel.symbols import omega, s
 from haptisym.model import solved
+from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.chain import Chain
 from haptisym.model.given import given_effects, given_environment
 from haptisym.model.jnd import Part
 from haptisym.model.properties import ParameterJND, Properties, first_changeover, properties
 from haptisym.model.sampled import in_place
+from haptisym.model.shortest import Factors, shortest
 from haptisym.programs.accuracy import Accuracy, Engine
 
 if TYPE_CHECKING:
+    from haptisym.programs.steps import Steps
     from haptisym.programs.values import Compiled  # brings NumPy, which a certified answer does not need
 
 
@@ -50,19 +53,28 @@ def distort(environment: Any, *effects: Any, rendered: Any = None, omega: Symbol
     (20*s + 2000)/(s + 20)
     """
     need("omega", omega, Symbol, "give a symbol, as Symbol('w')")
-    return replace(Distortion.of(_chain_of(environment, effects, rendered)), frequency=omega)
+    elements = _elements(environment, effects, rendered)
+    return replace(Distortion.of(_chain_of(*elements)), frequency=omega, elements=elements)
 
 
 def felt_instead(environment: Any, effects: Iterable[Any], rendered: Any = None) -> Distortion:
     """The same, in free air too, where H_env is zero and no ratio is asked for: what a hand holds."""
-    return Distortion(*(chain := _chain_of(environment, effects, rendered)).dynamics(free_air=True), chain)
+    chain = _chain_of(*(elements := _elements(environment, effects, rendered)))
+    return Distortion(*chain.dynamics(free_air=True), chain, elements=elements)
 
 
-def _chain_of(environment: Any, effects: Iterable[Any], rendered: Any) -> Chain:
+Elements: TypeAlias = tuple[Environment, tuple[Effect, ...], Environment | None]
+
+
+def _elements(environment: Any, effects: Iterable[Any], rendered: Any) -> Elements:
+    """Environment, effects, and what is rendered where that is another one."""
     own = given_environment("environment", environment)
-    felt = own if rendered is None else given_environment("rendered", rendered).tied_to(own)
-    between = in_place(given_effects(effects), felt)
-    return Chain(own.H, felt.H, tuple(e.matrix for e in between))
+    felt = None if rendered is None else given_environment("rendered", rendered).tied_to(own)
+    return own, tuple(in_place(given_effects(effects), felt or own)), felt
+
+
+def _chain_of(environment: Environment, effects: tuple[Effect, ...], rendered: Environment | None) -> Chain:
+    return Chain(environment.H, (rendered or environment).H, tuple(e.matrix for e in effects))
 
 
 @dataclass(frozen=True, repr=False)
@@ -79,6 +91,8 @@ class Distortion(Shown):
     chain: Chain
     frequency: Symbol = omega
     """The symbol of omega in closed forms."""
+    elements: Elements | None = field(default=None, repr=False, compare=False)
+    """What the chain is made of, as far as that is known."""
 
     @classmethod
     def of(cls, chain: Chain, ring: Ring | None = None) -> Distortion:
@@ -154,35 +168,84 @@ class Distortion(Shown):
 
     @property
     def real(self) -> Expr:
-        """Re dH(j omega), N/m or N m/rad."""
-        return self._told(self.difference_response.real.factored())
+        """Re dH(j omega), N/m or N m/rad: the shortest form known, in lowest terms or in magnitudes and angles of the chain."""
+        return self._told(self.form(Part.REAL)[0])
 
     @property
     def imag(self) -> Expr:
         """Im dH(j omega), N/m or N m/rad."""
-        return self._told(self.difference_response.imag.factored())
+        return self._told(self.form(Part.IMAG)[0])
 
     @property
     def ratio_real(self) -> Expr:
         """r_r = ``|Re dH|/|H_env|``."""
-        part = self.difference_response.real.factored()
-        return self._told(magnitude(part, self.difference) / sqrt(self.squared_modulus.factored()))
+        return self._told(self._ratio(Part.REAL))
 
     @property
     def ratio_imag(self) -> Expr:
         """r_i = ``|Im dH|/|H_env|``."""
-        part = self.difference_response.imag.factored()
-        return self._told(magnitude(part, self.difference) / sqrt(self.squared_modulus.factored()))
+        return self._told(self._ratio(Part.IMAG))
 
     @property
     def relative_real(self) -> Expr:
         """Re(dH/H_env), which is not r_r."""
-        return self._told(self.relative_response.real.factored())
+        return self._told(self.relative_form(Part.REAL)[0])
 
     @property
     def relative_imag(self) -> Expr:
         """Im(dH/H_env), which is not r_i."""
-        return self._told(self.relative_response.imag.factored())
+        return self._told(self.relative_form(Part.IMAG)[0])
+
+    def form(self, part: Part) -> tuple[Expr, bool]:
+        """Re or Im dH in ``kernel.symbols.omega``, as short as is known; and whether that is in lowest terms."""
+
+        def others() -> Expr:
+            return self._factors.part(part, part_of(self.env_response, part).factored())
+
+        def lowest() -> Expr:
+            return part_of(self.difference_response, part).factored()
+
+        return shortest(self.difference, lowest, others, in_series=self._factors.in_series)
+
+    def _ratio(self, part: Part) -> Expr:
+        found, is_lowest = self.form(part)
+        size = magnitude(found, self.difference) if is_lowest else Abs(found, evaluate=False)
+        return size / sqrt(self.squared_modulus.factored())
+
+    def relative_form(self, part: Part) -> tuple[Expr, bool]:
+        """The same of Re or Im(dH/H_env)."""
+        change = (self.difference / self.env).reduced()
+
+        def lowest() -> Expr:
+            return part_of(self.relative_response, part).factored()
+
+        return shortest(change, lowest, lambda: self._factors.relative(part), in_series=self._factors.in_series)
+
+    @cached_property
+    def _factors(self) -> Factors:
+        return Factors(self.chain.environment, self.chain.rendered, self.chain.matrices)
+
+    def steps(self, *of: str) -> Steps:
+        """Some closed forms in short named steps, ``definitions`` and ``results``: Re dH and Im dH if none is named.
+
+        ``of`` : "real", "imag", "ratio_real", "ratio_imag", "relative_real", "relative_imag". They grow by some twenty operations
+        with each effect, and are what code should compute. SceneError for another name.
+
+        >>> from haptisym import effects, environments
+        >>> from haptisym.kernel.symbols import symbols
+        >>> found = distort(environments.mass_spring_damper(k=symbols("k")), effects.first_order_lag(symbols("w"))).steps("real")
+        >>> found.definitions, found.results
+        (((M, omega**2 + w**2), (E, -k*omega**2)), {'real': E/M})
+        """
+        names = of or ("real", "imag")
+        known = [x for x in self.chain.steps.results if not x.startswith("perceived")]
+        for name in (x for x in names if x not in known):
+            raise SceneError(f"steps: {quoted(name)}: {meant(str(name), known)}valid are {', '.join(known)}")
+        found = self.chain.steps.only(names)
+        if self.frequency == omega:
+            return found
+        pairs = tuple((name, self._told(x)) for name, x in found.definitions)
+        return replace(found, definitions=pairs, results={name: self._told(x) for name, x in found.results.items()})
 
     @property
     def modulus(self) -> Expr:
@@ -307,6 +370,20 @@ class Distortion(Shown):
         -k*omega*tau
         """
         return solved.Asymptote(*map(self._told, solved.asymptote(self, at)))
+
+    @property
+    def low_frequency(self) -> solved.LowFrequency:
+        """Stiffness, damping and mass that a slow hand feels: H_perc(s) = stiffness + damping s + mass s^2 + ..., exactly.
+
+        SceneError where H_perc is infinite at s = 0, or not rational in s but for delays.
+
+        >>> from haptisym import effects, environments
+        >>> from haptisym.kernel.symbols import symbols
+        >>> k, b, tau = symbols("k b tau")
+        >>> distort(environments.mass_spring_damper(k=k), effects.wave_variables(b, tau)).low_frequency.stiffness
+        b*k/(b + k*tau)
+        """
+        return solved.low_frequency(self.perc)
 
     def lambdify(self, quantity: str = "ratio_real", modules: Any = "numpy") -> Callable[..., Any]:
         """A plain function of omega and the parameters by name, as of ``sympy.lambdify``: for NumPy, mpmath, JAX or math.

@@ -69,6 +69,14 @@ class Asymptote(NamedTuple):
     imag: Expr
 
 
+class LowFrequency(NamedTuple):
+    """What a slow hand feels: H_perc(s) = stiffness + damping s + mass s^2 + terms of higher order."""
+
+    stiffness: Expr
+    damping: Expr
+    mass: Expr
+
+
 def part_named(given: Any) -> Part:
     """A part, or its name. SceneError for any other."""
     if given in [x.value for x in Part]:
@@ -170,17 +178,39 @@ def asymptote(d: Responses, at: Any) -> Asymptote:
     if at not in (0, oo):
         raise SceneError(f"at: {quoted(at)} is neither 0 nor oo")
     dynamics = d.difference.expression()
-    late = [x for x in dynamics.atoms(exp) if x.has(s)]
-    if late and at == oo:
+    if at == oo and any(x.has(s) for x in dynamics.atoms(exp)):
         raise SceneError("at = oo: a delay turns for ever, so that there is no leading term")
-    series = {x: Add(*(x.args[0] ** n / factorial(n) for n in range(_TERMS))) for x in late}
-    near = dynamics.xreplace(series)
-    if not near.is_rational_function(s):
-        raise SceneError("there is no leading term of a display that is not rational in s but for delays")
+    near, exact = _near_0(dynamics), on_axis(d.difference)
     ring = Ring.of([near])
     response = on_axis(ring.convert(near).reduced())
-    parts = [RealFunction(x.function.reduced()).function.expression() for x in (response.real, response.imag)]
+    parts = [
+        Integer(0) if whole.is_zero else RealFunction(x.function.reduced()).function.expression()
+        for x, whole in ((response.real, exact.raw_real), (response.imag, exact.raw_imag))
+    ]
     return Asymptote(_leading(near, s, at), *(_leading(x, omega, at) for x in parts))
+
+
+def low_frequency(perceived: RationalFunction) -> LowFrequency:
+    """As of ``Distortion.low_frequency``."""
+    above, below = (Poly(x, s).all_coeffs()[::-1] for x in _near_0(perceived.expression()).together().as_numer_denom())
+    while above[0] == below[0] == 0:
+        above, below = above[1:], below[1:]
+    if below[0] == 0:
+        raise SceneError("H_perc is infinite at rest: it has no stiffness, damping and mass there")
+    found: list[Expr] = []
+    for n, x in enumerate([*above, *[Integer(0)] * 3][:3]):
+        left = x - sum((found[i] * below[n - i] for i in range(n) if n - i < len(below)), Integer(0))
+        found.append((left / below[0]).factor())
+    return LowFrequency(*found)
+
+
+def _near_0(dynamics: Expr) -> Expr:
+    """With delays as sums of powers of s, which hold near 0."""
+    late = [x for x in dynamics.atoms(exp) if x.has(s)]
+    near = dynamics.xreplace({x: Add(*(x.args[0] ** n / factorial(n) for n in range(_TERMS))) for x in late})
+    if not near.is_rational_function(s):
+        raise SceneError("there is no leading term of a display that is not rational in s but for delays")
+    return near
 
 
 def _leading(f: Expr, variable: Symbol, at: Any) -> Expr:

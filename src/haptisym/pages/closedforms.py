@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import Expr, I, Mul, S, Symbol, sqrt
+from sympy import Abs, Expr, I, Mul, S, Symbol, sqrt
 
 from haptisym.kernel import response
 from haptisym.kernel.dynamics import Ring
@@ -37,7 +37,7 @@ class ClosedForms:
 
     def difference(self) -> list[Line]:
         """Re dH and Im dH (eq. 9), and what they are compared with, |H_env|^2."""
-        change = [_row(f"{name} dH", on_axis(self.distortion.difference, part)) for part, name in _OPERATORS.items()]
+        change = [_row(f"{name} dH", self._change(part)) for part, name in _OPERATORS.items()]
         return [*change, _row("|H_env|^2", self._square)]
 
     def ratios(self) -> list[Line]:
@@ -47,7 +47,11 @@ class ClosedForms:
     def relative(self) -> list[Line]:
         """Re(dH/H_env) and Im(dH/H_env), which are not the ratios."""
         relative = (self.distortion.difference / self.distortion.env).reduced()
-        return [_row(f"{name}(dH/H_env)", on_axis(relative, part)) for part, name in _OPERATORS.items()]
+        forms = {part: self.distortion.relative_form(part) for part in Part}
+        return [
+            _row(f"{name}(dH/H_env)", on_axis(relative, part) if forms[part][1] else forms[part][0])
+            for part, name in _OPERATORS.items()
+        ]
 
     def properties(self, system: str) -> list[Line]:
         """What is felt of a system (section 2.3): Re H and Im H; stiffness, mass and damping."""
@@ -73,12 +77,23 @@ class ClosedForms:
     def _square(self) -> Expr:
         return squared_modulus(self.distortion.env)
 
+    def _change(self, part: Part) -> Expr:
+        """Re or Im dH."""
+        form, is_lowest = self.distortion.form(part)
+        return on_axis(self.distortion.difference, part) if is_lowest else form
+
     def _parts(self, system: str) -> tuple[Expr, Expr]:
-        function = self.distortion.env if system == "env" else self.distortion.perc
-        return on_axis(function, Part.REAL), on_axis(function, Part.IMAG)
+        real, imag = (on_axis(self.distortion.env, part) for part in Part)
+        if system == "env":
+            return real, imag
+        if all(self.distortion.form(part)[1] for part in Part):
+            return on_axis(self.distortion.perc, Part.REAL), on_axis(self.distortion.perc, Part.IMAG)
+        return real + self._change(Part.REAL), imag + self._change(Part.IMAG)
 
     def _ratio(self, part: Part) -> Expr:
-        form, difference = on_axis(self.distortion.difference, part), self.distortion.difference
+        form, difference = self._change(part), self.distortion.difference
+        if not self.distortion.form(part)[1]:
+            return Abs(form, evaluate=False) / sqrt(self._square)
         return magnitude(form, difference, evaluate=not is_long(form)) / sqrt(self._square)
 
 

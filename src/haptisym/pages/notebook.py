@@ -43,7 +43,6 @@ from haptisym.writing.texlines import align, is_long
 from haptisym.writing.texprinter import tex
 
 _PER_SECOND = r"\,\mathrm{rad/s}"
-_MOST_TERMS = 50  # of a numerator; a longer one is no formula to look at
 
 
 def latex(x: Any) -> str | None:
@@ -111,10 +110,8 @@ def _distortion(x: Distortion) -> str:
 
 def _rows(x: Distortion) -> list[Line]:
     """Dynamics, distortion and ratios, as far as they can be read."""
-    forms, response = ClosedForms(x), x.difference_response
-    rows = forms.dynamics()
-    if max(len(f.numerator) for f in (response.raw_real, response.raw_imag)) <= _MOST_TERMS:
-        rows += [*forms.difference(), *forms.ratios()]
+    forms = ClosedForms(x)
+    rows = [*forms.dynamics(), *forms.difference(), *forms.ratios()]
     return [row for row in rows if row.optional or not is_long(row.value)]
 
 

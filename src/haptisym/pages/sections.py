@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 
-from sympy import Expr, Symbol, count_ops
+from sympy import Expr, Symbol, count_ops, exp
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.solutions import Solution
@@ -40,7 +40,16 @@ def sections(d: Derivation) -> tuple[Section, ...]:
     if d.of:
         return asked(d, d.of)
     when = _when(d) if d.scene.threshold.is_plain else regionforms.when(d)
-    found = [_dynamics(d), _in_steps(d), _written_out(d), when, _changeovers(d), *_dimensionless(d), *_fast(d)]
+    found = [
+        _dynamics(d),
+        _in_steps(d),
+        _written_out(d),
+        when,
+        _changeovers(d),
+        *_dimensionless(d),
+        *_slow(d),
+        *_fast(d),
+    ]
     return tuple(section for section in found if section.blocks)
 
 
@@ -239,6 +248,21 @@ def _fast(d: Derivation) -> Iterator[Section]:
     said: Phrase = ("What is left out makes at most ", listed(errors), *on)
     fast = listed((named(x.name), f" {_direction(d, x)}") for x in found.fast)
     yield _section(("Fast devices: ", fast), rows, [said] if errors else ())
+
+
+def _slow(d: Derivation) -> Iterator[Section]:
+    """Of a chain with delays, whose closed form is long: what authors print of it."""
+    if d.steps.operations > MOST_STEPS or not d["H_perc"].has(exp):
+        return
+    try:
+        found = d.distortion.low_frequency
+    except SceneError:
+        return
+    rows = [
+        Line(named(name), x) for name, x in zip(("k_0", "b_0", "m_0"), found, strict=True) if count_ops(x) <= LONGEST
+    ]
+    said = ("What a slow hand feels, stiffness, damping and mass of ", named("H_perc"), " at rest:")
+    yield _section("Slow motion", rows, [said])
 
 
 def _direction(d: Derivation, fast: Symbol) -> str:

@@ -133,8 +133,28 @@ def _plan(program: Program, constants: Mapping[int, np.float64], are_numbers: Se
         elif step.name != "constant" and all(x in are_single for x in step.arguments):
             single.append((i, UFUNCS[step.name], step.arguments))
             are_single.add(i)
-    last = _last_uses(operations, results)
     moving = [(i, x) for i, x in enumerate(operations) if i not in are_single and x.name != "input"]
+    put, count = _places(moving, operations, results)
+    steps = []
+    for i, step in moving:
+        x, y = (put.get(a, a) for a in (*step.arguments, -1)[:2])
+        steps.append((UFUNCS[step.name], x, None if y < 0 else y, put[i]))
+    others = []
+    for n, x in enumerate(results):
+        if x in are_single:
+            others.append((n, x, "number", 0))
+        elif operations[x].name == "input":
+            others.append((n, x, "input", operations[x].arguments[0]))
+        elif results.index(x) < n:
+            others.append((n, x, "result", results.index(x)))
+    return _Plan(known, tuple(numbers), tuple(single), tuple(inputs), tuple(steps), count, tuple(others))
+
+
+def _places(
+    moving: Sequence[tuple[int, Operation]], operations: Sequence[Operation], results: tuple[int, ...]
+) -> tuple[dict[int, int], int]:
+    """Where each step is put: behind the places of all operations into as few buffers as will do, or into a result."""
+    last = _last_uses(operations, results)
     direct = {x: n for n, x in reversed(list(enumerate(results)))}
     free: list[int] = []
     place: dict[int, int] = {}
@@ -152,20 +172,7 @@ def _plan(program: Program, constants: Mapping[int, np.float64], are_numbers: Se
         if step.name in _SELDOM:
             free += [place[x] for x in ended]
     size = len(operations)
-    put = {x: size + (n if n >= 0 else count - 1 - n) for x, n in place.items()}
-    steps = []
-    for i, step in moving:
-        x, y = (put.get(a, a) for a in (*step.arguments, -1)[:2])
-        steps.append((UFUNCS[step.name], x, None if y < 0 else y, put[i]))
-    others = []
-    for n, x in enumerate(results):
-        if x in are_single:
-            others.append((n, x, "number", 0))
-        elif operations[x].name == "input":
-            others.append((n, x, "input", operations[x].arguments[0]))
-        elif results.index(x) < n:
-            others.append((n, x, "result", results.index(x)))
-    return _Plan(known, tuple(numbers), tuple(single), tuple(inputs), tuple(steps), count, tuple(others))
+    return {x: size + (n if n >= 0 else count - 1 - n) for x, n in place.items()}, count
 
 
 def _last_uses(operations: Sequence[Operation], results: Sequence[int]) -> dict[int, int]:

@@ -46,8 +46,6 @@ _TEMPLATE = r"""\documentclass[a4paper]{article}
 \renewcommand{\topfraction}{0.9}
 \renewcommand{\textfraction}{0.05}
 \renewcommand{\floatpagefraction}{0.85}
-\renewcommand{\Re}{\operatorname{Re}}
-\renewcommand{\Im}{\operatorname{Im}}
 %s
 \title{%s}
 \author{}

@@ -55,7 +55,7 @@ from haptisym.writing.quotients import exponent, flipped, fraction, is_flippable
 _FUNCTIONS = {
     **{name: name for name in ("sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "coth")},
     **{f"a{name}": f"arc{name}" for name in ("sin", "cos", "tan")}, "asinh": "arsinh", "acosh": "arcosh", "atanh": "artanh",
-    "log": "ln", "re": "Re", "im": "Im", "Max": "max", "Min": "min",
+    "log": "ln", "re": "Re", "im": "Im", "Max": "max", "Min": "min", "atan2": "atan2",
 }  # fmt: skip
 _CONSTANTS = {pi: named("pi"), I: named("j"), S.Exp1: named("e"), S.Infinity: named("∞")}
 

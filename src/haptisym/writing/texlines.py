@@ -163,7 +163,7 @@ _WIDTHS = {
     **dict.fromkeys("+-=<>", 1.2), **dict.fromkeys("()|.,'", 0.35), **dict.fromkeys("0123456789", 0.5),
     **dict.fromkeys("mwMWHNX", 0.85),
     r"\quad": 1.0, r"\,": 0.17, r"\cdot": 0.7, r"\times": 1.2, r"\approx": 1.3, r"\Delta": 0.85, r"\omega": 0.65,
-    **dict.fromkeys((r"\left", r"\right", r"\mathrm", r"\mathcal", r"\text"), 0.0),
+    **dict.fromkeys((r"\left", r"\right", r"\mathrm", r"\mathcal", r"\text", r"\operatorname"), 0.0),
     **dict.fromkeys((r"\bigl", r"\bigr", r"\Bigl", r"\Bigr"), 0.1),
 }  # fmt: skip
 

@@ -32,7 +32,7 @@ from haptisym.writing.layout import layout
 from haptisym.writing.texnames import set_name
 
 _OPERATORS = {
-    **{x: rf"\{x}" for x in ("sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "coth", "ln", "max", "min", "Re", "Im")},
+    **{x: rf"\{x}" for x in ("sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "coth", "ln", "max", "min")},
     **{x: rf"\{x}" for x in ("arcsin", "arccos", "arctan")},
 }  # fmt: skip
 RELATIONS = {"≈": r"\approx", "≠": r"\ne", "≤": r"\le", "≥": r"\ge"}
