@@ -34,7 +34,7 @@ from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.places import CellVerdict
 from haptisym.verbs.require.verdicts import Question, Turn, together
-from haptisym.verbs.stability.curves import Gap
+from haptisym.verbs.stability.loops import Gap
 
 E, F = hs.environments, hs.effects
 REAL, IMAG = noticed(hs.Threshold())

@@ -16,7 +16,7 @@ import haptisym as hs
 from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.errors import UndecidedError
-from haptisym.verbs.stability.clockrange import is_held, passages
+from haptisym.verbs.stability.clocked import is_held, passages
 from haptisym.verbs.stability.critical import Nearest, critical
 from haptisym.verbs.stability.held import held
 

@@ -21,8 +21,8 @@ from sympy import Rational, Symbol
 import haptisym as hs
 from haptisym.kernel.budget import timed_by
 from haptisym.kernel.symbols import s
+from haptisym.verbs.stability.clocked import OnCircle
 from haptisym.verbs.stability.held import held
-from haptisym.verbs.stability.oncircle import OnCircle
 from haptisym.verbs.tolerances.clockplane import ClockPlane
 from haptisym.verbs.tolerances.heldbox import HeldInBox, held_in_box, quotient
 

@@ -24,14 +24,11 @@ from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.verdicts import Question, Turn
 from haptisym.verbs.stability.boundary import meetings
-from haptisym.verbs.stability.clocked import clocked_roots
-from haptisym.verbs.stability.clockrange import passages_in
-from haptisym.verbs.stability.curves import Gap, Meetings
+from haptisym.verbs.stability.chains import RightRoots, Tendency
+from haptisym.verbs.stability.clocked import clocked_roots, passages_in
 from haptisym.verbs.stability.entry import chosen
-from haptisym.verbs.stability.loops import Loop
-from haptisym.verbs.stability.rightroot import RightRoots
+from haptisym.verbs.stability.loops import Gap, Loop, Meetings
 from haptisym.verbs.stability.tally import Tally
-from haptisym.verbs.stability.tendency import Tendency
 
 _MOST_WINDOWS = 8
 """Of values about the scene's own, each about four times as wide as the one before it."""

@@ -14,7 +14,7 @@ from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
 from haptisym.verbs.require.feasible import Binding, End, Solved, Span, runs
 from haptisym.verbs.require.freeparameter import Domain
-from haptisym.verbs.stability.curves import Gap
+from haptisym.verbs.stability.loops import Gap
 
 _BEYOND = "further out was not looked at"
 

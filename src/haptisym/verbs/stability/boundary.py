@@ -12,13 +12,9 @@ from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.response import RealFunction
-from haptisym.verbs.stability.curves import Curve, Meeting, Meetings, curve_of, minus
-from haptisym.verbs.stability.farout import from_infinity, is_neutral
-from haptisym.verbs.stability.loops import Loop
-from haptisym.verbs.stability.neutral import cells, neutral_meetings
-from haptisym.verbs.stability.pairs import Characteristic
+from haptisym.verbs.stability.chains import Switches, cells, from_infinity, is_neutral, neutral_meetings
+from haptisym.verbs.stability.loops import Characteristic, Curve, Loop, Meeting, Meetings, curve_of, minus
 from haptisym.verbs.stability.search import searched
-from haptisym.verbs.stability.switches import Switches
 
 _WINDOWS = 12
 _MOST_TURNING = 400  # radians that a delay turns up to where roots are looked for

@@ -27,9 +27,8 @@ from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
 from haptisym.model.parameters import Parameter
 from haptisym.model.scene import Scene
-from haptisym.verbs.stability.clocked import clocked_roots
+from haptisym.verbs.stability.clocked import OnCircle, clocked_roots
 from haptisym.verbs.stability.held import characteristic, ring_of, roots_in_hand
-from haptisym.verbs.stability.oncircle import OnCircle
 
 
 class Share(Enum):

@@ -1,21 +1,56 @@
-"""A display with a clock in a hand: the loop through controller, hold and what moves, and how many of its roots have |z| >= 1."""
+"""A display with a clock in a hand: its loop, its roots, and how far a number may go before roots reach the unit circle.
+
+A display with a clock in a hand: the loop through controller, hold and what moves, and how many of its roots have |z| >= 1.
+
+Whether a loop with a clock has roots on the unit circle for some values of a box: excluded in balls, cell by cell.
+
+In v, z = (1 + v)/(1 - v), the circle is the imaginary axis: where there is no root at z = 1, at z = -1, nor a pair +-j nu for
+any values of a cell, the number of roots with |z| >= 1 is one for all of its values.
+
+Values at which a root of a loop with a clock reaches the unit circle, and how fast it goes round there: to any digits.
+
+How far a number may go before a display with a clock shakes: where roots of its loop reach the unit circle, by balls.
+
+There is a root z = 1 where B(1) Q(0) + A(1) N(0) = 0, D = A/B and G = N/Q; a root z = -1 where the highest coefficient in v is 0,
+z = (1 + v)/(1 - v); a pair on the circle where a determinant of Hurwitz is. From a value on, cells in which none of the three
+vanishes follow each other, as long as they may be, up to one in which the number of roots changes; its zero is closed in on.
+
+All values of a number at which roots of a loop with a clock reach the unit circle, between two values.
+
+Without end in two ways. Where the number stands in the controller, or over a polynomial of what moves, as stiffness and damping
+of a wall do, the loop is a polynomial in u = 1/q or -1/q, times a power of u, and is looked at down to u = 0. And what damps, or
+is mass or stiffness beside that, puts no root on the circle where that damps as Colgate and Schenkel's condition asks.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property, lru_cache
+from typing import Any, Protocol, TypeAlias
 
 import flint
-from sympy import Expr, I, Integer, Rational, pi
+from flint import acb_poly, arb, arb_mat
+from sympy import Expr, I, Integer, Poly, Rational, Symbol, pi
 
+from haptisym.judge.colgate import sampled_passivity
+from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.nearone import about_one, at_one
-from haptisym.kernel.pulse import Plant, SampledLoop
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
+from haptisym.kernel.nearone import about_one, at_minus_one, at_one, circle_tests, is_clear
+from haptisym.kernel.pulse import Numbers, Plant, SampledLoop
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import Roots, count_roots
+from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.schurcohn import count_on_circle
 from haptisym.kernel.stability import is_stable
 from haptisym.model.catalogue import Effect
+from haptisym.model.devices import device
 from haptisym.model.hand import Hand
+from haptisym.model.knobs import Knob
+from haptisym.model.parameters import Rule
 from haptisym.model.sampled import CLOCKS, SAMPLED_LOOP, controller
 from haptisym.model.scene import Scene
 
@@ -159,3 +194,643 @@ def _by_delay(ring: Ring, polynomial: Polynomial) -> Mapping[tuple[int, ...], tu
             factor *= symbol**n
         row[own[0]] = row.get(own[0], Integer(0)) + factor
     return {turns: tuple(row.get(n, Integer(0)) for n in range(max(row) + 1)) for turns, row in rows.items()}
+
+
+_BITS_ONCIRCLE = 96
+_MOST_CELLS = 3000
+
+Cell: TypeAlias = tuple[tuple[Fraction, Fraction], ...]
+"""From which share of each range to which."""
+
+
+@dataclass(frozen=True)
+class OnCircle:
+    """A loop with a clock over the values that some of its symbols may have."""
+
+    loop: SampledLoop
+    ranges: Mapping[Symbol, tuple[Expr, Expr]]
+
+    @classmethod
+    def of(cls, scene: Scene, hand: Hand, ranges: Mapping[Symbol, tuple[Expr, Expr]]) -> OnCircle:
+        """UndecidedError where such a loop is not decided."""
+        display = {p.path: p.symbol for p in scene.parameters if p.symbol in ranges}
+        own = {p.symbol.name: p.symbol for p in hand.parameters if p.symbol in ranges}
+        found = cls(loop_of(scene.with_values(display), hand.with_values(own)), ranges)
+        if found._at_one == 0:
+            raise UndecidedError("the roots of a sampled loop of which one stays at z = 1, for all values at once")
+        return found
+
+    def left(self) -> list[Cell]:
+        """Cells outside which no root is on the circle, and in which there may be: none where that is proven."""
+        waiting, looked = [((Fraction(0), Fraction(1)),) * len(self.ranges)], 0
+        while waiting and looked < _MOST_CELLS:
+            tick(looked, _MOST_CELLS, "cells of ranges")
+            cell, looked = waiting.pop(0), looked + 1
+            if not self.is_clear(cell):
+                waiting += halves(cell, range(len(cell)))
+        return waiting
+
+    def is_clear(self, cell: Cell) -> bool:
+        """Whether no root is on the circle for any values of a cell, proven."""
+        with flint.ctx.workprec(_BITS_ONCIRCLE):
+            try:
+                return is_clear(self.loop, self._at(cell), self._at_one)
+            except (UndecidedError, ZeroDivisionError, ValueError):
+                return False
+
+    def is_stable(self, values: Mapping[Symbol, Expr]) -> bool | None:
+        """Whether it is for some values and all that clear cells join to them, or for none of these; None where not known.
+
+        Counted before anything cancels: what is hidden at these values alone is not at others.
+        """
+        found = self.loop.at(values).circle()  # in 1/z
+        return True if found.inside + found.on == 0 else False if self.hides_none else None
+
+    @cached_property
+    def hides_none(self) -> bool:
+        """Whether nothing that does not decay can be hidden, for any values: neither by the plant nor by the controller.
+
+        The plant's poles have Re s < 0, by Hurwitz, but for some at s = 0, which would show at z = 1; those of the controller
+        have |z| <= 1, as their coefficients tell.
+        """
+        with flint.ctx.workprec(_BITS_ONCIRCLE):
+            known = self._at(((Fraction(0), Fraction(1)),) * len(self.ranges))
+            plant = list(self.loop.plant.denominator)
+            while plant[0] == 0:
+                plant.pop(0)
+            if expression_ball(plant[-1], known) < 0:
+                plant = [-x for x in plant]
+            first, *others = (expression_ball(x, known) for x in self.loop.below)
+            return (
+                self._is_never_negative(plant[0])
+                and _is_hurwitz([expression_ball(x, known) for x in plant])
+                and bool(abs(first) >= sum(map(abs, others), arb(0)))
+            )
+
+    def _is_never_negative(self, formula: Expr) -> bool:
+        """Whether it is a sum of products of what is not negative, for any values."""
+        terms = formula.expand().as_ordered_terms()
+        lows = [self.ranges[x][0] for x in formula.free_symbols]
+        return all(x.as_coeff_Mul()[0] >= 0 for x in terms) and all(sign_of_number(x) >= 0 for x in lows)
+
+    @cached_property
+    def _at_one(self) -> Expr:
+        return at_one(self.loop)
+
+    def _at(self, cell: Cell) -> dict[Expr, Ball]:
+        """The values of a cell, in balls; at the current working precision."""
+        found: dict[Expr, Ball] = {}
+        for (symbol, (low, high)), (start, end) in zip(self.ranges.items(), cell, strict=True):
+            a, b = expression_ball(low), expression_ball(high)
+            found[symbol] = (a + _ball(start) * (b - a)).union(a + _ball(end) * (b - a))
+        return found
+
+
+def halves(cell: Cell, sides: Sequence[int]) -> list[Cell]:
+    """A cell cut in two along the widest of some sides."""
+    i = max(sides, key=lambda n: cell[n][1] - cell[n][0])
+    low, high = cell[i]
+    middle = (low + high) / 2
+    return [(*cell[:i], part, *cell[i + 1 :]) for part in ((low, middle), (middle, high))]
+
+
+def _is_hurwitz(row: Sequence[Ball]) -> bool:
+    """Whether a polynomial with ascending coefficients, the first of them >= 0, has all roots in Re s < 0, or one at 0."""
+    down, n = list(row)[::-1], len(row) - 1
+    if not all(x > 0 for x in down[:-1]):
+        return False
+    entries = [
+        [down[2 * (j + 1) - (i + 1)] if 0 <= 2 * (j + 1) - (i + 1) <= n else arb(0) for j in range(n)] for i in range(n)
+    ]
+    return all(arb_mat([line[:k] for line in entries[:k]]).det() > 0 for k in range(1, n))
+
+
+def _ball(x: Fraction) -> Any:
+    return arb(x.numerator) / arb(x.denominator)
+
+
+class Loop(Protocol):
+    """A loop with a clock, in which one number is open."""
+
+    def tests(self, value: Ball) -> tuple[Ball, ...]:
+        """Three functions of the number, of which one vanishes where a root is on the unit circle."""
+        ...
+
+    def angle(self, value: Ball, bits: int) -> Ball:
+        """At which angle a pair is there."""
+        ...
+
+    def period(self, value: Ball) -> Ball:
+        """Of the clock, s."""
+        ...
+
+
+@dataclass(frozen=True, repr=False)
+class CriticalValue(RealNumber):
+    """The zero of one of the three tests between two values at which its signs differ."""
+
+    loop: Loop
+    test: int
+    low: Fraction
+    high: Fraction
+
+    def ball(self, bits: int) -> Ball:
+        return _bisected(self, bits)
+
+    def value(self, x: Ball) -> Ball:
+        """The test at a point."""
+        return self.loop.tests(x)[self.test]
+
+
+@lru_cache(maxsize=256)
+def _bisected(zero: CriticalValue, bits: int) -> Ball:
+    """A ball around it of about that relative accuracy: by regula falsi, until signs on both sides of a point confirm it."""
+    with flint.ctx.workprec(2 * bits + 64):
+        low, high = _exactly(zero.low), _exactly(zero.high)
+        f, g = (zero.value(x).mid() for x in (low, high))
+        width = abs(high) * arb(2) ** -bits
+        while (high - low) > 2 * width:
+            x = ((low * g - high * f) / (g - f)).mid()
+            for place in ((x - width).mid(), (x + width).mid()):
+                if not low < place < high:
+                    continue
+                y = zero.value(place)
+                if y.contains(0):
+                    return low.union(high)
+                if (y > 0) == (f > 0):
+                    low, f = place, y.mid()
+                else:
+                    high, g = place, y.mid()
+            middle = ((low + high) / 2).mid()
+            y = zero.value(middle)
+            if y.contains(0):
+                return low.union(high)
+            if (y > 0) == (f > 0):
+                low, f = middle, y.mid()
+            else:
+                high, g = middle, y.mid()
+        return low.union(high)
+
+
+@dataclass(frozen=True, repr=False)
+class Swing(RealNumber):
+    """The frequency at which roots reach the unit circle, rad/s."""
+
+    value: CriticalValue
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(4 * bits + 128):
+            q = self.value.ball(2 * bits + 64)
+            if self.value.test == 0:
+                return arb(0)
+            theta = arb.pi() if self.value.test == 1 else self.value.loop.angle(q, bits)
+            return theta / self.value.loop.period(q)
+
+
+@dataclass(frozen=True, repr=False)
+class Inverse(RealNumber):
+    """1/x, or -1/x, of a number x > 0.
+
+    >>> from sympy import Integer
+    >>> from haptisym.kernel.reals import ExactNumber
+    >>> Inverse(ExactNumber(Integer(3)), -1).digits(5)
+    '-0.33333'
+    """
+
+    number: RealNumber
+    sign: int
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits + 16):
+            return self.sign / self.number.ball(bits + 8)
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A ``value`` at which the number of roots with |z| >= 1 changes, from ``below`` to ``above``; ``omega`` : theirs, rad/s."""
+
+    value: RealNumber
+    omega: RealNumber
+    below: int
+    above: int
+
+    def inverse(self, side: int) -> Passage:
+        """Of 1/value, or (side -1) of -1/value."""
+        ends = (self.above, self.below) if side > 0 else (self.below, self.above)
+        return Passage(Inverse(self.value, side), self.omega, *ends)
+
+
+def _exactly(x: Fraction) -> Ball:
+    return arb(x.numerator) / arb(x.denominator)
+
+
+_BITS_CLOCKCRITICAL = 128
+_ZERO = ExactNumber(Integer(0))
+_REACH = 10  # times that a value is doubled, and halved, at the most
+_FINEST = Fraction(1, 1 << 24)  # of a value: where cells are shorter, it is asked whether more roots are behind them
+_STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
+_DEEPEST = 8  # times that these are cut
+_GROWTH = Fraction(1, 2)  # of a cell, to the next
+_MOST_CELLS_CLOCKCRITICAL, _MOST_FINE = 1000, 40  # on a side; of them the shortest
+
+
+def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
+    """The loop with a symbol for a number of the hand or of the display."""
+    symbol = free.symbol
+    if any(p.symbol == symbol for p in hand.parameters):
+        return Opened(loop_of(scene, hand.with_values({symbol.name: symbol})), symbol)
+    return Opened(loop_of(scene.with_values({free.path: symbol}), hand), symbol)
+
+
+def start_of(loop: Opened, value: Expr) -> Rational:
+    """From which value to walk: the number's own, or a rational one beside it with no root on the circle in between."""
+    if isinstance(value, Rational):
+        return value
+    near = Rational(float(value))
+    with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
+        q = expression_ball(value).union(expression_ball(near))
+        if any(x.contains(0) or not x.is_finite() for x in loop.tests(q)):
+            raise UndecidedError("how far a number may go that is no rational one")
+    return near
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A loop in which a symbol stands for one number."""
+
+    loop: SampledLoop
+    symbol: Symbol
+
+    @cached_property
+    def is_fixed(self) -> bool:
+        """Whether the number is nowhere in it."""
+        plant = self.loop.plant
+        every = (
+            self.loop.T,
+            *self.loop.above,
+            *self.loop.below,
+            *plant.denominator,
+            *(x for lag, N in plant.terms for x in (lag, *N)),
+        )
+        return not any(x.has(self.symbol) for x in every)
+
+    def at(self, value: Rational) -> SampledLoop:
+        """The loop at a number."""
+        return self.loop.at({self.symbol: value})
+
+    def count(self, value: Rational) -> tuple[int, int]:
+        """The roots with |z| >= 1 at a number, and those on the circle that are not there at any number."""
+        found = self.at(value).circle()
+        return found.inside + found.on, found.on - self.always - self.loop.hidden[1]
+
+    @cached_property
+    def at_one(self) -> Expr:
+        """C(1) times what is nowhere 0."""
+        return at_one(self.loop)
+
+    @cached_property
+    def opposite(self) -> tuple[Expr, Expr] | None:
+        """What is at z = -1, where that is not told by the coefficients."""
+        return None
+
+    @cached_property
+    def always(self) -> int:
+        """How many roots lie at 1 whatever the number is."""
+        if self.at_one != 0:
+            return 0
+        found = count_on_circle(self.at(Rational(7919, 6007)))
+        return found.on
+
+    def row(self, q: Ball) -> list[Ball]:
+        """The coefficients at a ball of numbers, but for the roots that are always at 1."""
+        row = self.loop.balls({self.symbol: q})
+        for _ in range(self.always):
+            rest = [row[-1]]
+            for x in row[-2:0:-1]:
+                rest.append(x + rest[-1])
+            row = rest[::-1]
+        return row
+
+    def tests(self, q: Ball) -> tuple[Ball, Ball, Ball]:
+        """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle."""
+        return circle_tests(self.loop, {self.symbol: q}, self.at_one, self.always)
+
+    def is_clear(self, q: Ball) -> bool:
+        """Whether no root is on the circle for any number in a ball, proven."""
+        try:
+            return is_clear(self.loop, {self.symbol: q}, self.at_one, self.always, self.opposite)
+        except (UndecidedError, ZeroDivisionError):
+            return False
+
+    def angle(self, q: Ball, bits: int) -> Ball:
+        """Of the pair on the circle: its argument, to so many bits; not finite where balls do not tell."""
+        try:
+            roots = acb_poly(self.row(q)).roots(tol=arb(2) ** -bits, maxprec=2 * flint.ctx.prec)
+        except ValueError:
+            return arb("nan")
+        found = [z.arg() for z in roots if abs(z).overlaps(arb(1)) and z.imag > 0]
+        return found[0] if len(found) == 1 else arb("nan")
+
+    def period(self, q: Ball) -> Ball:
+        """T, s."""
+        return expression_ball(self.loop.T, {self.symbol: q})
+
+
+@dataclass(frozen=True)
+class Walk:
+    """From a value on, cell after cell."""
+
+    loop: Opened
+    start: Fraction
+    home: int
+    rule: Rule
+
+    def towards(self, side: int) -> tuple[Passage | None, Fraction]:
+        """The nearest change on one side, None where there is none, and as far as that is known."""
+        scale = abs(self.start) or Fraction(1)
+        end = self._end(side, scale)
+        at, step, fine, growth = self.start, scale / 64, 0, _GROWTH
+        for _ in range(_MOST_CELLS_CLOCKCRITICAL):
+            try:
+                tick()
+            except LimitError:
+                break
+            if at == end:
+                found = self._at_0(at, side)
+                return found, Fraction(0) if found or self._is_clear_down_to_0(at, side) else at
+            further = _short(at + side * step)
+            ahead = min(further, end) if side > 0 else max(further, end)
+            if self._is_clear(at, ahead):
+                at, step, growth = ahead, _short(step * (1 + growth)), min(_GROWTH, _short(growth * Fraction(5, 4)))
+            elif step > _FINEST * max(abs(at), scale * _FINEST):
+                step, growth = step / 2, growth / 2  # soon about as long as may be
+            else:
+                try:
+                    found, at = self._over(at, side * step)
+                except UndecidedError:
+                    break
+                fine += 1
+                if found is not None:
+                    return found, at
+                if fine > _MOST_FINE:
+                    break
+        return None, at
+
+    def _end(self, side: int, scale: Fraction) -> Fraction:
+        far: Fraction = self.start + side * scale * 2**_REACH
+        return far if side > 0 or self.rule is Rule.ANY else self.start / 2**_REACH
+
+    def _is_clear(self, one: Fraction, other: Fraction) -> bool:
+        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
+            return self.loop.is_clear(_ball_in_clockcritical(one).union(_ball_in_clockcritical(other)))
+
+    def _over(self, one: Fraction, step: Fraction) -> tuple[Passage | None, Fraction]:
+        """Past values where balls do not tell: a change there, None if there is none, and how far that goes."""
+        for times in _STEPS:
+            other = one + times * step
+            count, on = self.loop.count(Rational(other.numerator, other.denominator))
+            if on:
+                raise UndecidedError("where a root stays on the unit circle")
+            if count != self.home:
+                return self._between(one, other, count), other
+            low, high = sorted((one, other))
+            if self._has_none(low, high, _DEEPEST):
+                return None, other
+        raise UndecidedError("whether roots reach the unit circle and go back")
+
+    def _has_none(self, low: Fraction, high: Fraction, depth: int) -> bool:
+        """Whether no value between two puts a root on the circle, proven; in ever smaller pieces, as beside one that does."""
+        tick()
+        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
+            if self.loop.is_clear(_ball_in_clockcritical(low).union(_ball_in_clockcritical(high))):
+                return True
+        middle = (low + high) / 2
+        return depth > 0 and self._has_none(low, middle, depth - 1) and self._has_none(middle, high, depth - 1)
+
+    def _between(self, one: Fraction, other: Fraction, count: int) -> Passage:
+        """The change between two values that are close to each other, to a count at the other one."""
+        low, high = sorted((one, other))
+        side = 1 if other > one else -1
+        below, above = (self.home, count) if side > 0 else (count, self.home)
+        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
+            ends = [self.loop.tests(_ball_in_clockcritical(x)) for x in (low, high)]
+            changed = [i for i, (x, y) in enumerate(zip(*ends, strict=True)) if x * y < 0]
+        if len(changed) != 1:
+            raise UndecidedError("where roots reach the unit circle together")
+        if low < 0 < high and changed[0] == 0 and self.loop.at_one.xreplace({self.loop.symbol: Integer(0)}) == 0:
+            return Passage(_ZERO, _ZERO, below, above)
+        value = CriticalValue(self.loop, changed[0], low, high)
+        return Passage(value, Swing(value), below, above)
+
+    def _is_clear_down_to_0(self, at: Fraction, side: int) -> bool:
+        """Whether no value down to 0, where the number may not be less, puts a root on the circle; 0 is among them."""
+        return side < 0 < self.start and self.rule is not Rule.ANY and self._is_clear(at, Fraction(0))
+
+    def _at_0(self, at: Fraction, side: int) -> Passage | None:
+        """At the end of what was looked at: a change at 0 itself, where a root comes to 1; None where that stays open."""
+        if side > 0 or self.rule is not Rule.NONNEGATIVE or self.start == 0:
+            return None
+        try:
+            count, _ = self.loop.count(Integer(0))
+        except UndecidedError:
+            return None
+        left = (self.loop.at_one / self.loop.symbol).expand()
+        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
+            q = arb(0).union(_ball_in_clockcritical(at))
+            rest = expression_ball(left, {self.loop.symbol: q}), *self.loop.tests(q)[1:]
+            clear = not any(x.contains(0) or not x.is_finite() for x in rest)
+        if count == self.home or not clear or left.has(1 / self.loop.symbol) or self.loop.always:
+            return None
+        return Passage(_ZERO, _ZERO, count, self.home)
+
+
+def _short(x: Fraction) -> Fraction:
+    """A number nearby with few digits, so that sums of many steps have no more."""
+    return Fraction(float(x))
+
+
+def _ball_in_clockcritical(x: Fraction) -> Any:
+    return arb(x.numerator) / arb(x.denominator)
+
+
+_MOST_PASSAGES = 24
+_MOST_WALKS = 5  # of which each goes on to a thousandth of the inverse
+
+
+@dataclass(frozen=True)
+class Passages:
+    """Those ``found``, and between which values (``low``, ``high``) all are; None where nothing ends that on a side."""
+
+    found: tuple[Passage, ...]
+    low: Fraction | None = None
+    high: Fraction | None = None
+
+
+def passages(scene: Scene, hand: Hand, free: Knob) -> Passages:
+    """The nearest below the value that a number has, and the nearest above it. UndecidedError where that stays open."""
+    if free.rule not in (Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY):
+        raise UndecidedError("an order in a loop with a clock")
+    found = _Found(scene, hand, free)
+    if found.loop.is_fixed:
+        return Passages(())
+    (below, low), (above, high) = (found.along(side, None, most=1) for side in (-1, 1))
+    if low is not None and low == high:
+        tick()
+        raise UndecidedError("how far a number may go next to whose value roots come to the unit circle")
+    is_whole = low == 0 and free.rule is not Rule.ANY
+    return Passages((*below, *above), None if is_whole else low, high)
+
+
+def passages_in(
+    scene: Scene, hand: Hand, free: Knob, between: tuple[Expr | None, Expr | None]
+) -> tuple[Opened, Passages]:
+    """The loop, and all passages between two values, as far as they are found.
+
+    UndecidedError where that stays open from the value on that the number has.
+    """
+    found = _Found(scene, hand, free)
+    if found.loop.is_fixed:
+        return found.loop, Passages(())
+    (below, low), (above, high) = (found.along(side, last) for side, last in zip((-1, 1), between, strict=True))
+    return found.loop, Passages((*below, *above), low, high)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """The passages of a number from the value on that it has."""
+
+    scene: Scene
+    hand: Hand
+    free: Knob
+
+    @cached_property
+    def loop(self) -> Opened:
+        return opened(self.scene, self.hand, self.free)
+
+    @cached_property
+    def _start(self) -> Walk:
+        start = start_of(self.loop, self.free.value)
+        home, on = self.loop.count(start)
+        if on:
+            raise UndecidedError("how far a number may go that has roots on the unit circle now")
+        return Walk(self.loop, Fraction(int(start.p), int(start.q)), home, self.free.rule)
+
+    def along(self, side: int, last: Expr | None, most: int = 0) -> tuple[list[Passage], Fraction | None]:
+        """The first on a side, as many as that or may be looked for, up to a last value, and how far these are all."""
+        most = most or _MOST_PASSAGES
+        if side > 0 and self._is_held(self._start.start):
+            return [], None
+        found, walk, is_ended = _along(self._start, side, last, most)
+        at = walk.start
+        if is_ended:
+            return found, at
+        if side > 0 and self._is_held(at):
+            return found, None
+        far = inverted(self.loop, side) if at * side > 0 else None
+        if far is None:
+            return found, at
+        walk = Walk(far, 1 / abs(at), walk.home, Rule.POSITIVE)
+        for _ in range(_MOST_WALKS):
+            beyond, walk, is_ended = _along(walk, -1, None, most - len(found))
+            found += [x.inverse(side) for x in beyond]
+            if is_ended or walk.start == 0:
+                break
+        return found, side / walk.start if walk.start else None
+
+    def _is_held(self, value: Fraction) -> bool:
+        return is_held(self.scene, self.hand, self.free, Rational(value.numerator, value.denominator))
+
+
+def _along(walk: Walk, side: int, last: Expr | None, most: int) -> tuple[list[Passage], Walk, bool]:
+    """The first passages on a side, the walk from behind them; whether these are as many as may be, or up to a value."""
+    found = list[Passage]()
+    while True:
+        passage, known = in_half_the_time(walk, side)
+        walk = replace(walk, start=known)
+        if passage is not None:
+            found.append(passage)
+            walk = replace(walk, home=passage.above if side > 0 else passage.below)
+        is_ended = len(found) == most or (last is not None and (known - Fraction(float(last))) * side >= 0)
+        if passage is None or is_ended:
+            return found, walk, is_ended
+
+
+def in_half_the_time(walk: Walk, side: int) -> tuple[Passage | None, Fraction]:
+    """Something is left for the other side, and for other numbers."""
+    seconds = left()
+    with limited(seconds / 2 if seconds else None):
+        return walk.towards(side)
+
+
+@dataclass(frozen=True)
+class Inverted(Opened):
+    """A loop in which the symbol is 1/q > 0, all times a power of it."""
+
+    @cached_property
+    def at_one(self) -> Expr:
+        """C(1) times what is nowhere 0, a power of the symbol among it."""
+        return self._without_powers(at_one(self.loop))[0]
+
+    @cached_property
+    def opposite(self) -> tuple[Expr, Expr]:
+        """What is at z = -1, as the symbol may be a factor there: with Tustin's rule a damper is alone, its spring is not."""
+        above, below = self._without_powers(*at_minus_one(self.loop))
+        return above, below
+
+    def _without_powers(self, *given: Expr) -> list[Expr]:
+        """Polynomials without the power of the symbol that they have in common."""
+        powers = [n for x in given if x != 0 for (n,) in Poly(x, self.symbol).monoms()]
+        return [(x / self.symbol ** min(powers, default=0)).expand() for x in given]
+
+
+def inverted(loop: Opened, side: int) -> Inverted | None:
+    """The loop in u, q = 1/u or (side -1) q = -1/u; None where the number stands elsewhere than in what is multiplied out."""
+    own, q = loop.loop, loop.symbol
+    plant = own.plant
+    fixed = own.T, *plant.denominator, *(lag for lag, _ in plant.terms)
+    over = [N for _, N in plant.terms]
+    if any(x.has(q) for x in fixed) or not all(
+        x.is_polynomial(q) for row in (own.above, own.below, *over) for x in row
+    ):
+        return None
+    moved = max(_degree(row, q) for row in over)
+    most = max(_degree(own.above, q) + moved, _degree(own.below, q))
+
+    def turned(row: Numbers, power: int) -> tuple[Expr, ...]:
+        return tuple((x.xreplace({q: side / q}) * q**power).expand() for x in row)
+
+    terms = tuple((lag, turned(N, moved)) for lag, N in plant.terms)
+    above, below = turned(own.above, most - moved), turned(own.below, most)
+    return Inverted(SampledLoop(Plant(plant.denominator, terms), own.T, above, below), q)
+
+
+def _degree(row: Numbers, q: Symbol) -> int:
+    return max((int(Poly(x, q).degree()) for x in row if x.has(q)), default=0)
+
+
+def is_held(scene: Scene, hand: Hand, free: Knob, value: Rational) -> bool:
+    """Whether from a value of a number on the hand holds the display by what it damps, whatever its mass, proven."""
+    symbol = free.symbol
+    if any(p.symbol == symbol for p in hand.parameters):
+        hand = hand.with_values({symbol.name: value})
+    elif _only_adds(scene.with_values({free.path: symbol}), symbol):
+        scene = scene.with_values({free.path: value})
+    else:
+        return False
+    found = sampled_passivity(scene)
+    try:
+        return found is not None and found.is_held_by(hand.b.value, hand.k.value)
+    except UndecidedError:
+        return False
+
+
+def _only_adds(scene: Scene, symbol: Symbol) -> bool:
+    """Whether a symbol adds mass, damping or stiffness behind the clock, and is nowhere else."""
+    place, clock = clock_of(scene)
+    felt = (scene.rendered or scene.environment).H
+    before = [x for effect in scene.effects[:place] for x in effect.matrix]
+    if any(x.has(symbol) for x in (felt, *before, *clock.matrix, *(p.value for p in clock.parameters))):
+        return False
+    devices = [device(x) for x in scene.effects[place + 1 :] if any(y.has(symbol) for y in x.matrix)]
+    slopes = [x.diff(symbol) for own in devices if own for x in own]
+    return None not in devices and all(x.is_number and x >= 0 for x in slopes)

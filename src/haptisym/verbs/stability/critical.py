@@ -20,10 +20,9 @@ from haptisym.model.hand import Hand
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.boundary import meetings
-from haptisym.verbs.stability.clockrange import passages
-from haptisym.verbs.stability.curves import Gap, Meeting, Meetings
+from haptisym.verbs.stability.clocked import passages
 from haptisym.verbs.stability.held import drifts
-from haptisym.verbs.stability.loops import ALLOWED, Loop
+from haptisym.verbs.stability.loops import ALLOWED, Gap, Loop, Meeting, Meetings
 from haptisym.verbs.stability.tally import Tally
 
 Count: TypeAlias = tuple[int | None, RootChain | None]

@@ -20,11 +20,8 @@ from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.subdivision import Waiting
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Array, halves
-from haptisym.verbs.stability.curves import Gap, Meeting, Meetings
 from haptisym.verbs.stability.held import need_roots
-from haptisym.verbs.stability.loops import Loop
-from haptisym.verbs.stability.pairs import Characteristic, Pair
-from haptisym.verbs.stability.reach import reach_of_axis
+from haptisym.verbs.stability.loops import Characteristic, Gap, Loop, Meeting, Meetings, Pair, reach_of_axis
 
 _WINDOWS = 7
 _SMALLEST = Rational(1, 1024)  # as what a value of 0 counts for the first window

@@ -14,8 +14,7 @@ from haptisym.kernel.alike import ordered
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import RootChain
-from haptisym.verbs.stability.curves import Gap, Meetings
-from haptisym.verbs.stability.loops import Loop
+from haptisym.verbs.stability.loops import Gap, Loop, Meetings
 
 
 @dataclass

@@ -13,7 +13,7 @@ import numpy as np
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError
 from haptisym.programs.taylormodels import Array
-from haptisym.verbs.stability.oncircle import Cell, OnCircle, halves
+from haptisym.verbs.stability.clocked import Cell, OnCircle, halves
 
 _FIRST = 8  # of each range, to begin with
 _MOST_PIECES = 48  # of what else varies, that are looked at for one rectangle

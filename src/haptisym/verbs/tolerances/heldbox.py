@@ -21,8 +21,8 @@ from haptisym.model.parameters import values as values_of
 from haptisym.model.scene import Scene
 from haptisym.programs.onaxis import OnAxis
 from haptisym.verbs.stability.boxes import Share
+from haptisym.verbs.stability.clocked import OnCircle
 from haptisym.verbs.stability.held import characteristic, unstable_roots
-from haptisym.verbs.stability.oncircle import OnCircle
 
 _MOST_CORNERS = 64
 _MOST_MIDDLES = 12  # of cells where roots may meet the axis, that are tried as examples

@@ -24,7 +24,7 @@ from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Array
-from haptisym.verbs.stability.oncircle import OnCircle
+from haptisym.verbs.stability.clocked import OnCircle
 from haptisym.verbs.tolerances.clockplane import ClockPlane
 from haptisym.verbs.tolerances.heldbox import count_at, quotient
 from haptisym.verbs.tolerances.rectangles import Pieces, RectangleSearch
