@@ -20,7 +20,7 @@ from haptisym.verbs.sweep.axes import axes
 from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.exactly import exact_answers
 from haptisym.verbs.sweep.kernel import Kernel
-from haptisym.verbs.sweep.libm import ulp_errors
+from haptisym.verbs.sweep.waves import ulp_errors
 
 SWEPT = {
     "satellite-contact": {"effects.loop-delay.tau": (1e-3, 0.3), "environment.k": (2e3, 4e4)},

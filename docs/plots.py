@@ -11,10 +11,10 @@ import numpy as np
 from matplotlib import pyplot
 
 import haptisym as hs
-from haptisym.figures.measuredplane import draw_measured_plane
+from haptisym.figures.measured import draw_measured_plane
 from haptisym.figures.square import draw_jnd_square
 from haptisym.figures.sweep import draw_curves, draw_map
-from haptisym.verbs.sweep.swept import Swept
+from haptisym.verbs.sweep.entry import Swept
 
 paper = hs.load_scene("fu2019")
 slow = paper.with_values({"omega_n": 50})
@@ -214,7 +214,7 @@ ax = hs.metrics(paper).plot(kind="verdicts")
 ax = hs.cost(paper, quick=True).plot()
 
 # %%
-from haptisym.verbs.cost.hardcases import hard_cases
+from haptisym.verbs.cost.hardcosts import hard_cases
 
 ax = pyplot.figure(figsize=(9, 1.6), layout="constrained").add_subplot()
 ax = hs.hard_costs(hard_cases("identities")).plot(ax)

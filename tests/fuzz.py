@@ -41,8 +41,8 @@ from sympy import I  # noqa: E402
 from windings import winding  # noqa: E402
 
 import haptisym as hs  # noqa: E402
-from haptisym.verbs.cost.questions import DOUBLE, RatioQuestion  # noqa: E402
 from haptisym.verbs.cost.sweeps import SweepQuestion, certified_way  # noqa: E402
+from haptisym.verbs.cost.tasks import DOUBLE, RatioQuestion  # noqa: E402
 from haptisym_check import check as check_certificate  # noqa: E402
 
 PARTS = ("real", "imag")

@@ -23,16 +23,13 @@ from haptisym.pages.latex import latex
 from haptisym.programs.accuracy import Accuracy
 from haptisym.verbs.cost.entry import Cost, cost, simulation_cost, sweep_cost
 from haptisym.verbs.cost.hardcosts import HardCosts, hard_costs
-from haptisym.verbs.derive.derivation import Derivation
-from haptisym.verbs.derive.entry import derive
+from haptisym.verbs.derive.derivation import Derivation, derive
 from haptisym.verbs.derive.verify import Verification, verify
-from haptisym.verbs.effects.entry import relevance
-from haptisym.verbs.effects.relevance import Relevance
+from haptisym.verbs.effects.relevance import Relevance, relevance
 from haptisym.verbs.evaluate.entry import evaluate
 from haptisym.verbs.family.entry import FamilyEvaluation, evaluate_all
 from haptisym.verbs.identify.entry import Identification, identify
-from haptisym.verbs.jnd.entry import Psychometric, jnd
-from haptisym.verbs.jnd.published import PublishedThresholds, published
+from haptisym.verbs.jnd.entry import Psychometric, PublishedThresholds, jnd, published
 from haptisym.verbs.measured.entry import MeasuredEvaluation
 from haptisym.verbs.metrics.entry import metrics
 from haptisym.verbs.metrics.metric import Metrics
@@ -41,13 +38,10 @@ from haptisym.verbs.require.entry import require
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.sensitivity.entry import Sensitivities, sensitivity
 from haptisym.verbs.simulate.entry import check, simulate
-from haptisym.verbs.simulate.motions import chirp, multisine, sine
-from haptisym.verbs.simulate.recordings import recording
-from haptisym.verbs.simulate.release import release
-from haptisym.verbs.simulate.released import Release
+from haptisym.verbs.simulate.motions import chirp, multisine, recording, sine
+from haptisym.verbs.simulate.release import Release, release
 from haptisym.verbs.simulate.results import EncoderQuantisation, ForceSaturation, Simulation
-from haptisym.verbs.stability.answer import Stability
-from haptisym.verbs.stability.entry import stability
+from haptisym.verbs.stability.entry import Stability, stability
 from haptisym.verbs.sweep.entry import sweep
 from haptisym.verbs.tolerances.entry import tolerances
 from haptisym.verbs.tolerances.proofs import Tolerances

@@ -16,7 +16,7 @@ from sympy import Add, Expr, I, Rational, cosh, exp, pi, sinh
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Matrix, effect
-from haptisym.model.slots import (
+from haptisym.model.parameters import (
     Amplitude,
     Damping,
     DampingRatio,

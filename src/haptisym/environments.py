@@ -12,7 +12,7 @@ from sympy import Expr
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import environment
-from haptisym.model.slots import (
+from haptisym.model.parameters import (
     Damping,
     DampingList,
     Formula,

@@ -19,27 +19,23 @@ import haptisym as hs
 from haptisym.effects import delay, first_order_lag, shunt
 from haptisym.environments import mass_spring_damper
 from haptisym.figures import pen
-from haptisym.figures.cost import cost_figure, draw_cost
+from haptisym.figures.cost import cost_figure, draw_cost, hard_costs_figure
 from haptisym.figures.designmap import draw_map as draw_slices
-from haptisym.figures.hardcosts import hard_costs_figure
-from haptisym.figures.heldbox import draw_held
+from haptisym.figures.designmap import draw_wishes
 from haptisym.figures.identify import draw_magnitude, draw_phase, draw_residuals
 from haptisym.figures.jnd import draw_jnd, draw_published
-from haptisym.figures.release import draw_release
 from haptisym.figures.require import draw_requirement
 from haptisym.figures.sensitivity import draw_elasticities, elasticities_figure
-from haptisym.figures.simulate import draw_loop, draw_recovered, draw_time
-from haptisym.figures.stability import draw_plane
-from haptisym.figures.sweep import draw_curves, draw_map
-from haptisym.figures.sweepdata import is_logarithmic
+from haptisym.figures.simulate import draw_loop, draw_recovered, draw_release, draw_time
+from haptisym.figures.stability import draw_held, draw_plane
+from haptisym.figures.sweep import draw_curves, draw_map, is_logarithmic
 from haptisym.figures.tolerances import draw_tolerances, tolerances_figure
-from haptisym.figures.wishes import draw_wishes
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.hardcosts import HardCosts
 from haptisym.verbs.cost.measurement import HardRow, Measurement
-from haptisym.verbs.jnd.answers import Answers, Row
+from haptisym.verbs.jnd.tables import Answers, Row
 from haptisym.verbs.sweep.told import UNKNOWN
 
 DAMPED = hs.Scene(mass_spring_damper(k=100), (shunt(b=2),), (0, 15), "0.1")

@@ -21,6 +21,7 @@ from matplotlib.text import Annotation
 
 import haptisym as hs
 from haptisym.figures import pen
+from haptisym.figures.designmap import map_figure
 from haptisym.figures.effects import influences_figure
 from haptisym.figures.family import family_figure, save_family_figures
 from haptisym.figures.files import draw_figure, save_figures
@@ -36,9 +37,8 @@ from haptisym.figures.sheet import one_column, save, save_all, save_as, stacked
 from haptisym.figures.stability import stability_figure
 from haptisym.figures.sweep import swept_figure
 from haptisym.figures.tolerances import tolerances_figure
-from haptisym.figures.wishes import map_figure
-from haptisym.verbs.jnd.answers import Answers, Row
-from haptisym.verbs.sweep.swept import Swept
+from haptisym.verbs.jnd.tables import Answers, Row
+from haptisym.verbs.sweep.entry import Swept
 
 SHEETS = ["ratios", "nyquist", "projections-real", "projections-imag", "jnd-square"]
 HEAVY = hs.Hand("heavy", m="600 kg", b="5 kN*s/m", k="20 kN/m")

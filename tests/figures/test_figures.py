@@ -24,16 +24,14 @@ from haptisym.figures import pen
 from haptisym.figures.bandwidths import draw_bandwidths
 from haptisym.figures.effects import draw_dominance, draw_influences, influences_figure
 from haptisym.figures.family import draw_worst, family_figure
-from haptisym.figures.measured import draw_measured_ratios
-from haptisym.figures.measuredplane import draw_measured_nyquist, draw_measured_plane
+from haptisym.figures.measured import draw_measured_nyquist, draw_measured_plane, draw_measured_ratios
 from haptisym.figures.metrics import draw_measures, draw_verdicts, verdict_bands
 from haptisym.figures.nyquist import draw_nyquist
-from haptisym.figures.outlines import outline
 from haptisym.figures.projections import draw_projections
 from haptisym.figures.ratios import draw_formulas, draw_peaks, draw_ratios
 from haptisym.figures.regions import draw_family_regions, draw_regions
-from haptisym.figures.scales import floats_scale
-from haptisym.figures.square import draw_jnd_square
+from haptisym.figures.square import draw_jnd_square, outline
+from haptisym.figures.style import floats_scale
 from haptisym.judge.criteria import noticed
 from haptisym.judge.percepts import felt
 

@@ -21,7 +21,7 @@ from haptisym.figures.style import CURVES
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.cost.hardcosts import HardCosts
 from haptisym.verbs.cost.measurement import HardRow
-from haptisym.verbs.jnd.answers import Answers, Row
+from haptisym.verbs.jnd.tables import Answers, Row
 from haptisym.writing.schemas import schema_names
 
 PAPER = hs.load_scene("fu2019")

@@ -15,10 +15,8 @@ from marks import examples
 from sympy import Rational
 
 import haptisym as hs
-from haptisym.verbs.cost.hardcases import FAMILIES, HardCase, hard_cases
-from haptisym.verbs.cost.hardcosts import put
-from haptisym.verbs.cost.methods import CROSSINGS, NAIVE, RATIO_METHODS
-from haptisym.verbs.cost.questions import DOUBLE, Crossings, RatioQuestion, right_digits
+from haptisym.verbs.cost.hardcosts import FAMILIES, HardCase, hard_cases, put
+from haptisym.verbs.cost.tasks import CROSSINGS, DOUBLE, NAIVE, RATIO_METHODS, Crossings, RatioQuestion, right_digits
 
 MP = mpmath.mp.clone()
 MP.dps = 1500

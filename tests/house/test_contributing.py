@@ -15,7 +15,7 @@ import haptisym as hs
 from haptisym.verbs.require.wishes import WISHES
 from haptisym.writing import document as model
 from haptisym.writing import html, latex, plain
-from haptisym.writing.names import named
+from haptisym.writing.layout import named
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")

@@ -16,9 +16,7 @@ from windings import winding
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.colgate import SampledPassivity, sampled_passivity
-from haptisym.judge.passiveparts import takes_energy
-from haptisym.judge.passivity import Beyond, passivity
-from haptisym.judge.positivereal import has_no_pole_right, poles_allow
+from haptisym.judge.passivity import Beyond, has_no_pole_right, passivity, poles_allow, takes_energy
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import ExactNumber

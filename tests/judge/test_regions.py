@@ -24,8 +24,8 @@ from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.criteria import noticed
 from haptisym.judge.percepts import Property
 from haptisym.judge.spread import half_widths
-from haptisym.model.jndtables import read_threshold
-from haptisym.programs.formulas import floats_of
+from haptisym.model.jnd import read_threshold
+from haptisym.programs.floats import floats_of
 
 E, F = environments, effects
 

@@ -20,15 +20,21 @@ from marks import examples
 from sympy import Integer, Rational, Symbol, pi
 
 from haptisym.kernel.analytic import AnalyticFactor
-from haptisym.kernel.beginnings import beginning, clear_of_zero
 from haptisym.kernel.bernstein import range_of
-from haptisym.kernel.exactwaves import exact_waves, order_at_0, taylor_coefficients
 from haptisym.kernel.jets import Jet, coefficients, narrowest, over_cell, parts, polynomial
 from haptisym.kernel.jets import value as value_of
 from haptisym.kernel.reals import bounds, dyadic, expression_ball
 from haptisym.kernel.stretches import Stretch
+from haptisym.kernel.waves import (
+    WaveSum,
+    WaveTerm,
+    beginning,
+    clear_of_zero,
+    exact_waves,
+    order_at_0,
+    taylor_coefficients,
+)
 from haptisym.kernel.waves import power_series as power_coefficients
-from haptisym.kernel.wavesums import WaveSum, WaveTerm
 
 small = st.integers(-5, 5)
 

@@ -38,7 +38,7 @@ from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.roots import Chart, chart
 from haptisym.kernel.solutions import solve
 from haptisym.kernel.symbols import c, omega, s
-from haptisym.kernel.wavesums import WaveTerm
+from haptisym.kernel.waves import WaveTerm
 from haptisym.kernel.zeros import Undecided, Zero, is_clear, sign_of, tightened
 from haptisym.model import catalogue
 from haptisym.model.distortion import Distortion

@@ -20,10 +20,8 @@ from sympy import I, Integer, Rational, pi, sqrt
 import haptisym as hs
 from haptisym.cli import app
 from haptisym.kernel.symbols import omega
-from haptisym.model.jnd import Part
-from haptisym.model.jndtables import read_threshold
+from haptisym.model.jnd import Part, positive, read_threshold
 from haptisym.model.proportions import DIGITS, Conversion
-from haptisym.model.regions import positive
 
 PAPER = hs.load_scene("fu2019")
 FRACTIONS = st.fractions(-50, 50, max_denominator=20)

@@ -22,10 +22,8 @@ import haptisym as hs
 from haptisym.environments import expression
 from haptisym.kernel.symbols import s as symbol
 from haptisym.model.expressions import evaluate
-from haptisym.model.parameters import Rule
-from haptisym.model.quantities import Dimension, MotionKind, decimal, quantity
-from haptisym.model.ranges import ranged, spread
-from haptisym.model.units import read_unit, si_unit
+from haptisym.model.parameters import Rule, ranged, spread
+from haptisym.model.quantities import Dimension, MotionKind, decimal, quantity, read_unit, si_unit
 
 K = Dimension.STIFFNESS
 FRACTIONS = st.fractions(-50, 50, max_denominator=20)

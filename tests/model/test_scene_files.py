@@ -29,11 +29,9 @@ from haptisym.model.hand import Hand
 from haptisym.model.jnd import Threshold
 from haptisym.model.knobs import Knob
 from haptisym.model.measuredscene import MeasuredScene
-from haptisym.model.naming import with_names
 from haptisym.model.quantities import MotionKind
-from haptisym.model.scene import Scene
-from haptisym.model.scenefile import chosen, open_scenes, parse_scenes
-from haptisym.model.scenetables import MOST_EFFECTS
+from haptisym.model.scene import Scene, with_names
+from haptisym.model.scenefile import MOST_EFFECTS, chosen, open_scenes, parse_scenes
 from haptisym.verbs.sweep.axes import axes, spaced
 
 Call = Callable[..., tuple[int, str, str]]

@@ -18,7 +18,7 @@ import haptisym as hs
 from haptisym.kernel.symbols import X, omega, s
 from haptisym.pages.closedforms import ClosedForms
 from haptisym.pages.derivation import derivation
-from haptisym.pages.sceneforms import SceneForms
+from haptisym.pages.scene import SceneForms
 from haptisym.writing.document import Block, Equations, Line, Notes, Paragraph, Section
 from haptisym.writing.plain import said
 

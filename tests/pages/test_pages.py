@@ -22,8 +22,8 @@ from marks import often
 
 import haptisym as hs
 from haptisym.model.measuredscene import MeasuredScene
-from haptisym.verbs.jnd.answers import Answers, Row
-from haptisym.verbs.sweep.swept import Swept
+from haptisym.verbs.jnd.tables import Answers, Row
+from haptisym.verbs.sweep.entry import Swept
 from haptisym.writing.document import Block, Document, Number, Phrase, Section, Table, chosen
 from haptisym.writing.latex import latex
 from haptisym.writing.plain import plain

@@ -26,7 +26,7 @@ from haptisym.kernel.symbols import s
 from haptisym.model.parameters import Rule
 from haptisym.pages import report
 from haptisym.writing.htmltext import Html, element, script
-from haptisym.writing.names import named
+from haptisym.writing.layout import named
 
 E, F = hs.environments, hs.effects
 LAG = F.first_order_lag(20)

@@ -37,7 +37,7 @@ from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.symbols import omega as axis_omega
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion
-from haptisym.programs import sinc as sinc_in_floats
+from haptisym.programs import floats as sinc_in_floats
 from haptisym.programs.certified import Certified
 from haptisym.programs.floats import BLOCK, UFUNCS, Floats, nearest
 from haptisym.programs.pointvalues import PointValue

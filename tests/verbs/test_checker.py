@@ -16,7 +16,7 @@ from certificates import CANCELLING
 from marks import often
 from sympy import pi
 
-from haptisym.model.units import read_unit
+from haptisym.model.quantities import read_unit
 from haptisym_check import RefusedError, balls, chart, formulas, link, requirement, slices, waves, zeros
 from haptisym_check.balls import SCALE
 from haptisym_check.formulas import CATALOGUE, FREE, Number

@@ -31,16 +31,29 @@ from haptisym.judge.criteria import noticed
 from haptisym.kernel.errors import LimitError, SceneError
 from haptisym.model.jnd import Threshold
 from haptisym.verbs.cost.entry import Cost
-from haptisym.verbs.cost.hardcases import hard_cases
+from haptisym.verbs.cost.hardcosts import hard_cases
 from haptisym.verbs.cost.margins import margin
 from haptisym.verbs.cost.measurement import Measurement
-from haptisym.verbs.cost.methods import CROSSINGS, RATIO_METHODS
-from haptisym.verbs.cost.questions import DOUBLE, Crossings, Found, RatioQuestion, right_digits
 from haptisym.verbs.cost.stopwatch import interleaved
 from haptisym.verbs.cost.sweeps import Answers, SweepQuestion, certified_way
 from haptisym.verbs.cost.sweeps import grid_way as grid_of_sets
-from haptisym.verbs.cost.tasks import approximated, without
-from haptisym.verbs.cost.usual import RefusedError, companion_way, control_way, grid_way, naive_way, scipy_way
+from haptisym.verbs.cost.tasks import (
+    CROSSINGS,
+    DOUBLE,
+    RATIO_METHODS,
+    Crossings,
+    Found,
+    RatioQuestion,
+    RefusedError,
+    approximated,
+    companion_way,
+    control_way,
+    grid_way,
+    naive_way,
+    right_digits,
+    scipy_way,
+    without,
+)
 
 SPRING = hs.environments.mass_spring_damper(k=100)
 

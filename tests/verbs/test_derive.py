@@ -29,12 +29,9 @@ from haptisym.commands.spelling import spelt
 from haptisym.kernel.lattices import Lattice, Piece
 from haptisym.kernel.symbols import X, omega, s
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Slot, effect
-from haptisym.model.jnd import Part
-from haptisym.model.jndtables import read_threshold
+from haptisym.model.jnd import Part, read_threshold
 from haptisym.model.quantities import Dimension
-from haptisym.verbs.derive.asymptotics import expansion
-from haptisym.verbs.derive.derivation import QUANTITIES, bare, listed_name
-from haptisym.verbs.derive.groups import groups
+from haptisym.verbs.derive.derivation import QUANTITIES, bare, expansion, groups, listed_name
 from haptisym.writing.plain import plain
 
 PAPER = hs.load_scene("fu2019")

@@ -17,7 +17,7 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym.cli import app
-from haptisym.figures.wishes import draw_wishes
+from haptisym.figures.designmap import draw_wishes
 from haptisym.judge.criteria import noticed
 from haptisym.kernel.budget import timed_by
 from haptisym.verbs.require.asking import Asked

@@ -22,7 +22,7 @@ from haptisym.judge.criteria import noticed
 from haptisym.judge.regions import Sided
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import s
-from haptisym.model.jndtables import read_threshold
+from haptisym.model.jnd import read_threshold
 from haptisym.programs.series import series_arithmetic
 from haptisym.verbs.effects.ballchain import BallChain, BandPiece, Kept
 from haptisym.verbs.effects.differences import Difference

@@ -16,7 +16,7 @@ from sympy import Rational, lambdify
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.verbs.family.worst import WorstCase
+from haptisym.verbs.family.entry import WorstCase
 
 LAG, FLOATING = effects.first_order_lag(40), effects.shunt(m="0.05")
 ROWS: dict[str, dict[str, Any]] = {

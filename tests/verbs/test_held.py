@@ -19,8 +19,7 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.symbols import s
-from haptisym.verbs.stability.boxes import Share, whole_box
-from haptisym.verbs.stability.held import held, imposed, zeros_of
+from haptisym.verbs.stability.held import Share, held, imposed, whole_box, zeros_of
 
 E, F = hs.environments, hs.effects
 LATE = 'environment = {{ model = "mass-spring-damper", k = "{k} N/m" }}\neffects = [{{ model = "delay", tau = "36 ms" }}]\n'

@@ -27,13 +27,9 @@ from scipy.stats import chi2
 import haptisym as hs
 from haptisym.cli import app
 from haptisym.programs.values import Array
-from haptisym.verbs.jnd.answers import Answers, Row, collected
-from haptisym.verbs.jnd.columns import TOLD, find_columns
-from haptisym.verbs.jnd.curve import Asked, Curve
 from haptisym.verbs.jnd.entry import Psychometric
-from haptisym.verbs.jnd.fit import Deviance, Estimate, Fit
-from haptisym.verbs.jnd.likelihood import Likelihood
-from haptisym.verbs.jnd.tables import read_answers
+from haptisym.verbs.jnd.fitting import Asked, Curve, Deviance, Estimate, Fit, Likelihood
+from haptisym.verbs.jnd.tables import TOLD, Answers, Row, collected, find_columns, read_answers
 
 LEVELS, COUNTS, TRIALS = (4.4, 4.7, 5.0, 5.3, 5.6, 5.9), (5, 11, 19, 26, 33, 37), 40
 

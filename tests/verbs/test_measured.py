@@ -21,15 +21,12 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym.kernel.symbols import omega as OMEGA  # noqa: N812
-from haptisym.model.jnd import Part
-from haptisym.model.jndtables import read_threshold
+from haptisym.model.jnd import Part, read_threshold
 from haptisym.model.measured import averages_for, coherence_for, disc_radius
 from haptisym.model.slope import Slope
-from haptisym.verbs.measured.judging import OPEN, lines_of, matched, signs
-from haptisym.verbs.measured.needed import MOST_AVERAGES, MOST_COHERENCE
-from haptisym.verbs.measured.regions import joint_distance, part_distance, values_of
-from haptisym.verbs.measured.rowtext import numerals
-from haptisym.verbs.measured.spread import spread
+from haptisym.verbs.measured.between import spread
+from haptisym.verbs.measured.entry import MOST_AVERAGES, MOST_COHERENCE, numerals
+from haptisym.verbs.measured.judging import OPEN, joint_distance, lines_of, matched, part_distance, signs, values_of
 
 Called = Callable[..., tuple[int, str, str]]
 

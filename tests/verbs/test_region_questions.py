@@ -22,7 +22,7 @@ from valuesets import ends
 import haptisym as hs
 from haptisym.figures.require import draw_requirement
 from haptisym.kernel.symbols import omega
-from haptisym.pages.regionforms import when
+from haptisym.pages.sections import when_of_region
 from haptisym.verbs.require.feasible import End, Kind
 from haptisym.writing.boxes import Name
 from haptisym.writing.code.entry import Language, scene_code
@@ -363,7 +363,7 @@ DISC = {"shape": "ellipse", "real": 0.1, "imag": 0.1}
 
 def told(d: hs.Derivation, name: str) -> list[Any]:
     """The formulas that a derivation has for names that begin so."""
-    lines = [line for block in when(d).blocks if isinstance(block, Equations) for line in block.lines]
+    lines = [line for block in when_of_region(d).blocks if isinstance(block, Equations) for line in block.lines]
     return [line.value for line in lines if isinstance(line.left, Name) and line.left.text.startswith(name)]
 
 

@@ -20,10 +20,17 @@ import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rootcount import RootChain, Roots
 from haptisym.kernel.symbols import s
-from haptisym.verbs.simulate.clockroot import clocked_root
-from haptisym.verbs.simulate.pencil import Mode, modes
-from haptisym.verbs.simulate.released import Closed, Release
-from haptisym.verbs.simulate.rightmost import Characteristic, Rightmost, rightmost_pole, rightmost_root
+from haptisym.verbs.simulate.release import (
+    Characteristic,
+    Closed,
+    Mode,
+    Release,
+    Rightmost,
+    clocked_root,
+    modes,
+    rightmost_pole,
+    rightmost_root,
+)
 from haptisym.verbs.stability.held import Held
 
 SPRING = hs.environments.mass_spring_damper(k=100)

@@ -25,10 +25,9 @@ from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.symbols import omega as w
 from haptisym.kernel.symbols import s
-from haptisym.verbs.require.boundary import critical, edge_polynomial, touch_polynomial
-from haptisym.verbs.require.boundary import real_roots as roots_in_parameter
 from haptisym.verbs.require.cells import Leaf, ValueSearch
-from haptisym.verbs.require.existing import allowed, missing
+from haptisym.verbs.require.criticalvalues import allowed, critical, edge_polynomial, missing, touch_polynomial
+from haptisym.verbs.require.criticalvalues import real_roots as roots_in_parameter
 from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, runs
 from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import Domain

@@ -14,9 +14,8 @@ from sampledloops import NOTHING, placed, w, wall
 from sympy import Integer, Rational, prod
 
 import haptisym as hs
-from haptisym.verbs.stability.boxes import whole_box
 from haptisym.verbs.stability.clocked import clocked_roots
-from haptisym.verbs.stability.held import held
+from haptisym.verbs.stability.held import held, whole_box
 
 E, F = hs.environments, hs.effects
 DEVICE = {"m": "0.04", "b": "0.8"}

@@ -17,13 +17,12 @@ from sympy import Expr, Integer, Rational, Symbol
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.kernel.implicit import Equation
 from haptisym.kernel.reals import ExactNumber, SquareRoot
 from haptisym.kernel.rings import PolynomialRing
+from haptisym.kernel.solutions import Equation
 from haptisym.kernel.symbols import omega
 from haptisym.model.quantities import dimension_exponents
-from haptisym.verbs.sensitivity.branches import Meeting, Slope
-from haptisym.verbs.sensitivity.slopes import FLAT, TOUCH, Sensitive
+from haptisym.verbs.sensitivity.entry import FLAT, TOUCH, Meeting, Sensitive, Slope
 
 STEP = Rational(1, 10**15)
 SCENES = ["fu2019", "delayed-spring", "organ-tissue", "position-force-teleoperation", "sidestick"]

@@ -25,13 +25,12 @@ from haptisym.kernel.budget import timed_by
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, effect, environment
-from haptisym.model.parameters import Slot
+from haptisym.model.parameters import Slot, Stiffness
 from haptisym.model.quantities import Dimension
-from haptisym.model.slots import Stiffness
 from haptisym.verbs.simulate.command import motion, run
 from haptisym.verbs.simulate.entry import band_frequencies
 from haptisym.verbs.simulate.fractional import rates_and_weights
-from haptisym.verbs.simulate.recordings import Recording
+from haptisym.verbs.simulate.motions import Recording
 from haptisym.verbs.simulate.results import Estimate, Simulations
 
 SPRING = environments.mass_spring_damper(k=100)

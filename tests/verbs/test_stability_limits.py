@@ -15,7 +15,7 @@ from sympy import Poly, Rational, Symbol, expand, lambdify, pi, sympify
 from windings import late_mass, winding
 
 import haptisym as hs
-from haptisym.judge.passiveparts import takes_energy
+from haptisym.judge.passivity import takes_energy
 from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.symbols import s

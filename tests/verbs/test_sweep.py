@@ -38,10 +38,10 @@ from haptisym.verbs.sweep.bernstein import isolate, refine
 from haptisym.verbs.sweep.blocks import SweepGrid, compute
 from haptisym.verbs.sweep.combined import Found, changes
 from haptisym.verbs.sweep.curves import FamilyLattice, SignedProduct
+from haptisym.verbs.sweep.entry import Swept
 from haptisym.verbs.sweep.families import Family, Monomial, Powers, monomial, within_reach
 from haptisym.verbs.sweep.passes import Band
 from haptisym.verbs.sweep.routh import count_right
-from haptisym.verbs.sweep.swept import Swept
 from haptisym.verbs.sweep.told import INFINITE
 
 PAPER = hs.load_scene("fu2019")

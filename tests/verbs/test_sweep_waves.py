@@ -18,17 +18,25 @@ from scan import FAMILIES, Draw
 from sympy import Rational
 
 import haptisym as hs
-from haptisym.verbs.sweep import libm
+from haptisym.verbs.sweep import waves as libm
 from haptisym.verbs.sweep.axes import axes
 from haptisym.verbs.sweep.batch import Array, Batch
-from haptisym.verbs.sweep.chebyshev import halving, left_out, nodes
 from haptisym.verbs.sweep.curves import ThresholdPolynomial
 from haptisym.verbs.sweep.families import Monomial, Powers
 from haptisym.verbs.sweep.wavecurves import wave_curves
-from haptisym.verbs.sweep.waveroots import refine
-from haptisym.verbs.sweep.waves import Variables, WaveFamily
-from haptisym.verbs.sweep.wavevalues import Factor, Points, WaveFunction
-from haptisym.verbs.sweep.wavezeros import Curves, isolate
+from haptisym.verbs.sweep.waves import (
+    Curves,
+    Factor,
+    Points,
+    Variables,
+    WaveFamily,
+    WaveFunction,
+    halving,
+    isolate,
+    left_out,
+    nodes,
+    refine,
+)
 
 SWEPT = {
     "satellite-contact": {"effects.loop-delay.tau": (1e-3, 0.3), "environment.k": (2e3, 4e4)},

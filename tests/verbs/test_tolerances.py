@@ -20,10 +20,10 @@ from sympy import Rational, Symbol
 import haptisym as hs
 from haptisym.judge.criteria import noticed
 from haptisym.kernel.budget import timed_by
+from haptisym.model.parameters import ranged
 from haptisym.model.quantities import Dimension
-from haptisym.model.ranges import ranged
 from haptisym.verbs.tolerances.box import Box, box_of
-from haptisym.verbs.tolerances.excess import Excess, LargerExcess
+from haptisym.verbs.tolerances.search import Excess, LargerExcess
 
 F = hs.effects
 SPRING = hs.environments.mass_spring_damper(k=100)

@@ -23,8 +23,7 @@ from haptisym.kernel.budget import timed_by
 from haptisym.kernel.symbols import s
 from haptisym.verbs.stability.clocked import OnCircle
 from haptisym.verbs.stability.held import held
-from haptisym.verbs.tolerances.clockplane import ClockPlane
-from haptisym.verbs.tolerances.heldbox import HeldInBox, held_in_box, quotient
+from haptisym.verbs.tolerances.heldbox import ClockPlane, HeldInBox, held_in_box, quotient
 
 E, F = hs.environments, hs.effects
 

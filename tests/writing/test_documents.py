@@ -41,14 +41,13 @@ from haptisym.writing.html import fragment as html_fragment
 from haptisym.writing.html import html
 from haptisym.writing.html import phrase as html_phrase
 from haptisym.writing.htmltext import Html, data, element, joined, script
+from haptisym.writing.latex import align, broken, piece, tables
 from haptisym.writing.latex import fragment as tex_fragment
 from haptisym.writing.latex import phrase as tex_phrase
-from haptisym.writing.latex import piece, tables
+from haptisym.writing.layout import named
 from haptisym.writing.mathematics import display
 from haptisym.writing.mathml import markup
-from haptisym.writing.names import named
 from haptisym.writing.plain import plain
-from haptisym.writing.texlines import align, broken
 
 WORDS, LIVE = Paragraph("Words."), Live(lambda: "<i>live</i>")
 

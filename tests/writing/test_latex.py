@@ -22,8 +22,7 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.symbols import X, omega, s
 from haptisym.model.distortion import Distortion, distort
 from haptisym.pages.latex import latex
-from haptisym.writing.texlines import broken
-from haptisym.writing.texnames import escape, symbol_name
+from haptisym.writing.latex import broken, escape, symbol_name
 
 SET = {"fu2019", "delayed-spring", "undamped-resonance"}
 """Shipped scenes whose documents are set in a moment."""

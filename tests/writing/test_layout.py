@@ -51,11 +51,10 @@ from haptisym.writing.boxes import (
 )
 from haptisym.writing.equations import QUANTITIES, equation
 from haptisym.writing.formula import readable
+from haptisym.writing.latex import escape, formula, tex
+from haptisym.writing.layout import approximate, decimal, is_short, number, rounded
 from haptisym.writing.mathml import mathml
 from haptisym.writing.mathtext import plain, text
-from haptisym.writing.numerals import approximate, decimal, is_short, number, rounded
-from haptisym.writing.texnames import escape
-from haptisym.writing.texprinter import formula, tex
 
 m, b, k, omega_n, zeta, omega_c, tau, J = hs.symbols("m b k omega_n zeta omega_c tau J")
 

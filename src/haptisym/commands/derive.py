@@ -69,7 +69,7 @@ def derive(
       haptisym derive fu2019 --keep omega_n --of "Re dH" --to latex
       haptisym derive fu2019 --to c > distortion.c
     """
-    from haptisym.verbs.derive.entry import derive as derive_scene
+    from haptisym.verbs.derive.derivation import derive as derive_scene
 
     if keep and mode:
         raise SceneError(f"--keep says which parameters stay symbols, and so does --{mode}: leave out one of them")

@@ -40,7 +40,7 @@ def effects(scene: Scene, as_json: bool, tolerance: str, figure: Path | None) ->
       haptisym effects sidestick --tolerance 0.1 --figure influences.pdf
       haptisym effects my-device.toml --json
     """
-    from haptisym.verbs.effects.entry import relevance
+    from haptisym.verbs.effects.relevance import relevance
 
     found = relevance(scene, tolerance, limit=None)
     drawn(found, figure)

@@ -117,7 +117,7 @@ def _list(data: str | None, as_json: bool) -> None:
     asked = [name for name in given if name and _is_given(name)]
     if data is not None or asked:
         raise SceneError("--published lists what others measured: leave out DATA and what is about it")
-    from haptisym.verbs.jnd.published import published
+    from haptisym.verbs.jnd.entry import published
 
     show(published(), as_json=as_json)
 

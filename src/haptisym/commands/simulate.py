@@ -107,7 +107,7 @@ def _let_go(
     if force is not None:
         keep("force", force, lambda: force.write_text(found.to_csv(), encoding="utf-8"))
     if figures is not None:
-        from haptisym.figures.release import save_release_figures
+        from haptisym.figures.simulate import save_release_figures
 
         keep_figures(figures, lambda: save_release_figures(found, figures))
     show(found, as_json=as_json)

@@ -79,8 +79,8 @@ def sweep(
         raise SceneError("--workers and --cluster need --out FILE, to which the workers write")
     from haptisym.verbs.stability.entry import in_hands
     from haptisym.verbs.sweep.axes import spaced
+    from haptisym.verbs.sweep.entry import Swept
     from haptisym.verbs.sweep.entry import sweep as sweep_scene
-    from haptisym.verbs.sweep.swept import Swept
 
     scene = in_hands(scene, names or None)
     asked = [spaced(text, scene) for text in vary]

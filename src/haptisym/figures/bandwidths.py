@@ -12,8 +12,7 @@ from matplotlib.ticker import FuncFormatter
 from haptisym.figures import pen
 from haptisym.figures.judged import columns, limit_of
 from haptisym.figures.sampling import sampled
-from haptisym.figures.scales import Scale, scale_of
-from haptisym.figures.style import dress, entries, handle, legend, number
+from haptisym.figures.style import Scale, dress, entries, handle, legend, number, scale_of
 from haptisym.judge.climb import Bandwidths
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.errors import NothingToDrawError

@@ -12,9 +12,7 @@ from matplotlib.patches import Patch
 from matplotlib.text import Annotation
 
 from haptisym.figures import pen
-from haptisym.figures.labels import spread
-from haptisym.figures.scales import scale_of
-from haptisym.figures.style import dress, limit, name_frequency, text_width
+from haptisym.figures.style import dress, limit, name_frequency, scale_of, spread, text_width
 from haptisym.kernel.errors import SceneError
 from haptisym.model.jnd import Part
 from haptisym.programs.series import series_arithmetic

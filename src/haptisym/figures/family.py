@@ -14,12 +14,10 @@ from matplotlib.patches import Patch
 
 from haptisym.figures import pen
 from haptisym.figures.judged import columns, limit_of, name_of
-from haptisym.figures.labels import label_above, shade
 from haptisym.figures.regions import family_regions_figure
 from haptisym.figures.sampling import broken, sampled
-from haptisym.figures.scales import RADIANS, Scale, band_scale
 from haptisym.figures.sheet import laid_out, save_all
-from haptisym.figures.style import dress, handle, legend, name_frequency
+from haptisym.figures.style import RADIANS, Scale, band_scale, dress, handle, label_above, legend, name_frequency, shade
 from haptisym.judge.criteria import noticed
 from haptisym.programs.values import Array
 from haptisym.verbs.family.entry import FamilyEvaluation

@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from haptisym.figures import pen
-from haptisym.figures.lines import disc_handle, scale_of_lines, spread_out, thinned
+from haptisym.figures.measured import disc_handle, scale_of_lines, spread_out, thinned
 from haptisym.figures.sheet import stacked
 from haptisym.figures.style import dots, dress, legend, name_dynamics, name_frequency
-from haptisym.verbs.identify.curve import Curve
 from haptisym.verbs.identify.entry import Identification
+from haptisym.verbs.identify.fitting import Curve
 
 _MANY = 8000
 """Lines that show the course of the model by themselves."""

@@ -12,8 +12,7 @@ from matplotlib.lines import Line2D
 from haptisym.figures import pen
 from haptisym.figures.sheet import one_column
 from haptisym.figures.style import dots, dress, entries, legend, write_note
-from haptisym.verbs.jnd.entry import Psychometric
-from haptisym.verbs.jnd.published import PublishedThresholds
+from haptisym.verbs.jnd.entry import Psychometric, PublishedThresholds
 
 _HEIGHT = 2.3
 _LEAST, _MOST = 3.0, 7.0

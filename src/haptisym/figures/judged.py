@@ -11,7 +11,7 @@ from haptisym.judge.criteria import Criterion
 from haptisym.judge.regions import Joint, Sided
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part
-from haptisym.programs.formulas import floats_of
+from haptisym.programs.floats import floats_of
 from haptisym.programs.values import Array, Values
 
 

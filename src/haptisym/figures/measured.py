@@ -1,29 +1,173 @@
-"""The figures of a measured evaluation: ratios with their discs against the thresholds, and both responses in the plane."""
+"""The figures of a measured evaluation.
+
+Measured lines as figures have them: not too many, with their discs, over frequencies in a unit and on a scale that fit.
+
+Measured lines in the complex plane, each with its disc: both responses, and their changes with a region of the JND.
+
+The figures of a measured evaluation: ratios with their discs against the thresholds, and both responses in the plane.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Circle, Patch
 from matplotlib.transforms import ScaledTranslation
+from sympy import Expr
 
 from haptisym.figures import pen
-from haptisym.figures.lines import codes_of, disc_handle, left_out, scale_of_lines, spread_out, thinned
-from haptisym.figures.measuredplane import draw_measured_nyquist, draw_measured_plane
-from haptisym.figures.scales import Scale
 from haptisym.figures.sheet import Drawings
-from haptisym.figures.style import dots, dress, legend, limit, name_frequency
-from haptisym.model.jnd import Part
-from haptisym.model.regions import SQUARE
+from haptisym.figures.style import (
+    Scale,
+    band_scale,
+    dots,
+    draw_origin,
+    dress,
+    dress_changes,
+    dress_plane,
+    entry,
+    floats_scale,
+    handle,
+    keep_scales,
+    legend,
+    limit,
+    name_frequency,
+    wanted_scale,
+)
+from haptisym.model.jnd import SQUARE, Part
+from haptisym.model.measured import Measurement
+from haptisym.verbs.measured.between import Cells, Swept
 from haptisym.verbs.measured.entry import MeasuredEvaluation
-from haptisym.verbs.measured.judging import limits_of
-from haptisym.verbs.measured.regions import values_of
-from haptisym.verbs.measured.swept import Cells, Swept
+from haptisym.verbs.measured.judging import joint_distance, limits_of, values_of
+
+_MOST_LINES = 800
+"""Drawn; of more, every so many."""
+
+
+def thinned(count: int) -> Any:
+    """Which of so many lines are drawn."""
+    return np.arange(0, count, -(-count // _MOST_LINES))
+
+
+def codes_of(e: MeasuredEvaluation, part: Part) -> Any:
+    """What is told of a part, or of both where the region judges them together."""
+    return e.joint.verdict if e.joint else e.verdict[part]
+
+
+def left_out(drawn: int, count: int) -> list[Line2D]:
+    """What the legend says where not all lines are drawn."""
+    return [entry(f"{drawn} of {count} lines are drawn")] if drawn < count else []
+
+
+def scale_of_lines(omega: Any, band: Sequence[Expr] | None = None, *, hertz: bool | None = None) -> Scale:
+    """The unit of their frequencies: what was asked for, else that of the band, else the one in which they are short."""
+    return wanted_scale(hertz=hertz) or (band_scale(band) if band else floats_scale(omega[:50]))
+
+
+def spread_out(ax: Axes, at: Any) -> None:
+    """A logarithmic axis where the lines span decades."""
+    if at[0] > 0 and at[-1] > 30 * at[0]:
+        ax.set_xscale("log")
+        ax.tick_params(which="minor", width=0.4, length=1.5, color=pen.GREY)
+
+
+def draw_discs(ax: Axes, centres: Any, radii: Any, color: str) -> None:
+    """A disc about each point of the plane whose radius is known."""
+    seen = np.isfinite(radii) & (radii > 0)
+    circles = [Circle((c.real, c.imag), r) for c, r in zip(centres[seen], radii[seen], strict=True)]
+    ax.add_collection(PatchCollection(circles, facecolor=color, edgecolor=color, alpha=0.22, linewidth=0.5, zorder=1))
+
+
+def disc_handle(confidence: float) -> Line2D:
+    """What the legend says of the bars that stand for discs."""
+    return handle(pen.GREY, "none", f"{100 * confidence:.4g} % disc", 0.7, marker="|", markersize=6)
+
+
+_PARTS = ((1, pen.RED, "exceeds in a part"), (0, pen.GREY, "unresolved"), (-1, pen.BLUE, "below in both parts"))
+_JOINT = ((1, pen.RED, "outside"), (0, pen.GREY, "unresolved"), (-1, pen.BLUE, "inside"))
+
+
+def draw_measured_nyquist(ax: Axes, e: MeasuredEvaluation) -> list[Line2D]:
+    """H_env and the measured H_perc in the complex plane, a disc around each line, in the colour of what it tells.
+
+    Returns the curve (or dots) of the environment and the dots of what is felt.
+    """
+    drawn = thinned(len(e))
+    draw_origin(ax)
+    lines = _environment(ax, e, drawn)
+    real, imag = (codes_of(e, part) for part in Part)
+    codes = np.where((real == 1) | (imag == 1), 1, np.where((real == -1) & (imag == -1), -1, 0))[drawn]
+    felt, radius = e.lines.perceived[drawn], e.lines.perc_radius[drawn]
+    for code, colour, label in _PARTS:
+        if (own := codes == code).any():
+            draw_discs(ax, felt[own], radius[own], colour)
+            lines += ax.plot(felt[own].real, felt[own].imag, color=colour, zorder=4, label=label, **dots(2.4))
+    _frame(ax, np.concatenate([e.lines.environment[drawn], felt]), radius)
+    dress_plane(ax, e.scene)
+    legend(ax, [*lines, *left_out(len(drawn), len(e))])
+    return lines
+
+
+def _environment(ax: Axes, e: MeasuredEvaluation, drawn: Any) -> list[Line2D]:
+    """A curve of the model, or dots with discs where the environment is measured too."""
+    x, label = e.lines, r"$H_\mathrm{env}$"
+    if isinstance(e.scene.environment, Measurement):
+        draw_discs(ax, x.environment[drawn], x.env_radius[drawn], pen.INK)
+        env = x.environment[drawn]
+        return ax.plot(env.real, env.imag, color=pen.INK, zorder=3, label=label, **dots(3, "x"))
+    omega = np.union1d(np.linspace(x.omega[0], x.omega[-1], 801), x.omega[drawn])
+    values = e.scene.frame.distortion().compile(of=["environment_real", "environment_imag"])(omega)
+    made = ax.plot(
+        values.environment_real, values.environment_imag, color=pen.INK, linewidth=1.1, zorder=2, label=label
+    )
+    env = x.environment[drawn]
+    ax.plot(env.real, env.imag, color=pen.INK, zorder=3, **dots(4, "|"))
+    return made
+
+
+def _frame(ax: Axes, points: Any, radius: Any) -> None:
+    """Limits that hold the points and most of their discs; equal scales where that leaves a drawing."""
+    known = radius[np.isfinite(radius)]
+    reach = float(np.quantile(known, 0.9)) if len(known) else 0.0
+    sides = [(float(x.min()) - reach, float(x.max()) + reach) for x in (points.real, points.imag)]
+    margin = 0.05 * max(high - low for low, high in sides) or 1.0
+    limit(ax, *((low - margin, high + margin) for low, high in sides))
+    keep_scales(ax)
+
+
+def draw_measured_plane(ax: Axes, e: MeasuredEvaluation) -> list[Line2D]:
+    """dH/|H_env| of each line with its disc, and the region, where that is the same at all. Returns the dots."""
+    assert e.joint is not None
+    drawn = thinned(len(e))
+    at, codes = e.lines.change[drawn], e.joint.verdict[drawn]
+    radius = np.zeros(len(at)) if e.lines.radius is None else e.lines.radius[drawn]
+    reach = max(0.2, 1.15 * float(np.quantile(np.abs(at[np.isfinite(at)]), 0.9)))
+    limit(ax, (-reach, reach), (-reach, reach))
+    made: list[Line2D] = []
+    for code, colour, label in _JOINT:
+        if (own := (codes == code) & np.isfinite(at)).any():
+            draw_discs(ax, at[own], radius[own], colour)
+            made += ax.plot(at[own].real, at[own].imag, color=colour, label=label, **dots(2.4))
+    entries = [*made]
+    if e.scene.threshold.is_constant:
+        side = np.linspace(-reach, reach, 401)
+        x, y = np.meshgrid(side, side)
+        distance = joint_distance(e.scene.threshold, np.ones(x.size), x.ravel(), y.ravel())
+        assert distance is not None
+        ax.contour(x, y, distance.reshape(x.shape), levels=[0], colors=pen.INK, linewidths=0.9)
+        entries.append(handle(pen.INK, "-", str(e.scene.threshold.region.shape.value), 0.9))
+    dress_changes(ax)
+    ax.set_aspect("equal")
+    legend(ax, entries)
+    return made
+
 
 _COLOURS = {Part.REAL: pen.BLUE, Part.IMAG: pen.RED}
 _SYMBOLS = {Part.REAL: r"$r_\mathrm{r}$", Part.IMAG: r"$r_\mathrm{i}$"}

@@ -12,9 +12,8 @@ from matplotlib.lines import Line2D
 from haptisym.figures import pen
 from haptisym.figures.judged import is_share, limit_of
 from haptisym.figures.sampling import band_of, ends_of, sampled
-from haptisym.figures.scales import scale_of
 from haptisym.figures.sheet import stacked
-from haptisym.figures.style import Look, dress, entries, legend, limit, name_frequency
+from haptisym.figures.style import Look, dress, entries, legend, limit, name_frequency, scale_of
 from haptisym.verbs.metrics.measured import Bands
 from haptisym.verbs.metrics.metric import Metrics
 

@@ -11,9 +11,10 @@ from matplotlib.lines import Line2D
 
 from haptisym.figures import pen
 from haptisym.figures.sampling import band_of, broken, evenly, in_window, poles_of, refined, sampled
-from haptisym.figures.scales import Scale, band_scale
 from haptisym.figures.style import (
     Look,
+    Scale,
+    band_scale,
     curve_handles,
     curves,
     dots,

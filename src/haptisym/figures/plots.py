@@ -47,15 +47,15 @@ KINDS: Mapping[str, Mapping[str, Drawing]] = MappingProxyType({
         "dominance": ("effects:draw_dominance",),
     },
     "requirement": {"worst": ("require:draw_requirement",)},
-    "designmap": {"map": ("designmap:draw_map",), "wishes": ("wishes:draw_wishes",)},
-    "stability": {"hands": ("stability:draw_plane",)},
+    "designmap": {"map": ("designmap:draw_map",), "wishes": ("designmap:draw_wishes",)},
+    "stability": {"hands": ("stability:draw_stability",)},
     "sensitivity": {"elasticities": ("sensitivity:draw_first",)},
-    "tolerances": {"enclosures": ("tolerances:draw_tolerances",), "hands": ("heldbox:draw_held",)},
+    "tolerances": {"enclosures": ("tolerances:draw_tolerances",), "hands": ("stability:draw_held",)},
     "metrics": {"measures": ("metrics:draw_measures",), "verdicts": ("metrics:draw_verdicts",)},
     "cost": {"time": ("cost:draw_task",)},
-    "hardcosts": {"cases": ("hardcosts:draw_cases",)},
+    "hardcosts": {"cases": ("cost:draw_cases",)},
     "simulation": {"time": ("simulate:draw_time",), "loop": ("simulate:draw_loop",), **_RUNS},
-    "release": {"motion": ("release:draw_release",)},
+    "release": {"motion": ("simulate:draw_release",)},
     "identification": {
         "magnitude": ("identify:draw_magnitude",),
         "phase": ("identify:draw_phase",),
@@ -121,7 +121,7 @@ def _key(found: Answer) -> str:
 
 def _subject(found: Any, name: str) -> Any:
     """Of simulations one run, or all of them."""
-    if not name.startswith("simulate:"):
+    if not name.startswith("simulate:") or not hasattr(found, "runs"):
         return found
     runs = found.runs
     return runs if name.endswith("recovered") else runs[len(runs) // 2]

@@ -11,13 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from haptisym.figures import pen
-from haptisym.figures.labels import mark_bands, share_of, spread
 from haptisym.figures.nyquist import responses
 from haptisym.figures.sampling import band_of, broken, ends_of, evenly, in_window, poles_of, refined, sampled, top_of
-from haptisym.figures.scales import Scale, scale_of
 from haptisym.figures.style import (
     MOST_NUMBERS,
     Look,
+    Scale,
     curve_handles,
     curves,
     dress,
@@ -25,8 +24,12 @@ from haptisym.figures.style import (
     handle,
     legend,
     limit,
+    mark_bands,
     name_dynamics,
     plate,
+    scale_of,
+    share_of,
+    spread,
     text_width,
     write_note,
 )

@@ -12,10 +12,22 @@ from matplotlib.lines import Line2D
 
 from haptisym.figures import pen
 from haptisym.figures.judged import columns, is_share, limit_of, name_of
-from haptisym.figures.labels import label_above, mark_bands
 from haptisym.figures.sampling import band_of, broken, evenly, in_window, refined, sampled, top_of
-from haptisym.figures.scales import Scale, scale_of
-from haptisym.figures.style import MOST_LABELS, Look, dots, dress, entries, entry, legend, limit, number
+from haptisym.figures.style import (
+    MOST_LABELS,
+    Look,
+    Scale,
+    dots,
+    dress,
+    entries,
+    entry,
+    label_above,
+    legend,
+    limit,
+    mark_bands,
+    number,
+    scale_of,
+)
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.peaks import Peaks

@@ -15,15 +15,14 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import Affine2D
 
 from haptisym.figures import pen
-from haptisym.figures.outlines import outline
 from haptisym.figures.sampling import sampled
-from haptisym.figures.scales import band_scale
 from haptisym.figures.sheet import one_column
-from haptisym.figures.style import dots, draw_origin, dress, dress_changes, handle, legend, limit
+from haptisym.figures.square import outline
+from haptisym.figures.style import band_scale, dots, draw_origin, dress, dress_changes, handle, legend, limit
 from haptisym.judge.criteria import noticed
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.spread import Compared, half_widths
-from haptisym.programs.formulas import floats_of
+from haptisym.programs.floats import floats_of
 from haptisym.programs.values import Array
 from haptisym.verbs.family.entry import FamilyEvaluation
 

@@ -15,9 +15,19 @@ from sympy import Expr, Float, Rational, S
 
 from haptisym.figures import pen
 from haptisym.figures.judged import judged, limit_of
-from haptisym.figures.scales import RADIANS, Scale, band_scale
 from haptisym.figures.sheet import one_column
-from haptisym.figures.style import Look, dress, entries, entry, legend, limit, name_parameter
+from haptisym.figures.style import (
+    RADIANS,
+    Look,
+    Scale,
+    band_scale,
+    dress,
+    entries,
+    entry,
+    legend,
+    limit,
+    name_parameter,
+)
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.errors import SceneError
 from haptisym.model.chain import Chain

@@ -11,12 +11,10 @@ from matplotlib.patches import Patch
 from sympy import Symbol
 
 from haptisym.figures import pen
-from haptisym.figures.scales import RADIANS, Scale, band_scale
-from haptisym.figures.style import dress_rows, entries, legend, number, written
+from haptisym.figures.style import RADIANS, Scale, band_scale, dress_rows, entries, legend, number, written
 from haptisym.kernel.errors import NothingToDrawError
-from haptisym.verbs.sensitivity.entry import Sensitivities
-from haptisym.verbs.sensitivity.slopes import Sensitive
-from haptisym.writing.texprinter import formula
+from haptisym.verbs.sensitivity.entry import Sensitive, Sensitivities
+from haptisym.writing.latex import formula
 
 _MOST = 12  # bars of one frequency; the text has them all
 _MOST_FREQUENCIES = 12

@@ -1,10 +1,20 @@
-"""What figures share: thin lines, colours, numbers and names as they are set, legends above the axes."""
+"""What figures share: lines, colours, numbers, names, labels and axes.
+
+In which unit an axis of frequencies is drawn: Hz where the scene says Hz, rad/s elsewhere.
+
+What figures share: thin lines, colours, numbers and names as they are set, legends above the axes.
+
+What is marked along an axis of frequencies: bands, and labels above it, each tied to its place, that do not meet.
+
+Names beside points that meet neither each other, nor points, lines or the edge of the axes.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from math import tau
 from typing import Any, Protocol
 
 import numpy as np
@@ -13,16 +23,84 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.text import Annotation
 from matplotlib.ticker import FuncFormatter, MaxNLocator, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
-from sympy import Symbol
+from sympy import Expr, Symbol, pi
 
 from haptisym.figures import pen
-from haptisym.figures.scales import Scale
+from haptisym.figures.sampling import ends_of
 from haptisym.judge.criteria import Criterion
+from haptisym.kernel.hertz import Hertz
+from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.roots import Interval
 from haptisym.model.quantities import MotionKind, unit_text
 from haptisym.programs.values import Array
-from haptisym.writing.texprinter import formula
+from haptisym.writing.latex import formula
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A unit of frequency: its name, the label of its axis, and how many rad/s it is."""
+
+    unit: str
+    label: str
+    factor: float
+
+    def of(self, omega: Any) -> Any:
+        """Frequencies, rad/s, in this unit."""
+        return omega if self.factor == 1 else omega / self.factor
+
+    def digits(self, omega: RealNumber, count: int) -> str:
+        """A frequency to that many correct digits in this unit."""
+        return (omega if self.factor == 1 else Hertz(omega)).digits(count)
+
+
+RADIANS = Scale("rad/s", r"$\omega$ (rad/s)", 1.0)
+HERTZ = Scale("Hz", "frequency (Hz)", tau)
+
+
+def scale_of(ax: Axes, band: Iterable[Expr], *, hertz: bool | None = None) -> Scale:
+    """The unit of the horizontal axis: what was asked for, else the one that it has, else that of the band."""
+    return wanted_scale(hertz=hertz) or labelled_scale(ax.get_xlabel()) or band_scale(band)
+
+
+def wanted_scale(*, hertz: bool | None) -> Scale | None:
+    """What was asked for; None where nothing was."""
+    return None if hertz is None else HERTZ if hertz else RADIANS
+
+
+def labelled_scale(label: str) -> Scale | None:
+    """That of an axis with this label; None where that tells none."""
+    return next((x for x in (HERTZ, RADIANS) if x.label == label), None)
+
+
+def band_scale(band: Iterable[Expr]) -> Scale:
+    """Hz where a frequency is a multiple of pi rad/s: then it was written in Hz, or in turns of another kind.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> band_scale(load_scene("steering-wheel").band).unit, band_scale(load_scene("fu2019").band).unit
+    ('Hz', 'rad/s')
+    """
+    return HERTZ if any(x.has(pi) for x in band) else RADIANS
+
+
+def floats_scale(values: Iterable[float]) -> Scale:
+    """The same of floats: Hz where all are short decimals in Hz, and not all are in rad/s.
+
+    >>> floats_scale([0.0, 31.41592653589793]).unit, floats_scale([20.0, 200.0]).unit
+    ('Hz', 'rad/s')
+    """
+    given = [float(x) for x in values]
+    return (
+        HERTZ if all(map(_is_short, (x / HERTZ.factor for x in given))) and not all(map(_is_short, given)) else RADIANS
+    )
+
+
+def _is_short(x: float) -> bool:
+    return abs(x - float(f"{x:.6g}")) <= 1e-13 * abs(x)
+
 
 CURVES = ((pen.BLUE, pen.SOLID, r"H_\mathrm{env}"), (pen.RED, pen.DASHED, r"H_\mathrm{perc}"))
 MOST_LABELS, MOST_NUMBERS = 4, 8
@@ -291,3 +369,189 @@ def plate(color: str) -> dict[str, Any]:
 def write_note(ax: Axes, text: str) -> None:
     """A sentence in the middle of the axes, at the top."""
     ax.text(0.5, 0.97, text, transform=ax.transAxes, ha="center", va="top", fontsize=pen.SMALL, bbox=plate(pen.SHADE))
+
+
+_ABOVE = "_above"
+"""The mark of labels above the axes, by which those of a scene drawn before are found."""
+
+
+def mark_bands(ax: Axes, intervals: Iterable[Interval], look: Look, scale: Scale, label: str) -> Sequence[Artist]:
+    """Some bands of a scene: a grey ground, or bars at the top for a further one; the first bears the label."""
+    label = f"{label}{look.suffix}"
+    return bars(ax, intervals, look, scale, label) if look.number else shade(ax, intervals, scale, label)
+
+
+def shade(ax: Axes, intervals: Iterable[Interval], scale: Scale = RADIANS, label: str = "") -> list[Patch]:
+    """Grey bands at some frequencies; the first one bears the label."""
+    made: list[Patch] = []
+    for low, high in (scale.of(np.array(ends_of(x))) for x in intervals):
+        if low == high:
+            ax.axvline(low, color=pen.SHADE, linewidth=1, zorder=0)
+        else:
+            made.append(ax.axvspan(low, high, facecolor=pen.SHADE, linewidth=0, zorder=0))
+    if made and label:
+        made[0].set_label(label)
+    return made
+
+
+def bars(ax: Axes, intervals: Iterable[Interval], look: Look, scale: Scale, label: str) -> list[Line2D]:
+    """The bands of a further scene as bars of its colour at the top of the axes, each scene below the one before."""
+    made: list[Line2D] = []
+    for ends in (scale.of(np.array(ends_of(x))) for x in intervals):
+        place = [0.985 - 0.03 * look.number] * 2
+        made += ax.plot(
+            ends, place, color=look.color, transform=ax.get_xaxis_transform(), zorder=1, linewidth=2.5, alpha=0.6,
+            solid_capstyle="butt",
+        )  # fmt: skip
+    if made:
+        made[0].set_label(label)
+    return made
+
+
+def label_above(ax: Axes, labels: Iterable[tuple[float, str]], color: str = pen.INK) -> None:
+    """Texts side by side on top of the axes, each tied to its place; those that are there already move for new ones.
+
+    Where they have no room beside each other, only those that were there first stay.
+    """
+    before = [x for x in ax.texts if isinstance(x, Annotation) and x.get_label() == _ABOVE]
+    rows = [(float(x.xy[0]), x.get_text(), str(x.get_color())) for x in before]
+    new = [(x, text, color) for x, text in labels]
+    if rows and sum(text_width(ax, text) for _, text, _ in [*rows, *new]) > 1:
+        new = []
+    for old in before:
+        old.remove()
+    for x, _, ink in new:
+        ax.axvline(x, color=pen.GREY if ink == pen.INK else ink, linewidth=0.5, linestyle=pen.DOTTED, zorder=1)
+    ordered = sorted([*rows, *new])
+    places = spread([share_of(ax, x) for x, _, _ in ordered], [text_width(ax, text) for _, text, _ in ordered])
+    for (x, text, ink), place in zip(ordered, places, strict=True):
+        ax.annotate(
+            text, xy=(x, 1), xytext=(place, 1.05), xycoords=ax.get_xaxis_transform(), textcoords="axes fraction",
+            ha="center", va="bottom", fontsize=pen.SMALL, color=ink, arrowprops=pen.LEADER, label=_ABOVE,
+        )  # fmt: skip
+
+
+def spread(centres: Sequence[float], widths: Sequence[float]) -> Array:
+    """Places near the wanted ones, in the same order, at which labels of these widths stand side by side within 0 to 1.
+
+    >>> spread([0.1, 0.5, 0.52], [0.1, 0.1, 0.1]).round(2).tolist()
+    [0.1, 0.46, 0.56]
+    """
+    offsets = np.cumsum(widths) - np.asarray(widths) / 2
+    free = np.asarray(centres) - offsets
+    free = (np.maximum.accumulate(free) + np.minimum.accumulate(free[::-1])[::-1]) / 2
+    return np.clip(free, 0, max(0.0, 1 - sum(widths))) + offsets
+
+
+def share_of(ax: Axes, x: float) -> float:
+    """Where a frequency is on the axes, from 0 to 1."""
+    low, high = ax.get_xlim()
+    return (x - low) / (high - low)
+
+
+_WIDE, _HIGH = 0.51, 0.95
+"""Of a letter, and of a line, in sizes of the font."""
+_MARK = 3.0  # half of a point's width, pt
+_NEAR, _FAR = 5.0, 14.0  # pt from a point to its name
+_OUTSIDE, _MET, _DOUBTFUL, _CROSSED, _LONG = 50.0, 20.0, 12.0, 8.0, 0.35
+"""What a place costs: to leave the axes, to meet something, to seem another point's, to be crossed by a line; per pt away."""
+
+Box = tuple[float, float, float, float]
+"""Left, bottom, right, top, in points of the page."""
+
+
+@dataclass
+class Room:
+    """What is on the axes already: boxes, and points of lines, in points of the page."""
+
+    ax: Axes
+    boxes: list[Box] = field(default_factory=list)
+    lines: list[Array] = field(default_factory=list)
+    points: list[tuple[float, float]] = field(default_factory=list)
+
+    def at(self, x: float, y: float) -> tuple[float, float]:
+        """A place of the data, in points of the page."""
+        found = self._on_page([x], [y])
+        return float(found[0, 0]), float(found[0, 1])
+
+    def _on_page(self, x: Sequence[float] | Array, y: Sequence[float] | Array) -> Array:
+        transform: Any = self.ax.transData
+        found: Array = transform.transform(np.column_stack([x, y])) * 72 / self.ax.figure.dpi
+        return found
+
+    def take_point(self, x: float, y: float, half: float = _MARK) -> None:
+        """Nothing is written over a point."""
+        a, b = self.at(x, y)
+        self.points.append((a, b))
+        self.boxes.append((a - half, b - half, a + half, b + half))
+
+    def take_line(self, x: Sequence[float] | Array, y: Sequence[float] | Array) -> None:
+        """Nothing is written over a line, if there is another place."""
+        found = self._on_page(x, y)
+        self.lines.append(_dense(found[np.isfinite(found).all(axis=1)]))
+
+    def beside(self, x: float, y: float, text: str, size: float) -> tuple[float, float]:
+        """Where a name is best: from its point, pt, to its lower left corner. That place is taken then."""
+        a, b = self.at(x, y)
+        wide, high = _WIDE * size * len(text), _HIGH * size
+        tried = [
+            (
+                self._cost(box := (a + i, b + j, a + i + wide, b + j + high)) + self._doubt(box, (a, b)) + _LONG * gap,
+                n,
+                i,
+                j,
+            )
+            for n, (gap, i, j) in enumerate(_tried(wide, high))
+        ]
+        _, _, right, up = min(tried)
+        self.boxes.append((a + right, b + up, a + right + wide, b + up + high))
+        return right, up
+
+    def _doubt(self, box: Box, own: tuple[float, float]) -> float:
+        """What it costs that another point is nearer to a name than its own."""
+        return _DOUBTFUL * any(_apart(box, x) <= _apart(box, own) for x in self.points if x != own)
+
+    def crowded(self, place: tuple[float, float], size: float) -> float:
+        """What it costs to write a number about a place."""
+        a, b = self.at(*place)
+        return self._cost((a - 0.6 * size, b - 0.6 * size, a + 0.6 * size, b + 0.6 * size))
+
+    def away(self, one: tuple[float, float], other: tuple[float, float]) -> float:
+        """How far two places are from each other, pt."""
+        return float(np.hypot(*np.subtract(self.at(*one), self.at(*other))))
+
+    def _cost(self, box: Box) -> float:
+        left, bottom, right, top = box
+        extents: Any = self.ax.bbox.extents
+        edge = extents * 72 / self.ax.figure.dpi
+        cost = _OUTSIDE * (left < edge[0] + 1 or bottom < edge[1] + 1 or right > edge[2] - 1 or top > edge[3] - 1)
+        cost += _MET * sum(left < x1 and x0 < right and bottom < y1 and y0 < top for x0, y0, x1, y1 in self.boxes)
+        for line in self.lines:
+            x, y = line.T
+            cost += _CROSSED * bool(((x > left) & (x < right) & (y > bottom) & (y < top)).any())
+        return float(cost)
+
+
+def _tried(wide: float, high: float) -> Iterator[tuple[float, float, float]]:
+    """How far places of a name are, and where, the usual ones first: to the right, above and below, to the left; then farther."""
+    for gap in (_NEAR, _FAR, 2 * _FAR):
+        sides = (-high / 2, gap / 2, -high - gap / 2, gap, -high - gap)
+        yield from ((gap, gap, up) for up in sides)
+        yield from ((gap, -wide / 2, up) for up in (gap, -high - gap))
+        yield from ((gap, -wide - gap, up) for up in sides)
+
+
+def _apart(box: Box, point: tuple[float, float]) -> float:
+    """How far a point is from a box."""
+    (left, bottom, right, top), (x, y) = box, point
+    return float(np.hypot(max(left - x, 0.0, x - right), max(bottom - y, 0.0, y - top)))
+
+
+def _dense(points: Array) -> Array:
+    """A line as points that are no more than about a point of the page apart."""
+    if len(points) < 2:
+        return points
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    fine = np.linspace(0, along[-1], min(int(along[-1]) + 2, 20_000))
+    return np.column_stack([np.interp(fine, along, points[:, i]) for i in (0, 1)])

@@ -12,10 +12,20 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from haptisym.figures import pen
-from haptisym.figures.heldbox import HEIGHT, draw_held, hands_figure
-from haptisym.figures.scales import Scale, scale_of
 from haptisym.figures.sheet import laid_out, one_column
-from haptisym.figures.style import Look, dots, dress_rows, legend, limit, name_frequency, threshold_symbol, written
+from haptisym.figures.stability import HEIGHT, draw_held, hands_figure
+from haptisym.figures.style import (
+    Look,
+    Scale,
+    dots,
+    dress_rows,
+    legend,
+    limit,
+    name_frequency,
+    scale_of,
+    threshold_symbol,
+    written,
+)
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.tolerances.proofs import Tolerances

@@ -26,7 +26,7 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, Threshold
-from haptisym.model.ranges import ExactRange
+from haptisym.model.parameters import ExactRange
 
 
 def bandwidths(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> Bandwidths | None:

@@ -22,8 +22,7 @@ from haptisym.kernel.response import RealFunction, squared_modulus
 from haptisym.kernel.roots import chart
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
-from haptisym.model.jnd import Threshold
-from haptisym.model.regions import Shape
+from haptisym.model.jnd import Shape, Threshold
 from haptisym.model.scene import Scene
 
 

@@ -18,7 +18,7 @@ from haptisym.kernel.levels import Level
 from haptisym.kernel.reals import RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Chart, Key, Point, chart
-from haptisym.model.ranges import ExactRange
+from haptisym.model.parameters import ExactRange
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,8 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
 from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.rootcount import is_stable
 from haptisym.kernel.roots import chart, sign_of_number
-from haptisym.kernel.stability import is_stable
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect
 from haptisym.model.devices import Device, device

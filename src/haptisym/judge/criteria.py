@@ -16,8 +16,7 @@ from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Chart, Interval
 from haptisym.kernel.symbols import c, omega
 from haptisym.model.distortion import Distortion
-from haptisym.model.jnd import Part, Threshold, is_irrational_algebraic
-from haptisym.model.regions import Shape
+from haptisym.model.jnd import Part, Shape, Threshold, is_irrational_algebraic
 
 Measure: TypeAlias = Callable[[Distortion], RealFunction]
 

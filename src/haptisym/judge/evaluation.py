@@ -1,13 +1,18 @@
-"""The two-step evaluation of a scene: when a distortion is noticed, and how it is felt."""
+"""The two-step evaluation of a scene: when a distortion is noticed, how it is felt, and whether that survives another JND model.
+
+What the digits of crossings took.
+
+The two-step evaluation of a scene: when a distortion is noticed, and how it is felt.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 from sympy import Expr
 
@@ -17,23 +22,64 @@ from haptisym.judge.bounds import AnyEnvironment, any_environment
 from haptisym.judge.climb import Bandwidths
 from haptisym.judge.criteria import JOINT, Criterion, judged, kept, noticed
 from haptisym.judge.crossings import Crossing, Curve, curves, find_crossings, unbounded_points
-from haptisym.judge.effort import Effort, effort
-from haptisym.judge.friction import Friction, frictions, without_friction
-from haptisym.judge.imposed import force_is_stable
-from haptisym.judge.passivity import Passivity, passivity
-from haptisym.judge.percepts import Felt, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
+from haptisym.judge.passivity import Passivity, force_is_stable, passivity
+from haptisym.judge.percepts import (
+    Felt,
+    Friction,
+    Percept,
+    changeovers,
+    find_felt,
+    find_percepts,
+    frictions,
+    outside_model,
+    unnamed,
+    without_friction,
+)
 from haptisym.judge.spread import Compared, compared
 from haptisym.kernel.counts import whole
+from haptisym.kernel.decimals import bits_for
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.periodic import Turned
+from haptisym.kernel.polynomials import PolynomialFactor, Root
+from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.kernel.shown import counted, titled
+from haptisym.kernel.zeros import Zero
 from haptisym.model.catalogue import Effect
 from haptisym.model.caveats import caveats
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
+
+
+class Effort(NamedTuple):
+    """What the crossings' digits took: the method that encloses them, the least working precision, bits, and the time, s."""
+
+    method: str
+    bits: int
+    seconds: float
+
+
+_POLYNOMIAL = "certified polynomial roots"
+_METHODS = {
+    Root: _POLYNOMIAL,
+    Turned: "arctangents of certified polynomial roots",
+    Zero: "interval Newton in ball arithmetic",
+    ExactNumber: "closed form",
+}
+
+
+def effort(numbers: Iterable[RealNumber], digits: int, seconds: float) -> Effort:
+    """Of numbers that took that long to that many digits."""
+    kinds = {_method(x) for x in numbers}
+    return Effort(", ".join(sorted(kinds)) or "none needed", bits_for(digits), seconds)
+
+
+def _method(x: RealNumber) -> str:
+    if isinstance(x, Zero) and isinstance(x.factor, PolynomialFactor):
+        return _POLYNOMIAL
+    return _METHODS.get(type(x), "bisection")
 
 
 class LeftOut(Protocol):

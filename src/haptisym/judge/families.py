@@ -15,9 +15,8 @@ from haptisym.judge.criteria import Criterion, noticed
 from haptisym.judge.regions import Change, Term
 from haptisym.kernel.response import RealFunction
 from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.jnd import Part, Threshold
-from haptisym.model.ranges import ExactRange
-from haptisym.model.regions import Shape
+from haptisym.model.jnd import Part, Shape, Threshold
+from haptisym.model.parameters import ExactRange
 
 Group: TypeAlias = frozenset[str]
 """Numbers of a JND, by name, that grow together; empty: none of a term does."""

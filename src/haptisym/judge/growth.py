@@ -20,7 +20,7 @@ from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, SquareRoot, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Chart, Interval, Point, chart
-from haptisym.model.ranges import ExactRange
+from haptisym.model.parameters import ExactRange
 
 
 def bandwidth_of(lattice: Lattice, band: tuple[Expr, Expr]) -> RealNumber | None:

@@ -1,33 +1,213 @@
-"""Whether every passive hand may hold a display: H_perc/s is positive real. Judged on [0, infinity), with a clock up to pi/T."""
+"""Whether every passive hand may hold a display, and whether the force under imposed motion is stable.
+
+Displays made of parts that only take energy: an environment that does, behind two-ports that do.
+
+A passive one-port behind passive two-ports is passive, however many poles it has: H_perc/s is positive real. And where the
+environment takes energy at every frequency and has no pole on the axis, H_perc has no pole there either: with the hand at rest
+no energy flows, so that the environment would be at rest, and with it, as a chain matrix has an inverse, all of the chain. So
+all poles of H_perc lie in Re s < 0, however near to the axis. Source: Youla, Castriota and Carlin (1959); Niemeyer and Slotine
+(1991) for the wave-variable link, which is a line without losses.
+
+Where poles may lie of what no passive hand can drive: F(s)/s, with F a dynamic stiffness, must be positive real.
+
+Beside Im F(j omega) >= 0 that asks of F/s: no poles in Re s > 0; those on the axis, at 0 and at infinity simple, with positive
+residues.
+
+Whether every passive hand may hold a display: H_perc/s is positive real. Judged on [0, infinity), with a clock up to pi/T.
+
+Whether the force under imposed motion is stable: all poles of H_perc in Re s < 0.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from math import isfinite
+from math import isfinite, prod
 from typing import Any
 
 import flint
 from flint import arb
-from sympy import Expr, Integer, Rational, pi
+from sympy import Expr, Integer, Poly, Rational, pi
 
 from haptisym.judge.colgate import SampledPassivity, sampled_passivity
 from haptisym.judge.criteria import PASSIVE
-from haptisym.judge.passiveparts import environment_alone
 from haptisym.judge.peaks import Greatest, greatest
-from haptisym.judge.positivereal import poles_allow, power
 from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Far, Sense, far
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.response import RealFunction
+from haptisym.kernel.response import RealFunction, Response, on_axis
+from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.rootcount import count_roots, is_stable, order_at_0
 from haptisym.kernel.roots import Chart, Interval, chart, sign_of_number
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.symbols import omega, s
+from haptisym.model.catalogue import Effect
 from haptisym.model.caveats import clocks, sampled_loop
+from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene
+
+
+def environment_alone(scene: Scene) -> Scene | None:
+    """The scene without its effects, where these are two-ports that only take energy; None where some are not."""
+    if scene.rendered is not None or not scene.effects or not are_passive(scene.effects):
+        return None
+    return Scene(scene.environment, (), scene.band)
+
+
+def rests(scene: Scene, chain: Chain) -> bool:
+    """Whether a display has no root in Re s >= 0 but at 0 in any hand that damps, as nothing in it gives energy.
+
+    In Re s > 0 the hand's share of Re F/V is positive, and the display's is not negative. On the axis the hand would not move,
+    nor feel a force: then all that is behind chain matrices is at rest too, as they have inverses. ``chain`` : of the scene, in
+    which a number may be open: then it is so for all of its values > 0, and False where it stands in a shunt.
+    """
+    shunts = [m[1] for x, m in zip(scene.effects, chain.matrices, strict=True) if x.model == "shunt"]
+    return environment_alone(scene) is not None and all(map(_takes_energy, shunts)) and takes_energy(chain.environment)
+
+
+def takes_energy(environment: Expr) -> bool:
+    """Whether H/s is positive real, and H finite at all frequencies > 0, for all values > 0 of what is open in it.
+
+    Told by signs alone, False says nothing: Im H >= 0 as no coefficient of it is negative; the denominator has its zeros in
+    Re s < 0, as those of degree 2 with coefficients > 0 have; H(0) is finite, and far out H grows no faster than s^2, both > 0.
+
+    >>> from sympy.abc import k, q
+    >>> each = k + q * s, k * q * s / (k + q * s), k * s**q, 1 / (s**2 + q), k - q * s, q * s - k
+    >>> [takes_energy(H) for H in each]
+    [True, True, True, False, False, False]
+    """
+    ring = Ring.of([environment])
+    if ring.lags:
+        return False
+    H, axis = ring.convert(environment).reduced(), ring.axis
+    top, bottom = H.numerator, H.denominator
+    powers = {int(x[0]) for x in bottom.monoms()}
+    if len({c > 0 for c in (*top.coeffs(), *bottom.coeffs())}) > 1 or powers not in ({0}, {0, 1}, {0, 1, 2}):
+        return False
+    if any(any(x[ring.size :]) for x in bottom.monoms()) or _growth(top, ring) > max(powers) + 2:
+        return False
+    (a, b), (c, d) = axis.parts([top, bottom])
+    power = axis.without_circles(b * c - a * d)[0]
+    return all(x > 0 for x in power.coeffs())
+
+
+def _growth(polynomial: Polynomial, ring: Ring) -> Expr:
+    """Its highest power of s, or more: an open order is below 1."""
+    orders = [x if x.is_Rational else Integer(1) for x in ring.orders]
+    powers = (
+        int(x[0]) + sum(int(n) * a for n, a in zip(x[ring.size :], orders, strict=False)) for x in polynomial.monoms()
+    )
+    return max(powers, default=Integer(0))
+
+
+def are_passive(effects: Iterable[Effect]) -> bool:
+    """Whether effects are two-ports that only take energy, by what they are.
+
+    >>> from haptisym import effects
+    >>> link = effects.wave_variables(10, "20 ms")
+    >>> are_passive([link, effects.shunt(m=1)]), are_passive([link, effects.shunt(m=-1)]), are_passive([effects.delay(1)])
+    (True, False, False)
+    """
+    return all(
+        x.model in ("wave-variables", "compliance") or (x.model == "shunt" and _takes_energy(x.matrix[1]))
+        for x in effects
+    )
+
+
+def _takes_energy(Z: Expr) -> bool:
+    """Whether a dynamics is m s^2 + b s + k, none of them negative."""
+    if not Z.is_polynomial(s):
+        return False
+    row = Poly(Z, s).all_coeffs()
+    return len(row) <= 3 and all(not x.free_symbols and x.is_real and sign_of_number(x) >= 0 for x in row)
+
+
+def poles_allow(F: RationalFunction) -> bool | None:
+    """Whether the poles of F/s, F in lowest terms, are as those of a positive real function; None where not decided.
+
+    >>> from haptisym.kernel.symbols import s
+    >>> def of(Z): return poles_allow(Ring.of([s * Z]).convert(s * Z).reduced())
+    >>> of(1 / s), of(-1 / s), of(s / (s - 1)), of(s / (s**2 + 1)), of(s**2), of(-s)
+    (True, False, False, True, False, False)
+    """
+    if F.is_zero:
+        return True
+    try:
+        return _allowed(F, on_axis(F))
+    except UndecidedError:
+        return None
+
+
+def has_no_pole_right(f: RationalFunction) -> bool | None:
+    """Whether a function in lowest terms has no pole in Re s > 0; None where not decided."""
+    try:
+        found = count_roots(f.denominator, _ring(f))
+    except UndecidedError:
+        return None
+    return None if found.right is None else found.right == 0
+
+
+def _ring(f: RationalFunction) -> Ring:
+    assert isinstance(f.ring, Ring)
+    return f.ring
+
+
+def _allowed(F: RationalFunction, response: Response) -> bool:
+    ring = _ring(F)
+    if order_at_0(F.denominator, ring) > order_at_0(F.numerator, ring) or not _allowed_far_out(response):
+        return False
+    found = count_roots(F.denominator, ring)
+    if found.right is None:
+        raise UndecidedError("where infinitely many poles lie")
+    if found.right or _sign_at_0(response.real) < 0:  # F(0) is the residue of F/s at 0
+        return False
+    places = [float(x) for x in found.on_axis if float(x) > 0]
+    if not places:
+        return True
+    table = chart({"real": response.real, "imag": response.imag}, Integer(0), Integer(int(max(places)) + 1))
+    poles = [p for p in table.points if min(p.orders.get(name, 0) for name in ("real", "imag")) < 0]
+    # with the residue r > 0 F is near omega_0 r/(omega - omega_0): real, it comes back from -infinity as +infinity
+    return all(
+        p.orders.get("real") == -1 and (p.before["real"], p.after["real"]) == (-1, 1) and p.orders.get("imag", 0) >= 0
+        for p in poles
+    )
+
+
+def _sign_at_0(real: RealFunction) -> int:
+    """Of F(0)."""
+    if not real.axis.functions:
+        f = real.function
+        return prod(sign_of_number(f.ring.coefficients(p)[0]) for p in (f.numerator, f.denominator))
+    first = chart({"real": real}, Integer(0), Integer(1)).points[0]
+    return 0 if first.orders.get("real", 0) else first.after["real"]
+
+
+def _allowed_far_out(response: Response) -> bool:
+    """Whether F grows more slowly than s^2, or as a positive mass does."""
+    raw = response.raw_real
+    grown = max(power(x.numerator, x) - power(x.denominator, x) for x in (raw, response.raw_imag) if not x.is_zero)
+    faster = sign_of_number(grown - 2)
+    if faster:
+        return faster < 0
+    found = far(raw).sense
+    if found in (Sense.BOTH, Sense.UNKNOWN):
+        raise UndecidedError("whether a display is a positive mass far out")
+    return found is Sense.NEGATIVE
+
+
+def power(polynomial: Any, f: RationalFunction) -> Expr:
+    """The highest power of omega in a polynomial of an axis, powers omega^alpha among them."""
+    axis: Any = f.ring
+    first = axis.size + len(axis.angles)
+    return max(
+        sum((int(n) * x for n, x in zip(e[first:], axis.orders, strict=False)), Integer(int(e[0])))
+        for e in polynomial.monoms()
+    )
+
 
 _TURNS = 2  # of the longest delay: as far as is listed what goes on for ever, or for long
 _MOST_TURNS = 500  # that are charted where a sign settles later
@@ -121,11 +301,11 @@ class Passivity:
     @property
     def takes_energy(self) -> bool:
         """Whether every passive hand may hold the display, and Im H_perc > 0 at every frequency: for rational dynamics."""
-        if not self.holds or _ring(self.distortion).lags:
+        if not self.holds or _ring_in_passivity(self.distortion).lags:
             return False
         points = [x for x in self.chart.points if float(x.omega) > 0]
         signs = [x for p in self.chart.points for x in p.after.values()] + [x for p in points for x in p.at.values()]
-        return not _ring(self.distortion).orders and set(signs) == {-1}
+        return not _ring_in_passivity(self.distortion).orders and set(signs) == {-1}
 
     @cached_property
     def poles_allow(self) -> bool | None:
@@ -209,11 +389,11 @@ def most_charted(d: Distortion, high: Expr) -> Expr:
 
 def _turn(d: Distortion) -> Expr:
     """Of the longest delay, rad/s; 0 where there is none."""
-    lags = _ring(d).lags
+    lags = _ring_in_passivity(d).lags
     return 2 * pi / max(lags, key=float) if lags else Integer(0)
 
 
-def _ring(d: Distortion) -> Ring:
+def _ring_in_passivity(d: Distortion) -> Ring:
     ring = d.perc.ring
     assert isinstance(ring, Ring)
     return ring
@@ -251,3 +431,42 @@ def _tried(needed: RealFunction, high: Expr) -> list[Expr]:
         return found
     limit = needed.axis.coefficients(top)[-1] / needed.axis.coefficients(below)[-1]
     return [*found, limit] if sign_of_number(limit) > 0 else found
+
+
+_NAME = "H_perc"
+
+
+def force_is_stable(scene: Scene, distortion: Distortion) -> bool | None:
+    """Whether all poles of H_perc have Re s < 0; None where that is not decided, or they do not tell, as with a clock in a loop.
+
+    By ``is_stable``; where that stays open, as infinitely many poles come as near to the axis as one likes, by the parts: of an
+    environment that damps none reaches it. A display without losses is real on the axis, where its poles show.
+    """
+    if sampled_loop(scene):
+        return None
+    found = is_stable(distortion.perc)
+    if found is not None:
+        return found
+    alone = environment_alone(scene)
+    try:
+        if alone and (passivity(alone).takes_energy or _damps(alone)):
+            return True
+        return False if _has_pole_on_axis(distortion) else None
+    except UndecidedError:
+        return None
+
+
+def _damps(scene: Scene) -> bool:
+    """Whether Im H_env > 0 at every frequency > 0 by signs alone, powers of s included."""
+    return takes_energy(scene.environment.H) and not scene.closed.env_response.raw_imag.is_zero
+
+
+def _has_pole_on_axis(distortion: Distortion) -> bool:
+    """Whether H_perc is real on the axis, and has a pole among the first turns of its longest delay."""
+    perceived, ring = distortion.perc_response, distortion.perc.ring
+    assert isinstance(ring, Ring)
+    if not ring.lags or not perceived.raw_imag.is_zero:
+        return False
+    high = _TURNS * 2 * pi / max(ring.lags)
+    points = chart({_NAME: perceived.real}, Integer(0), high).points
+    return any(x.orders.get(_NAME, 0) < 0 and _NAME not in x.undecided for x in points[1:])

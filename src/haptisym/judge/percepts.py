@@ -1,17 +1,25 @@
-"""Step 2, how: as which mechanical property a noticeable distortion is felt, and as more or less of it."""
+"""Step 2, how: as which mechanical property a noticeable distortion is felt, friction among them.
+
+Step 2, how: as which mechanical property a noticeable distortion is felt, and as more or less of it.
+
+Whether the friction of a display is noticed: a percept of its own, beside stiffness, mass and damping.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import pairwise
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
+
+from sympy import Add, Expr
 
 from haptisym.judge.criteria import Criterion, judged
 from haptisym.judge.crossings import NEARER, Curve
-from haptisym.kernel.roots import Chart, Interval, Point, Signs
+from haptisym.kernel.roots import Chart, Interval, Point, Signs, sign_of_number
 from haptisym.kernel.shown import Shown
 from haptisym.model.jnd import Part
+from haptisym.model.scene import Scene
 
 
 class Property(Enum):
@@ -219,3 +227,42 @@ def unnamed(chart: Chart) -> tuple[Interval, ...]:
     damping = [x for x in judged(chart) if x.part is Part.IMAG]
     found = [_Noticed(joint, None), _Noticed(joint, Part.IMAG)] if joint else [_Noticed(x, x.part) for x in damping]
     return chart.where(lambda signs: signs[Curve.PERCEIVED, Part.IMAG] < 0 and any(x.at(signs) for x in found))
+
+
+_MODEL = "coulomb-friction"
+
+
+@dataclass(frozen=True)
+class Friction:
+    """``force`` : of the display's elements together, N or N m. ``least`` : the least difference from ``reference`` noticed.
+
+    ``noticed`` : None where the scene does not say when friction is.
+    """
+
+    force: Expr
+    reference: Expr | None
+    least: Expr | None
+    noticed: bool | None
+
+    def row(self) -> dict[str, Any]:
+        """As a document has it."""
+        numbers = {"force": self.force, "reference": self.reference, "threshold": self.least}
+        return {key: None if x is None else float(x) for key, x in numbers.items()} | {"noticed": self.noticed}
+
+
+def frictions(scene: Scene) -> Friction | None:
+    """The friction of a scene with numbers; None without any."""
+    forces = [x.value for e in scene.effects if e.model == _MODEL for x in e.parameters if x.key == "force"]
+    if not forces:
+        return None
+    force, own = Add(*forces), scene.friction
+    if own is None:
+        return Friction(force, None, None, None)
+    change = force - own.reference
+    size = change if sign_of_number(change) >= 0 else -change
+    return Friction(force, own.reference, own.least, sign_of_number(size - own.least) > 0)
+
+
+def without_friction(scene: Scene) -> Scene:
+    """The scene without its friction."""
+    return replace(scene, effects=tuple(x for x in scene.effects if x.model != _MODEL))

@@ -17,8 +17,7 @@ from haptisym.kernel.lattices import Lattice, Signed
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import RationalFunction
 from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.jnd import Part
-from haptisym.model.regions import Corner
+from haptisym.model.jnd import Corner, Part
 
 
 class Term(NamedTuple):

@@ -15,8 +15,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Interval, chart
 from haptisym.kernel.shown import Shown
 from haptisym.model.distortion import Distortion
-from haptisym.model.jnd import Threshold
-from haptisym.model.regions import SQUARE, Region, Shape
+from haptisym.model.jnd import SQUARE, Region, Shape, Threshold
 
 
 @dataclass(frozen=True, repr=False)

@@ -10,13 +10,21 @@ import flint
 from flint import arb
 from sympy import Expr
 
-from haptisym.kernel.beginnings import NEARER, beginning, by_powers, clear_of_zero
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.exactwaves import Wave, exact_waves, order_at_0, taylor_coefficients
 from haptisym.kernel.isolation import SeriesFactor, clear_of, isolated
 from haptisym.kernel.precision import MOST_BITS
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
-from haptisym.kernel.wavesums import WaveSum
+from haptisym.kernel.waves import (
+    NEARER,
+    Wave,
+    WaveSum,
+    beginning,
+    by_powers,
+    clear_of_zero,
+    exact_waves,
+    order_at_0,
+    taylor_coefficients,
+)
 from haptisym.kernel.zeros import around, is_clear, sign_of
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from haptisym.kernel import analytic, beginnings, nearone, polynomials, waves, wavesums, zeros
+from haptisym.kernel import analytic, nearone, polynomials, waves, zeros
 
 _CACHES = [
     found
-    for module in (analytic, beginnings, nearone, polynomials, waves, wavesums, zeros)
+    for module in (analytic, nearone, polynomials, waves, zeros)
     for found in vars(module).values()
     if hasattr(found, "cache_clear")
 ]

@@ -26,7 +26,7 @@ from haptisym.kernel.polynomials import PolynomialFactor, polynomial_factors
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.kernel.turns import vanishes
-from haptisym.kernel.wavesums import WaveTerm
+from haptisym.kernel.waves import WaveTerm
 from haptisym.kernel.zeros import Factor, is_clear, sign_of
 
 _SHORT = 16  # terms of a polynomial above the line for which known factors are tried first

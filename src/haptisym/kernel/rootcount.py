@@ -1,9 +1,25 @@
-"""How many roots a characteristic function has in the closed right half plane: the argument principle, counted on a chart.
+"""How many roots a characteristic function has in Re s >= 0, and what it takes to count them.
+
+Polynomials of dynamics by their powers of s, and how they begin at s = 0.
+
+How far a function turns along the imaginary axis: counted on a chart of the zeros of its real and imaginary part.
+
+|A|^2 - |B|^2 on the imaginary axis, of A(s) + B(s) exp(-s tau): where it is positive, no root of the sum lies on the axis.
+
+How small a polynomial of several exp(-s tau_i) becomes on s = j omega, whatever the delays are: on a torus of angles.
+
+A polynomial without a zero on the torus, where all |z_i| = 1, has one where all |z_i| <= 1 only if it has one where all z_i are
+alike (DeCarlo, Murray and Saeks, 1977); if it has none, it is nowhere there smaller than on the torus, by the maximum principle
+for 1/L.
+
+How many roots a characteristic function has in the closed right half plane: the argument principle, counted on a chart.
 
 D(s) is a polynomial in s, delays exp(-s tau) and powers s^alpha. As omega goes from 0 to a reach R beyond which one power of s
 prevails, the turns of D(j omega) are read off the signs of its real and imaginary part; what is left of the contour is known
 from that power alone. Of A + B exp(-s tau) it is known from A, a polynomial, from where on |A| > |B|. Roots on the axis are
 passed on their left, so that they count.
+
+Whether a dynamics is stable: all poles in the open left half plane, proven or said to be undecided.
 """
 
 from __future__ import annotations
@@ -11,24 +27,272 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from math import ceil
+from heapq import merge
+from itertools import groupby, pairwise, product
+from math import ceil, prod
+from typing import TypeAlias
 
 import flint
 from flint import acb, arb
-from sympy import Expr, I, Integer, Rational, pi
+from sympy import Expr, I, Integer, Rational, factorial, pi
 
-from haptisym.kernel.contour import BITS, factor_at, parts_of, times, turned, value_at, whole
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, degree_in
-from haptisym.kernel.roots import chart, sign_of_number
-from haptisym.kernel.squares import late_turns, positive_from
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in
+from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
+from haptisym.kernel.subdivision import Waiting
 from haptisym.kernel.symbols import s
-from haptisym.kernel.terms import Terms, at_least, beginning_at_0, size, terms_of
-from haptisym.kernel.torus import is_mirrored, least_on_torus
+
+_MOST_TERMS = 64  # of the expansion at s = 0 that are tried
+
+Terms: TypeAlias = dict[Rational, dict[tuple[int, ...], Expr]]
+"""By the power of s, and by how often each unit delay is in them."""
+
+
+def terms_of(polynomial: Polynomial, ring: Ring) -> Terms:
+    """A polynomial by its powers of s, each with a number for every product of unit delays; none of them 0."""
+    found: Terms = {}
+    lags = len(ring.lags)
+    for exponents, value in monomials(polynomial):
+        own = [int(n) for n in exponents]
+        turns, powers = tuple(own[ring.size : ring.size + lags]), own[ring.size + lags :]
+        power = sum((n * order for n, order in zip(powers, ring.orders, strict=False)), Integer(own[0]))
+        group = found.setdefault(power, {})
+        number = Rational(int(value.p), int(value.q))
+        group[turns] = group.get(turns, Integer(0)) + (number * pi ** own[1] if own[1] else number)
+    exact = {p: {turns: c for turns, c in group.items() if sign_of_number(c)} for p, group in found.items()}
+    return {p: group for p, group in exact.items() if group}
+
+
+def size(number: Expr) -> Expr:
+    """The absolute value of an exact number."""
+    return number * sign_of_number(number)
+
+
+def order_at_0(polynomial: Polynomial, ring: Ring) -> Rational:
+    """The order of a zero at s = 0, where 1 - exp(-s tau) has one too, and s^alpha one of order alpha."""
+    if not ring.functions:  # powers of s with numbers before them, none of which is 0
+        return Integer(min(int(exponents[0]) for exponents in polynomial.monoms()))
+    return beginning_at_0(terms_of(polynomial, ring), ring)[0]
+
+
+def at_least(order: Rational) -> int:
+    """How often a zero of that order counts: a fractional one, of s^alpha, as the next whole number."""
+    return -int(-order.p // order.q)
+
+
+def beginning_at_0(terms: Terms, ring: Ring) -> tuple[Rational, int]:
+    """Exponent and sign of the first term of the expansion at s = 0."""
+    rising = merge(*(map(p.__add__, map(Integer, range(_MOST_TERMS))) for p in terms))
+    for exponent, _ in groupby(rising):
+        meeting = ((group, exponent - p) for p, group in terms.items() if exponent >= p)
+        total = sum((_coefficient(group, int(k), ring) for group, k in meeting if k.is_Integer), Integer(0))
+        if sign := sign_of_number(total):
+            return exponent, sign
+    raise UndecidedError("the order of a characteristic function at s = 0")
+
+
+def _coefficient(group: Mapping[tuple[int, ...], Expr], k: int, ring: Ring) -> Expr:
+    """Of s^k in the sum of c exp(-s lag)."""
+    if not k:
+        return sum(group.values(), Integer(0))
+    lags = {turns: sum((n * x for n, x in zip(turns, ring.lags, strict=True)), Integer(0)) for turns in group}
+    return sum((c * (-lags[turns]) ** k for turns, c in group.items()), Integer(0)).expand() / factorial(k)
+
+
+BITS = 128
+
+
+def parts_of(polynomial: Polynomial, ring: Ring) -> tuple[RealFunction, RealFunction]:
+    """D(j omega) times a factor > 0: exact real and imaginary part."""
+    axis = ring.axis
+    (a, b), (c, d) = axis.parts([polynomial, polynomial.context().constant(1)])
+    modulus = c * c + d * d
+    return (
+        RealFunction(axis.function(a * c + b * d, modulus).reduced()),
+        RealFunction(axis.function(b * c - a * d, modulus).reduced()),
+    )
+
+
+def times(point: Point) -> int:
+    """How often D vanishes at a point: real and imaginary part at once."""
+    return max(min(point.orders.get(name, 0) for name in ("real", "imag")), 0)
+
+
+def turned(parts: Sequence[RealFunction], terms: Terms, start: Expr, reach: Expr, ring: Ring) -> tuple[Chart, Ball]:
+    """The chart up to j R, and the angle there in quarters, counted on from the direction ``start`` just above 0."""
+    curve = chart(dict(zip(("real", "imag"), parts, strict=True)), Integer(0), reach)
+    return curve, _lifted(_last_quadrant(curve, start), terms, reach, ring)
+
+
+_QUADRANT = {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}
+
+
+def _last_quadrant(curve: Chart, start: Expr) -> int:
+    """Quarter turns, counted on from the direction ``start`` of D just above omega = 0, at which the last quadrant begins."""
+    if curve.undecided:
+        raise UndecidedError("whether a characteristic function vanishes on the imaginary axis")
+    quadrants = [_QUADRANT[p.after["real"], p.after["imag"]] for p in curve.points[:-1]]
+    now = next(n for n in (int(start // 1), int(-(-start // 1)) - 1) if n % 4 == quadrants[0])
+    for point, (before, after) in zip(curve.points[1:], pairwise(quadrants), strict=False):
+        passed = -2 * times(point)
+        step = (after - before - passed) % 4
+        if step == 2:
+            raise UndecidedError("a turn of a characteristic function")
+        now += passed + {0: 0, 1: 1, 3: -1}[step]
+    return now
+
+
+def _lifted(quarter: int, terms: Terms, reach: Expr, ring: Ring) -> Ball:
+    """The whole turn of D up to j R, in quarters: its angle there, which lies in the quadrant that begins at ``quarter``."""
+    with flint.ctx.workprec(BITS):
+        value = value_at(terms, reach, ring)
+        middle = acb(0, -1) ** (quarter % 4) * acb(1, -1)  # turns the quadrant's middle onto the positive real axis
+        return quarter + arb(1) / 2 + (value * middle).arg() * 2 / arb.pi()
+
+
+def value_at(terms: Terms, reach: Expr, ring: Ring) -> acb:
+    """The value at j R."""
+    at = expression_ball(reach)
+    return sum((_power(at, p) * factor_at(group, reach, ring) for p, group in terms.items()), acb(0))
+
+
+def _power(omega: Ball, exponent: Expr) -> acb:
+    """(j omega)^p, omega > 0."""
+    p = expression_ball(exponent)
+    return acb(0, p * arb.pi() / 2).exp() * omega**p
+
+
+def factor_at(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> acb:
+    """The value at j R of what a power of s is multiplied by."""
+    angles = [expression_ball(lag) * expression_ball(reach) for lag in ring.lags]
+    total = acb(0)
+    for turns, c in group.items():
+        total += expression_ball(c) * acb(0, -sum((n * x for n, x in zip(turns, angles, strict=True)), arb(0))).exp()
+    return total
+
+
+def whole(lacking: Ball) -> int:
+    """The whole number that is less than 1/2 away, as this is known to be but for 1/6."""
+    found = round(float(lacking))
+    if not abs(lacking - found) < arb(1) / 3:
+        raise UndecidedError("a turn of a characteristic function")
+    return found
+
+
+Row: TypeAlias = list[Expr]
+"""The coefficients of a polynomial in one number that is open, ascending; one alone where none is."""
+
+_BITS = 128
+_FIRST, _MOST_DOUBLINGS = Rational(1, 1 << 20), 80
+
+
+def late_turns(turns: set[tuple[int, ...]], powers: Sequence[Rational]) -> tuple[int, ...] | None:
+    """The one product of unit delays that comes late; None where there are more or none, or powers of s are broken."""
+    late = [x for x in turns if any(x)]
+    return late[0] if len(late) == 1 and all(p.is_Integer for p in powers) else None
+
+
+def squares(table: Mapping[Rational, Mapping[tuple[int, ...], Row]], late: tuple[int, ...]) -> list[Row]:
+    """By falling powers of omega^2, from a table by the power of s and by how often each unit delay is in it."""
+    none = (0,) * len(late)
+    degree = int(max(table))
+    longest = max(len(row) for group in table.values() for row in group.values())
+    rows = [[Integer(0)] * (2 * longest - 1) for _ in range(degree + 1)]
+    for p, r in product(table, repeat=2):
+        if (p - r) % 2:
+            continue
+        row, sign = rows[degree - int(p + r) // 2], (-1) ** (int(abs(p - r)) // 2)
+        for turns, side in ((none, sign), (late, -sign)):
+            for i, x in enumerate(table[p].get(turns, ())):
+                for k, y in enumerate(table[r].get(turns, ())):
+                    row[i + k] += side * x * y
+    return [[c.expand() for c in row] for row in rows]
+
+
+def positive_from(terms: Terms, late: tuple[int, ...]) -> Rational | None:
+    """A frequency beyond which |A|^2 - |B|^2 > 0; None where none is found. |A| must not be the less at infinity."""
+    table = {p: {turns: [c] for turns, c in group.items()} for p, group in terms.items()}
+    with flint.ctx.workprec(_BITS):
+        first, *others = (expression_ball(row[0]).lower() for row in squares(table, late))
+        weights = [first.max(arb(0)), *others[:1], *(x.min(arb(0)) for x in others[1:])]
+        at = _FIRST
+        for _ in range(_MOST_DOUBLINGS):
+            ball = arb(int(at.p)) / int(at.q)
+            if sum((x * ball ** (2 - 2 * i) for i, x in enumerate(weights)), arb(0)) > 0:
+                return at
+            at *= 2
+    return None
+
+
+_BITS_TORUS = 64
+_MOST_CELLS = 20_000
+_LEAST = 1e-3  # of all sizes together: less takes many cells
+_SHARE = 0.5  # of the least value that was met: a bound that is as good as that will do
+
+_Box: TypeAlias = tuple[tuple[Ball, Ball], ...]
+"""Middle and half of what each angle is, in turns."""
+
+
+def least_on_torus(group: Mapping[tuple[int, ...], Expr]) -> Rational | None:
+    """A number > 0 that |L| is nowhere less than, where all |z_i| = 1: branch and bound. None where it is 0 somewhere, or nearly.
+
+    ``group`` : what stands before each product of powers of the z_i, real.
+
+    >>> from sympy import Integer
+    >>> least_on_torus({(0, 0): Integer(4), (1, 0): Integer(1), (0, 1): Integer(2)}) > Rational(1, 2)
+    True
+    >>> least_on_torus({(0, 0): Integer(3), (1, 0): Integer(1), (0, 1): Integer(2)}) is None
+    True
+    """
+    units = range(len(next(iter(group))))
+    with flint.ctx.workprec(_BITS_TORUS):
+        terms = [(expression_ball(c), turns) for turns, c in group.items()]
+        slopes = [2 * arb.pi() * sum((n[k] * abs(c) for c, n in terms), arb(0)) for k in units]
+        whole = sum((abs(c) for c, _ in terms), arb(0))
+        best = whole.upper()
+
+        def cell(box: _Box) -> tuple[float, _Box]:
+            nonlocal best
+            angles = [acb(0, 2) * arb.pi() * middle for middle, _ in box]
+            size = abs(sum((c * sum(x * k for x, k in zip(angles, n, strict=True)).exp() for c, n in terms), acb(0)))
+            best = min(best, size.upper())
+            bound = size - sum((slope * half for slope, (_, half) in zip(slopes, box, strict=True)), arb(0))
+            return float(bound.lower()), box
+
+        start = tuple((arb(0.5), arb(0.5)) for _ in units)
+        cells = Waiting([cell(start)], rank=lambda x: x[0], most=_MOST_CELLS, what="phases of delays")
+        for bound, box in cells:
+            if bound > 0 and bound >= _SHARE * float(best):
+                return Rational(bound)
+            if best < _LEAST * whole:
+                break
+            cells.add(*map(cell, _halves(box, slopes)))
+    return None
+
+
+def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
+    """Whether L(1/z) is L(z) or -L(z) but for powers of z: with each zero in s, -s is one too, however long the delays are.
+
+    >>> from sympy import Integer
+    >>> of = [{(0, 0): 3, (1, 0): 1, (0, 1): 1, (1, 1): 3}, {(0, 0): 3, (1, 0): 1, (0, 1): 2, (1, 1): 3}, {(0, 0): 3}]
+    >>> [is_mirrored({turns: Integer(c) for turns, c in group.items()}) for group in of]
+    [True, False, False]
+    """
+    most = [max(column) for column in zip(*group, strict=True)]
+    other = {turns: group.get(tuple(n - k for n, k in zip(most, turns, strict=True)), 0) for turns in group}
+    return len(group) > 1 and any(all(c == side * other[turns] for turns, c in group.items()) for side in (1, -1))
+
+
+def _halves(box: _Box, slopes: Sequence[Ball]) -> list[_Box]:
+    """A box in two, across the angle along which L may change most."""
+    k = max(range(len(box)), key=lambda i: float(slopes[i] * box[i][1]))
+    middle, half = box[k][0], box[k][1] / 2
+    return [(*box[:k], (middle + side * half, half), *box[k + 1 :]) for side in (-1, 1)]
+
 
 _MOST_TURNING = 2000  # radians that the delays turn up to the reach: thousands of zeros take minutes
 _DEEPEST = 20  # times that a way is halved
@@ -293,3 +557,75 @@ def _turn_along(terms: Sequence[tuple[acb, int]], low: Ball, high: Ball, depth: 
         raise UndecidedError("how far the highest power of s turns with its delays")
     middle = (low + high) / 2
     return _turn_along(terms, low, middle, depth - 1) + _turn_along(terms, middle, high, depth - 1)
+
+
+def is_stable(dynamics: RationalFunction) -> bool | None:
+    """Whether all finite poles of a dynamics in lowest terms lie in the open left half plane; None where not decided.
+
+    Rational dynamics: Routh's array, exact. With delays and powers of s: by ``count_roots`` of the denominator, and None where
+    that stays open, or a chain of poles comes as near to the axis as one likes.
+
+    >>> from haptisym.kernel.symbols import s
+    >>> from sympy import exp
+    >>> def of(expression): return is_stable(Ring.of([expression]).convert(expression).reduced())
+    >>> of(1 / (s**3 + 2 * s**2 + 3 * s + 4)), of(1 / (s**2 + 1))
+    (True, False)
+    >>> of(1 / (s + exp(-s))), of(1 / (s + 2 * exp(-s)))        # s + a exp(-s) is stable for 0 < a < pi/2
+    (True, False)
+    """
+    ring = dynamics.ring
+    assert isinstance(ring, Ring)
+    try:
+        order = order_at_0(dynamics.denominator, ring)
+        if order and order > order_at_0(dynamics.numerator, ring):
+            return False  # a pole at 0
+        if not any(degree_in([dynamics.denominator], i) for i in range(ring.size, len(ring.meanings))):
+            explicit = min(int(e[0]) for e in dynamics.denominator.monoms())
+            return _routh(RationalFunction(ring, dynamics.numerator, dynamics.denominator / ring.variable**explicit))
+        found = count_roots(dynamics.denominator, ring)
+    except UndecidedError:
+        return None
+    if found.number is None:
+        return False if found.chain is RootChain.RIGHT else None
+    return bool(found.number == ceil(order))
+
+
+def _routh(dynamics: RationalFunction) -> bool:
+    rows = _first_rows(dynamics)
+    while rows[1]:
+        # a zero in the first column already means a pole on or right of the imaginary axis
+        if _sign(rows[0][0]) * _sign(rows[1][0]) <= 0:
+            return False
+        rows = rows[1], _next_row(*rows)
+    return True
+
+
+def _first_rows(dynamics: RationalFunction) -> tuple[list[RationalFunction], list[RationalFunction]]:
+    coefficients = _by_power(dynamics.denominator, dynamics)[::-1]
+    return coefficients[::2], coefficients[1::2]
+
+
+def _by_power(polynomial: Polynomial, of: RationalFunction) -> list[RationalFunction]:
+    """The coefficients of ascending powers of s, as elements of the same ring."""
+    ring = of.ring
+    rows: list[dict[tuple[int, ...], object]] = [{} for _ in range(int(polynomial.degrees()[0]) + 1)]
+    for (power, *others), value in monomials(polynomial):
+        rows[int(power)][(0, *others)] = value
+    return [ring.function(ring.context.from_dict(row)) for row in rows]
+
+
+def _next_row(above: list[RationalFunction], row: list[RationalFunction]) -> list[RationalFunction]:
+    factor = above[0] / row[0]
+    padded = [*row[1:], *[row[0].ring.zero] * (len(above) - len(row))]
+    return [(x - factor * y).reduced() for x, y in zip(above[1:], padded, strict=True)]
+
+
+def _sign(constant: RationalFunction) -> int:
+    return prod(_sign_of(p, constant.ring) for p in (constant.numerator, constant.denominator))
+
+
+def _sign_of(constant: Polynomial, ring: PolynomialRing) -> int:
+    if not constant.is_constant():  # it holds pi
+        return sign_of_number(ring.expression(constant))
+    number = constant.coeffs()[0] if constant else 0
+    return int(number > 0) - int(number < 0)

@@ -1,26 +1,153 @@
-"""The just-noticeable difference: how large a change of the dynamics must be for a person to notice it."""
+"""The just-noticeable difference: thresholds and regions, and how a scene file says them.
+
+The region of changes that are not noticed, in the plane of x = Re dH/|H_env| and y = Im dH/|H_env|.
+
+The just-noticeable difference: how large a change of the dynamics must be for a person to notice it.
+
+What a scene says of the JND, ``jnd = ...``, read: a number, a formula, or a table with a region.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Any
+from itertools import combinations
+from typing import Any, TypeAlias
 
 from sympy import Expr, Integer, Rational, pi
 
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import SceneError
-from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.errors import SceneError, meant
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.kernel.shown import Viewed
 from haptisym.kernel.symbols import omega
 from haptisym.model import expressions
+from haptisym.model.parameters import ExactRange, ranged, read_confidence
 from haptisym.model.proportions import Conversion, read_proportion
 from haptisym.model.published import like
-from haptisym.model.quantities import Dimension, MotionKind, Number, decimal, require_number
-from haptisym.model.ranges import ExactRange, ranged
-from haptisym.model.regions import SQUARE, Region, Shape, positive
+from haptisym.model.quantities import Dimension, MotionKind, Number, decimal, number, require_number
+
+Corner: TypeAlias = tuple[Expr, Expr]
+MOST_CORNERS = 24
+
+
+class Shape(Enum):
+    """Of the region."""
+
+    SQUARE = "square"
+    ELLIPSE = "ellipse"
+    DIAMOND = "diamond"
+    POLYGON = "polygon"
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """What a region is besides its half widths; each number exact, or a rational formula in omega.
+
+    ``tilt`` : of an ellipse. ``corners`` : of a polygon, counterclockwise. ``lower`` : of a square, the limits of Re and Im for
+    changes that make the part smaller; None where they are those for changes that make it larger. ``floor`` : of a square, N/m or
+    N m/rad, the least change that is noticed; ``motion`` : as its unit tells. ``ranges`` : where numbers of it may lie, by name:
+    ``real.lower``, ``imag.lower``, ``floor``, and ``scale``, how many times all of it is as large as was given; ``size`` : that,
+    nominal.
+    """
+
+    shape: Shape = Shape.SQUARE
+    tilt: Expr = Integer(0)
+    corners: tuple[Corner, ...] = ()
+    lower: tuple[Expr | None, Expr | None] = (None, None)
+    floor: Expr | None = None
+    motion: MotionKind | None = None
+    ranges: tuple[tuple[str, ExactRange], ...] = ()
+    size: Expr = Integer(1)
+
+    @property
+    def numbers(self) -> dict[str, Expr]:
+        """What must be positive besides the half widths, by name."""
+        named = {"real: lower": self.lower[0], "imag: lower": self.lower[1], "floor": self.floor}
+        return {name: x for name, x in named.items() if x is not None}
+
+    def scaled(self, c: Expr) -> Region:
+        """That many times as large."""
+        corners = tuple((x * c, y * c) for x, y in self.corners)
+        one, other = (None if x is None else x * c for x in self.lower)
+        floor = None if self.floor is None else self.floor * c
+        ranges = tuple((key, x if key == "scale" else (x[0] * c, x[1] * c)) for key, x in self.ranges)
+        return replace(self, corners=corners, lower=(one, other), floor=floor, ranges=ranges)
+
+    def check(self, low: Expr, high: Expr) -> None:
+        """SceneError unless the region has 0 inside and is convex at every frequency of a band."""
+        if self.shape is Shape.ELLIPSE and not positive(1 - self.tilt**2, low, high):
+            raise SceneError(f"tilt: {self.tilt} must lie strictly between -1 and 1{_everywhere([self.tilt])}")
+        if self.shape is Shape.POLYGON:
+            _check_polygon(self.corners, low, high)
+
+
+SQUARE = Region()
+
+
+def positive(value: Expr, low: Expr, high: Expr) -> bool:
+    """Whether a number, or a rational formula in omega, is positive (and finite) on a whole band: exact.
+
+    >>> positive(1 - omega / 10, Integer(0), Integer(9)), positive(1 - omega / 10, Integer(0), Integer(10))
+    (True, False)
+    """
+    if not value.has(omega):
+        return sign_of_number(value) > 0
+    table = chart({"": RealFunction(Ring().axis.convert(value).reduced())}, low, high)
+    return all(point.at[""] > 0 and point.orders.get("", 0) >= 0 for point in table.points)
+
+
+def turning(corners: Sequence[Corner], at: Expr) -> Expr:
+    """Twice the area of a polygon at a frequency: positive where its corners go counterclockwise."""
+    area = sum((_cross(p, q) for p, q in _edges(corners)), Integer(0))
+    found: Expr = area.subs(omega, at)
+    return found
+
+
+def _check_polygon(corners: Sequence[Corner], low: Expr, high: Expr) -> None:
+    """SceneError unless corners go once around 0, convex, at every frequency of a band."""
+    everywhere = _everywhere(x for corner in corners for x in corner)
+    for (i, p), (j, q) in combinations(enumerate(corners, 1), 2):
+        if not positive((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2, low, high):
+            where = " at some frequency" if everywhere else ""
+            raise SceneError(f"corners: {i} and {j} are one point, [{p[0]}, {p[1]}]{where}")
+    if not all(positive(_cross(p, q), low, high) for p, q in _edges(corners)) or _turns(corners, low, high) != 1:
+        order = "0 must lie inside, not on an edge, and the corners follow in their order around it"
+        raise SceneError(f"corners: {_written(corners)}: {order}{everywhere}")
+    steps = [(q[0] - p[0], q[1] - p[1]) for p, q in _edges(corners)]
+    if not all(positive(_cross(p, q), low, high) for p, q in _edges(steps)):
+        convex = "the polygon must be convex, without corners on a straight edge"
+        raise SceneError(f"corners: {_written(corners)}: {convex}{everywhere}")
+
+
+def _written(corners: Sequence[Corner]) -> str:
+    """``[[1/10, 0], [0, 1/10], ...]``: the first ones."""
+    more = ", ..." if len(corners) > _TOLD else ""
+    return f"[{', '.join(f'[{x}, {y}]' for x, y in corners[:_TOLD])}{more}]"
+
+
+_TOLD = 5
+
+
+def _everywhere(values: Iterable[Expr]) -> str:
+    return " on the whole band" if any(x.has(omega) for x in values) else ""
+
+
+def _edges(corners: Sequence[Corner]) -> list[tuple[Corner, Corner]]:
+    return list(zip(corners, [*corners[1:], corners[0]], strict=True))
+
+
+def _cross(p: Corner, q: Corner) -> Expr:
+    return (p[0] * q[1] - p[1] * q[0]).expand()
+
+
+def _turns(corners: Sequence[Corner], low: Expr, high: Expr) -> int:
+    """How often corners, each to the left of the one before, go around 0: how often they come up over the axis of x."""
+    heights = [sign_of_number(y.subs(omega, (low + high) / 2)) for _, y in corners]
+    return sum(a < 0 <= b for a, b in zip(heights, [*heights[1:], heights[0]], strict=True))
 
 
 class Part(Enum):
@@ -273,3 +400,129 @@ def formula(key: str, given: object) -> Expr | None:
 def is_irrational_algebraic(value: Expr) -> bool:
     """Whether a number is real and algebraic, but not rational."""
     return bool(value.is_number and not value.is_Rational and value.is_algebraic and value.is_real)
+
+
+_KEYS = {
+    Shape.SQUARE: ("real", "imag", "floor"),
+    Shape.ELLIPSE: ("real", "imag", "tilt"),
+    Shape.DIAMOND: ("real", "imag"),
+    Shape.POLYGON: ("corners",),
+}
+_OPTIONAL = ("shape", "floor", "tilt")
+_ANY = ("shape", "scale", "proportion", "confidence")
+
+
+def read_threshold(given: Any) -> Threshold:
+    """A threshold as a scene file gives it. SceneError names key and rule.
+
+    A table may have a ``scale``, a range: how many times the whole region is as large.
+
+    >>> read_threshold({"shape": "diamond", "real": 0.1, "imag": "12 %"}).row()
+    {'real': '1/10', 'imag': '3/25', 'shape': 'diamond'}
+    """
+    if not isinstance(given, Mapping):
+        return Threshold.of(given)
+    if "confidence" in given:
+        found = read_threshold({key: x for key, x in given.items() if key != "confidence"})
+        return replace(found, confidence=read_confidence("confidence", given["confidence"]))
+    if "like" in given:
+        for key in given:
+            if key != "like":
+                raise SceneError(f'unknown key "{str(key)[:60]}": a published threshold stands alone: valid are like')
+        return Threshold.like(given["like"])
+    if "scale" in given:
+        scale, interval = threshold_value("scale", given["scale"])
+        if not interval:
+            raise SceneError('scale: must be a range, "1 +- 20 %" or [0.8, 1.2]')
+        found = _table({key: x for key, x in given.items() if key != "scale"})
+        if found.ranges:
+            raise SceneError("scale: has a range where no other number of the JND has one")
+        large = found.scaled(scale)
+        return replace(large, region=replace(large.region, ranges=(("scale", interval),), size=scale))
+    return _table(given)
+
+
+def _table(given: Mapping[str, Any]) -> Threshold:
+    shape = _shape(given.get("shape", "square"))
+    keys = _KEYS[shape]
+    for key in given:
+        if key not in (*keys, *_ANY):
+            owners = [x.value for x, own in _KEYS.items() if key in own]
+            hint = f"it is of a {' or '.join(owners)}; " if owners else meant(str(key), keys)
+            what = "" if shape is Shape.SQUARE else f" of a {shape.value}"
+            raise SceneError(
+                f'unknown key "{str(key)[:60]}"{what}: {hint}valid are {", ".join(("shape", *keys, *_ANY[1:]))}'
+            )
+    missing = [key for key in keys if key not in given and key not in _OPTIONAL]
+    if missing:
+        raise SceneError("must give both real and imag" if "real" in keys else "corners is missing")
+    taken = read_proportion("proportion", given["proportion"]) if "proportion" in given else None
+    if shape is Shape.POLYGON:
+        region = Region(shape, corners=_corners(given["corners"]))
+        return Threshold(Integer(1), Integer(1), region=region, proportion=taken)
+    real, imag = (_sided(key, given[key], allowed=shape is Shape.SQUARE) for key in ("real", "imag"))
+    floor, motion, lowest = _floor(given["floor"]) if "floor" in given else (None, None, None)
+    tilt = _number("tilt", given["tilt"]) if "tilt" in given else Integer(0)
+    named = {"real.lower": real[2], "imag.lower": imag[2], "floor": lowest}
+    ranges = tuple((name, x) for name, x in named.items() if x)
+    region = Region(shape, tilt, (), (real[1], imag[1]), floor, motion, ranges)
+    return Threshold(real[0], imag[0], region=region, proportion=taken)
+
+
+def _shape(given: Any) -> Shape:
+    valid = [x.value for x in Shape]
+    if given not in valid:
+        shown = str(given)[:60]
+        raise SceneError(f'shape: unknown shape "{shown}": {meant(shown, valid)}valid are {", ".join(valid)}')
+    return Shape(given)
+
+
+def _sided(key: str, given: Any, *, allowed: bool) -> tuple[Any, Expr | None, ExactRange | None]:
+    """A limit, and that for changes which make the part smaller where it is given apart, with its range."""
+    if not isinstance(given, Mapping):
+        return given, None, None
+    if not allowed:
+        raise SceneError(f"{key}: limits for higher and lower are of a square alone")
+    if set(given) != {"higher", "lower"}:
+        raise SceneError(f"{key}: must be a number, or give both higher and lower")
+    threshold_value(f"{key}: higher", given["higher"])
+    return given["higher"], *threshold_value(f"{key}: lower", given["lower"])
+
+
+def _floor(given: Any) -> tuple[Expr, MotionKind | None, ExactRange | None]:
+    """The least change that is noticed, N/m or N m/rad, and its range."""
+    found = formula("floor", given)
+    if found is not None and found.has(omega):
+        return found, None, None
+    try:
+        read = ranged(given, Dimension.STIFFNESS)
+        value = require_number(given, read.nominal).value
+    except SceneError as error:
+        raise error.within("floor") from None
+    if any(sign_of_number(x) <= 0 for x in (value, *(read.interval or ()))):
+        raise SceneError(f'floor: "{given}" must be > 0')
+    return value, read.nominal.motion, read.interval
+
+
+def _number(key: str, given: Any) -> Expr:
+    """A number of any sign, or a formula."""
+    found = formula(key, given)
+    if found is not None:
+        return found
+    try:
+        return number(given, Dimension.RATIO).value
+    except SceneError as error:
+        raise error.within(key) from None
+
+
+def _corners(given: Any) -> tuple[Corner, ...]:
+    """The corners, counterclockwise at the middle of the paper's band."""
+    if not isinstance(given, Sequence) or isinstance(given, str) or not 3 <= len(given) <= MOST_CORNERS:
+        raise SceneError(f"corners: must be a list of 3 to {MOST_CORNERS} pairs [x, y]")
+    found: list[Corner] = []
+    for i, pair in enumerate(given, 1):
+        if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
+            raise SceneError(f"corners: {i}: must be a pair [x, y]")
+        found.append((_number(f"corners: {i}", pair[0]), _number(f"corners: {i}", pair[1])))
+    clockwise = sign_of_number(turning(found, Integer(1))) < 0
+    return tuple(reversed(found)) if clockwise else tuple(found)

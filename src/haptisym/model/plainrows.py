@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from haptisym.model.measured import Reals
-from haptisym.programs.doubled import Doubled, mul
+from haptisym.programs.certified import Doubled, mul
 
 _BEFORE = b"0" * 23 + b"\n"
 """Stands before the first cell, so that every word has its eight letters."""

@@ -13,8 +13,8 @@ from sympy import Expr
 
 from haptisym.kernel.errors import SceneError, meant
 from haptisym.kernel.shown import Shown
+from haptisym.model.parameters import ExactRange
 from haptisym.model.quantities import decimal
-from haptisym.model.ranges import ExactRange
 
 
 @dataclass(frozen=True, repr=False)

@@ -14,7 +14,7 @@ from haptisym.model.distortion import Distortion, magnitude, part_of
 from haptisym.model.jnd import Part
 from haptisym.writing.document import Line
 from haptisym.writing.equations import QUANTITIES
-from haptisym.writing.texlines import is_long
+from haptisym.writing.latex import is_long
 
 
 @dataclass(frozen=True)

@@ -12,19 +12,16 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part
-from haptisym.pages.regionforms import ways
-from haptisym.pages.sceneforms import DIFFERENCE, DYNAMICS, FELT, RELATIVE, FormulaGroup, SceneForms
-from haptisym.pages.sceneforms import RATIO_FORMS as RATIO_FORMS
-from haptisym.pages.sections import beyond
+from haptisym.pages.scene import DIFFERENCE, DYNAMICS, FELT, RELATIVE, FormulaGroup, SceneForms
+from haptisym.pages.scene import RATIO_FORMS as RATIO_FORMS
+from haptisym.pages.sections import beyond, ways
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OPERATORS, RATIOS
-from haptisym.verbs.derive.entry import derive
+from haptisym.verbs.derive.derivation import derive
 from haptisym.writing.boxes import Box, Equation, Prefixed, Sum
 from haptisym.writing.document import Block, Equations, Line, Paragraph, Phrase, Section, listed
 from haptisym.writing.equations import function, quantity
-from haptisym.writing.layout import layout
-from haptisym.writing.names import named
-from haptisym.writing.texlines import LINE, is_long, width
-from haptisym.writing.texprinter import formula
+from haptisym.writing.latex import LINE, formula, is_long, width
+from haptisym.writing.layout import layout, named
 
 _H = named("H")
 _VALUES = "the scene's values"

@@ -11,8 +11,7 @@ from haptisym.pages.words import both, symbol
 from haptisym.verbs.require.entry import is_quick, require
 from haptisym.verbs.require.required import Requirement
 from haptisym.writing.document import Block, Column, Paragraph, Phrase, Table, listed
-from haptisym.writing.layout import layout
-from haptisym.writing.numerals import rounded
+from haptisym.writing.layout import layout, rounded
 
 _MOST_PARAMETERS = 8  # for more, ``haptisym require`` has the time
 

@@ -23,7 +23,7 @@ from haptisym.writing.document import (
     Table,
     listed,
 )
-from haptisym.writing.names import named
+from haptisym.writing.layout import named
 
 _WORDS = {"transparent": "transparent", "stable": "stable", "passive": "fit for every passive hand"}
 _MOST_ROWS = 10  # of slices that are listed; the document of JSON has them all

@@ -10,12 +10,11 @@ from typing import Any
 from sympy import Symbol
 
 from haptisym.judge.evaluation import Evaluation
-from haptisym.model.jnd import Part, Threshold
+from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import Parameter, Rule
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
-from haptisym.model.regions import Shape
 from haptisym.pages.checked import is_provable
-from haptisym.pages.sceneforms import SceneForms
+from haptisym.pages.scene import SceneForms
 from haptisym.pages.sliders import Slider, limit_sliders, region_record
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, RATIOS, unit
 from haptisym.verbs.evaluate.certificate import named_in_file
@@ -25,8 +24,8 @@ from haptisym.writing.code.names import Language
 from haptisym.writing.document import Phrase
 from haptisym.writing.html import phrase
 from haptisym.writing.htmltext import Html, data, element, joined, script
+from haptisym.writing.layout import named
 from haptisym.writing.mathematics import inline
-from haptisym.writing.names import named
 
 
 def explorer(e: Evaluation, forms: SceneForms) -> Html:

@@ -9,10 +9,9 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.caveats import caveats as cautions
 from haptisym.model.jnd import Part
-from haptisym.pages.regions import family_regions
+from haptisym.pages.evaluation import family_regions
 from haptisym.pages.words import both, caveats, certainty, limits, page_about, short, spans
-from haptisym.verbs.family.entry import FamilyEvaluation
-from haptisym.verbs.family.worst import FamilyBinding
+from haptisym.verbs.family.entry import FamilyBinding, FamilyEvaluation
 from haptisym.writing.document import (
     Block,
     Column,
@@ -27,7 +26,7 @@ from haptisym.writing.document import (
     Table,
     listed,
 )
-from haptisym.writing.names import named
+from haptisym.writing.layout import named
 
 
 def page(w: FamilyEvaluation) -> Document:

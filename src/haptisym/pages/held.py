@@ -12,7 +12,7 @@ from haptisym.model.quantities import Dimension
 from haptisym.pages.words import H_PERC, NOT_HELD, OPERATORS, compared, short, spans, stiffness_unit, unit
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import Phrase, Strong
-from haptisym.writing.names import named
+from haptisym.writing.layout import named
 
 _MOST_BANDS = 3
 _IMAG = Prefixed(OPERATORS[Part.IMAG], H_PERC)

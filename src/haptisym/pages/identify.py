@@ -12,7 +12,7 @@ from haptisym.kernel.shown import counted
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import distort
 from haptisym.model.quantities import unit_text
-from haptisym.pages.measuredlines import linearity, measured_words
+from haptisym.pages.measured import linearity, measured_words
 from haptisym.pages.words import noted, rounded
 from haptisym.verbs.identify.entry import Identification, correlation
 from haptisym.verbs.identify.judging import Estimate
@@ -33,7 +33,7 @@ from haptisym.writing.document import (
 )
 from haptisym.writing.equations import equation
 from haptisym.writing.formula import readable
-from haptisym.writing.names import named
+from haptisym.writing.layout import named
 
 _ALIKE = 0.95
 """A correlation from which on two parameters are told together rather than apart."""

@@ -13,9 +13,8 @@ import numpy as np
 
 from haptisym.model.published import Published
 from haptisym.pages.words import noted, rounded
-from haptisym.verbs.jnd.entry import METHODS, Psychometric
-from haptisym.verbs.jnd.fit import Estimate
-from haptisym.verbs.jnd.published import PublishedThresholds
+from haptisym.verbs.jnd.entry import METHODS, Psychometric, PublishedThresholds
+from haptisym.verbs.jnd.fitting import Estimate
 from haptisym.writing.boxes import Applied, Box, Fenced, Fraction, Numeral, Product, Sum
 from haptisym.writing.document import (
     Block,
@@ -33,7 +32,7 @@ from haptisym.writing.document import (
     Strong,
     Table,
 )
-from haptisym.writing.names import named
+from haptisym.writing.layout import named
 
 
 def page(p: Psychometric) -> Document:

@@ -10,9 +10,7 @@ from sympy import Basic
 from haptisym.judge.answers import Answer
 from haptisym.model.distortion import Distortion
 from haptisym.pages.closedforms import ClosedForms
-from haptisym.writing.latex import tables
-from haptisym.writing.texlines import align
-from haptisym.writing.texprinter import formula
+from haptisym.writing.latex import align, formula, tables
 
 
 @singledispatch

@@ -44,10 +44,9 @@ from haptisym.writing.document import (
 )
 from haptisym.writing.equations import meaning, quantity
 from haptisym.writing.formula import readable
-from haptisym.writing.layout import layout
+from haptisym.writing.latex import tex
+from haptisym.writing.layout import layout, named
 from haptisym.writing.mathtext import text
-from haptisym.writing.names import named
-from haptisym.writing.texprinter import tex
 
 _MOST_LETTERS = 180  # of a formula in symbols; a longer one is told in numbers
 

@@ -27,20 +27,17 @@ from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Scene
 from haptisym.pages import scene as scene_page
 from haptisym.pages.closedforms import ClosedForms
-from haptisym.pages.crossings import VERBS, event, sense
+from haptisym.pages.evaluation import VERBS, event, sense
 from haptisym.pages.words import PART_NAMES, ends, exactly, region, short
 from haptisym.writing.boxes import Box, Equation, Grid
 from haptisym.writing.document import Line
 from haptisym.writing.equations import function
 from haptisym.writing.html import fragment, phrase
 from haptisym.writing.htmltext import element
-from haptisym.writing.layout import layout
+from haptisym.writing.latex import align, is_long, tex
+from haptisym.writing.layout import layout, named, rounded
 from haptisym.writing.mathematics import display
-from haptisym.writing.names import named
-from haptisym.writing.numerals import rounded
 from haptisym.writing.plain import said
-from haptisym.writing.texlines import align, is_long
-from haptisym.writing.texprinter import tex
 
 _PER_SECOND = r"\,\mathrm{rad/s}"
 

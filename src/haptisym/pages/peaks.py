@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from haptisym.judge.peaks import Peak, Peaks
-from haptisym.pages.crossings import joint
+from haptisym.pages.evaluation import joint
 from haptisym.pages.words import OMEGA, certainty, exactly, hertz, noted, page_about, symbol
 from haptisym.writing.document import Block, Column, Document, Number, Paragraph, Phrase, Section, Strong, Table, listed
 

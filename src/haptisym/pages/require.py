@@ -33,7 +33,7 @@ from haptisym.writing.document import (
     Table,
     listed,
 )
-from haptisym.writing.names import named
+from haptisym.writing.layout import named
 
 _PLACES = {
     Kind.EDGE: "the band's high end", Kind.START: "the band's low end", Kind.TOUCH: "a touch inside the band",

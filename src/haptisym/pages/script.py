@@ -30,7 +30,7 @@ class _Printer(StrPrinter):  # type: ignore[misc]
 def script(d: Derivation) -> str:
     """The text of the script: run, it defines each symbol and each quantity by its name.
 
-    >>> from haptisym.verbs.derive.entry import derive
+    >>> from haptisym.verbs.derive.derivation import derive
     >>> text = script(derive("delayed-spring"))
     >>> known = {}
     >>> exec(text, known)

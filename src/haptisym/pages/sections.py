@@ -1,27 +1,216 @@
-"""A derivation as a person reads it: sections of equations with a word between them, the same for text, LaTeX and MathML."""
+"""A derivation as a person reads it: sections of equations with a word between them.
+
+Sections of equations as they are put together; solutions of one as formulas, when these hold, or that there is none.
+
+When a region is left, as formulas: the functions of omega that must not all be positive.
+
+A derivation as a person reads it: sections of equations with a word between them, the same for text, LaTeX and MathML.
+
+The page of a derivation, and its document of JSON.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import chain
+from typing import Any
 
-from sympy import Expr, Symbol, count_ops, exp
+from sympy import Abs, Add, Expr, Integer, Symbol, count_ops, exp
 
+from haptisym.judge.criteria import Criterion, noticed
+from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.solutions import Solution
+from haptisym.kernel.lattices import Lattice, Signed
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.solutions import Solution, solve
 from haptisym.kernel.symbols import omega
-from haptisym.model.jnd import Part
-from haptisym.model.quantities import Dimension
-from haptisym.pages import regionforms
-from haptisym.pages.solved import MOST_STEPS, MOST_TERMS, Written
+from haptisym.model.jnd import Part, Shape
+from haptisym.model.parameters import Parameter
+from haptisym.model.quantities import Dimension, MotionKind, unit_text
+from haptisym.pages.words import H_ENV, OMEGA, noted, page_about, region
 from haptisym.programs.steps import DISTORTION, Steps
-from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, bare, listed_name
-from haptisym.verbs.derive.groups import Groups
-from haptisym.writing.boxes import Fraction, Product
-from haptisym.writing.document import Equations, Line, Phrase, Section, listed
-from haptisym.writing.equations import quantity
-from haptisym.writing.layout import layout
-from haptisym.writing.names import named
+from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, Groups, bare, listed_name
+from haptisym.writing.boxes import Absolute, Box, Equation, Fraction, Product
+from haptisym.writing.document import (
+    Column,
+    Document,
+    Equations,
+    Line,
+    Notes,
+    Paragraph,
+    Phrase,
+    Section,
+    Table,
+    coded,
+    listed,
+)
+from haptisym.writing.equations import function, quantity
+from haptisym.writing.latex import formula, fragment, tex
+from haptisym.writing.layout import layout, named
+from haptisym.writing.mathml import mathml
+from haptisym.writing.mathtext import plain, text
+from haptisym.writing.plain import said
+
+MOST_STEPS = 150  # operations of the steps beyond which closed forms would fill pages
+MOST_TERMS = (
+    2000  # above the line of a function that is written, or solved, unasked: SymPy takes a second or two for them
+)
+
+
+@dataclass
+class Written:
+    """What a section says, as it is put together: equations, and what they mean or why there is none."""
+
+    lines: list[Line] = field(default_factory=list)
+    notes: list[Phrase] = field(default_factory=list)
+
+    def solve(self, left: Box, solutions: Iterable[Solution], of: Phrase) -> None:
+        """Some solutions as formulas, and what is to be said about the others; ``of`` : what is solved."""
+        lines, said = answers(left, solutions)
+        self.lines += lines
+        self.notes += [(of, ": ", x) for x in said]
+
+    def section(self, title: Phrase) -> Section:
+        """It below a heading, the words before the equations."""
+        equations = (Equations(tuple(self.lines)),) if self.lines else ()
+        return Section(title, (*noted(self.notes), *equations))
+
+
+def answers(left: Box, solutions: Iterable[Solution]) -> tuple[list[Line], list[Phrase]]:
+    """The formulas among some solutions, and what to say about the others."""
+    rows: list[Line] = []
+    notes: list[Phrase] = []
+    for x in solutions:
+        if x.omega is None:
+            what = "a solution is a root of a factor ", *_degree(x.equation)
+            notes.append((*what, ": it has no readable formula, the equation is the answer."))
+            continue
+        rows.append(Line(left, x.omega))
+        notes += _in_force(x)
+        if x.period:
+            notes.append(("so are these plus any multiple of ", layout(x.period), "."))
+    return rows, list(dict.fromkeys(notes))
+
+
+def _in_force(x: Solution) -> list[Phrase]:
+    """Under which conditions a formula holds, in words."""
+    if not x.conditions:
+        return []
+    if max(map(count_ops, x.conditions)) > 4:
+        return [("a formula is in force where nothing under its roots is negative.",)]
+    bounds = (Equation((layout(y), layout(Integer(0))), ("≥",)) for y in x.conditions)
+    return [("in force where ", listed((x,) for x in bounds), ".")]
+
+
+def _degree(equation: Expr) -> tuple[Phrase, ...]:
+    if not equation.is_polynomial(omega):
+        return "in ", OMEGA, " and its sines and cosines"
+    degree = max(int(term.as_powers_dict().get(omega, 0)) for term in Add.make_args(equation.expand()))
+    return f"of degree {degree} in ", OMEGA
+
+
+_LONGEST = 250  # operations of a function that is written out unasked
+_MOST = 16  # functions that are
+_LARGEST = 200_000  # products of terms of both parts of dH: beyond, what decides takes seconds, then minutes, and nobody reads it
+
+
+def ways(x: Criterion, found: Signed) -> tuple[Phrase, list[tuple[Box, Signed]]]:
+    """Where a criterion is broken, in words, and the functions that these name."""
+    terms: Sequence[Sequence[Signed]] = found.terms if isinstance(found, Lattice) else ((found,),)
+    names = [[_called(x, i, j, terms) for j, _ in enumerate(row, 1)] for i, row in enumerate(terms, 1)]
+    said = listed((listed((name, " > 0") for name in row) for row in names), "or")
+    what = f"The {x.joint.kind} is left" if x.joint else (named(x.symbol), " exceeds its limit")
+    return (what, " exactly where ", said, "."), list(zip(chain(*names), chain(*terms), strict=True))
+
+
+def _called(x: Criterion, i: int, j: int, terms: Sequence[Sequence[Signed]]) -> Box:
+    one = len(terms) == 1 and len(terms[0]) == 1
+    return function(f"p_{x.name}" if one else f"p_{x.name}_{i}{j}", OMEGA)
+
+
+def when_of_region(d: Derivation) -> Section:
+    """Of a region, or of limits that are formulas in omega: its border, and each function in closed form where it is short."""
+    limits = "The limits are " if d.scene.threshold.region.shape is Shape.SQUARE else "The JND is "
+    out = Written(notes=[(limits, region(d.scene.threshold), ".")])
+    long: list[Phrase] = []
+    is_short = _is_short(d)
+    for x in noticed(d.scene.threshold):
+        if x.joint:
+            borders = [(named(f"q_{i}"), form) for i, form in enumerate(_borders(x.joint), 1)]
+            one_of = "one of " if len(borders) > 1 else ""
+            shown = listed((name for name, _ in borders), "or")
+            out.notes.append(("The ", x.joint.kind, " is left where ", one_of, shown, " is positive."))
+            out.lines += [_relative("x_r", "Re dH"), _relative("x_i", "Im dH"), *(Line(*pair) for pair in borders)]
+        if not is_short:
+            continue
+        found = x.function(d.distortion)
+        said, functions = ways(x, found)
+        out.notes.append(said)
+        for name, f in functions:
+            form = f.factored() if isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS else None
+            if form is None or count_ops(form) > _LONGEST or len(long) + len(out.lines) >= _MOST:
+                long.append(name)
+            else:
+                out.lines.append(Line(name, form))
+        solved, told = _solved(x, found, d)
+        out.lines += solved
+        out.notes += told
+    if not is_short:
+        out.notes.append("Closed forms of this chain are long: which functions of ω decide it is not written out.")
+    if long:
+        out.notes.append(("Too long to be written out unasked: ", listed(long), ". Fewer symbols make them shorter."))
+    out.notes.append("Its crossings, as numbers: `haptisym evaluate`.")
+    return out.section("When it is noticed")
+
+
+def _is_short(d: Derivation) -> bool:
+    """Whether the functions that decide are found at once."""
+    if d.steps.operations > MOST_STEPS:
+        return False
+    change = d.distortion.difference_response
+    return len(change.real.function.numerator) * len(change.imag.function.numerator) <= _LARGEST
+
+
+def _solved(x: Criterion, found: Signed, d: Derivation) -> tuple[list[Line], list[Phrase]]:
+    """Where what is judged meets its limit, solved for omega: of one function its crossings, of several where they may lie."""
+    terms: Sequence[Sequence[Signed]] = found.terms if isinstance(found, Lattice) else ((found,),)
+    if not any(isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS for row in terms for f in row):
+        return [], []
+    conditions = [len(term.where) for term in x.region.terms(d.distortion)] if x.region else [0]
+    is_one = len(terms) == len(terms[0]) == 1
+    lines: list[Line] = []
+    notes: list[Phrase] = []
+    for i, row in enumerate(terms):
+        for j, f in enumerate(row[conditions[i] :], conditions[i] + 1):
+            if isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS:
+                place = "" if is_one else f"_{i + 1}{j}"
+                own, said = answers(named(f"omega_{x.name}{place}"), solve(f))
+                lines += [line for line in own if line.value not in [known.value for known in lines]]
+                notes += [note for note in said if note not in notes]
+    if lines and not is_one:
+        notes.insert(
+            0, "each crossing is one of the solutions, or a frequency at which another function changes its sign."
+        )
+    return lines, [(named(x.symbol), ": ", note) for note in notes]
+
+
+def _relative(name: str, part: str) -> Line:
+    return Line(named(name), Fraction(quantity(part), Absolute(H_ENV)))
+
+
+def _borders(of: Joint) -> list[Expr]:
+    """What is positive outside of a region, in x_r and x_i: one, or for each edge one."""
+    x, y = Symbol("x_r", real=True), Symbol("x_i", real=True)
+    if isinstance(of, Polygon):
+        return [p * x + q * y - 1 for p, q in of.edges]
+    assert isinstance(of, Diamond | Ellipse)
+    u, v = x / of.real, y / of.imag
+    if isinstance(of, Diamond):
+        return [Abs(x) / of.real + Abs(y) / of.imag - 1]
+    return [u**2 - 2 * of.tilt * u * v + v**2 - (1 - of.tilt**2)]
+
 
 LONGEST = 120  # operations of a closed form that is written out unasked
 _MOST_PARAMETERS = 20  # beyond which groups are many, and take long to prove
@@ -39,7 +228,7 @@ def sections(d: Derivation) -> tuple[Section, ...]:
     """What a derivation was asked for, or all that it says unasked."""
     if d.of:
         return asked(d, d.of)
-    when = _when(d) if d.scene.threshold.is_plain else regionforms.when(d)
+    when = _when(d) if d.scene.threshold.is_plain else when_of_region(d)
     found = [
         _dynamics(d),
         _in_steps(d),
@@ -55,7 +244,12 @@ def sections(d: Derivation) -> tuple[Section, ...]:
 
 def beyond(d: Derivation) -> tuple[Section, ...]:
     """What closed forms alone do not show: short steps, crossings solved for omega, groups, leading terms."""
-    found = [_in_steps(d), *([_solved(d)] if d.scene.threshold.is_plain else []), *_dimensionless(d), *_fast(d)]
+    found = [
+        _in_steps(d),
+        *([_solved_in_sections(d)] if d.scene.threshold.is_plain else []),
+        *_dimensionless(d),
+        *_fast(d),
+    ]
     return tuple(section for section in found if any(isinstance(x, Equations) for x in section.blocks))
 
 
@@ -179,7 +373,7 @@ def _when(d: Derivation) -> Section:
     return found.section(title)
 
 
-def _solved(d: Derivation) -> Section:
+def _solved_in_sections(d: Derivation) -> Section:
     """The crossings that have a readable formula."""
     found = Written()
     for part in Part if d.steps.operations <= MOST_STEPS else ():
@@ -268,3 +462,63 @@ def _slow(d: Derivation) -> Iterator[Section]:
 def _direction(d: Derivation, fast: Symbol) -> str:
     dimension = next(p.dimension for p in d.scene.parameters if p.symbol == fast)
     return "small" if dimension is Dimension.TIME else "large"
+
+
+def page(d: Derivation) -> Document:
+    """The parameters, and the sections."""
+    rows = tuple((named(p.symbol.name), _meaning(p, d.scene.motion), _state(d, p)) for p in d.scene.parameters)
+    table = Table((Column("symbol"), Column("what it is"), Column("value")), rows, "The parameters, in SI units.")
+    return page_about(d.scene, ((table,) if rows else ()) + sections(d), "Derivation", _asides(d))
+
+
+def latex(d: Derivation) -> str:
+    r"""LaTeX for a paper: a paragraph for each section, its equations in an ``align*``; amsmath is all it needs."""
+    return fragment((*(Paragraph(coded(x)) for x in _asides(d)), *sections(d)), depth=2) + "\n"
+
+
+def _asides(d: Derivation) -> list[str]:
+    """That parameters vary, and what of the formulas holds for all of their values."""
+    kept = any(p.interval for p in d.scene.parameters if p.symbol in d.kept)
+    return [note + " Formulas in their symbols hold for all values." * kept for note in d.scene.asides()]
+
+
+def _meaning(p: Parameter, motion: MotionKind | None) -> str:
+    plain, unit = p.dimension in (Dimension.ANY, Dimension.RATIO), p.unit_in(motion)
+    kind = "number" if plain else p.dimension.name.lower()
+    return f"{kind}, {unit_text(unit)}" if unit not in ("", "1") else kind
+
+
+def _state(d: Derivation, p: Parameter) -> Phrase:
+    return ("a symbol; ", layout(p.value), " in the scene") if p.symbol in d.kept else layout(p.value)
+
+
+def body(d: Derivation) -> dict[str, Any]:
+    """What its document holds."""
+    return {
+        "parameters": [_parameter(d, p) for p in d.scene.parameters],
+        "operations": d.steps.operations,
+        "sections": [_section_in_derive(section) for section in sections(d)],
+        "quantities": list(QUANTITIES),
+    }
+
+
+def _parameter(d: Derivation, p: Parameter) -> dict[str, Any]:
+    shown = {"text": plain(p.value), "latex": formula(p.value)}
+    return {
+        "name": p.symbol.name,
+        "meaning": _meaning(p, d.scene.motion),
+        "symbol": p.symbol in d.kept,
+        "value": shown,
+    }
+
+
+def _section_in_derive(section: Section) -> dict[str, Any]:
+    boxes = [line.equation for line in lines_of(section)]
+    rows = [{"text": text(e), "latex": tex(e), "mathml": mathml(e)} for e in boxes]
+    notes = [said(x) for block in section.blocks if isinstance(block, Notes) for x in block.entries]
+    return {"title": said(section.title), "notes": notes, "equations": rows}
+
+
+def lines_of(section: Section) -> Iterator[Line]:
+    """The equations of a section."""
+    return (line for block in section.blocks if isinstance(block, Equations) for line in block.lines)

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.quantities import unit_text
 from haptisym.pages.words import OMEGA, both, certainty, noted, page_about
-from haptisym.verbs.sensitivity.entry import Sensitivities
-from haptisym.verbs.sensitivity.slopes import Sensitive, Sensitivity
+from haptisym.verbs.sensitivity.entry import Sensitive, Sensitivities, Sensitivity
 from haptisym.writing.document import (
     Block,
     Code,
@@ -23,7 +22,7 @@ from haptisym.writing.document import (
     Table,
     listed,
 )
-from haptisym.writing.names import named
+from haptisym.writing.layout import named
 
 _DIGITS = 5
 

@@ -9,16 +9,15 @@ from typing import Any, TypeAlias
 from sympy import Expr, Poly, fraction, together
 
 from haptisym.kernel.symbols import omega
-from haptisym.model.jnd import Part, Threshold
+from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import Rule
 from haptisym.model.quantities import Dimension
-from haptisym.model.regions import Shape
 from haptisym.model.scene import Scene
 from haptisym.pages.words import PART_NAMES, unit
 from haptisym.writing.code.expressions import nearest_double
 from haptisym.writing.htmltext import Html, element, joined
+from haptisym.writing.layout import named
 from haptisym.writing.mathematics import inline
-from haptisym.writing.names import named
 
 
 @dataclass(frozen=True)

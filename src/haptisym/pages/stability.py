@@ -1,9 +1,18 @@
-"""The page of stability: imposed, held, every passive hand, a section each."""
+"""The page of stability, and what an evaluation says of it.
+
+What the page of stability says of a display with a clock.
+
+The page of stability: imposed, held, every passive hand, a section each.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
 
+from sympy import Rational
+
+from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import RootChain
@@ -11,7 +20,6 @@ from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, hands
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, unit_text
-from haptisym.pages.clock import looked_at, sampled_condition
 from haptisym.pages.held import not_looked_at
 from haptisym.pages.late import proof
 from haptisym.pages.words import (
@@ -29,11 +37,9 @@ from haptisym.pages.words import (
     span,
     unit,
 )
-from haptisym.verbs.stability.answer import Stability, has_plane
-from haptisym.verbs.stability.boxes import Box, Share
 from haptisym.verbs.stability.critical import Critical, Nearest
-from haptisym.verbs.stability.held import Held
-from haptisym.verbs.stability.passive import EveryPassiveHand
+from haptisym.verbs.stability.entry import Stability, has_plane
+from haptisym.verbs.stability.held import Box, EveryPassiveHand, Held, Share
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import (
     Block,
@@ -49,7 +55,81 @@ from haptisym.writing.document import (
     Table,
     listed,
 )
-from haptisym.writing.names import named
+from haptisym.writing.layout import named
+
+_CONDITION = "Colgate and Schenkel's condition"
+
+
+def looked_at(rows: Sequence[Nearest]) -> list[Phrase]:
+    """As far as numbers of a loop with a clock were looked at, where no value was found on a side, and that has an end."""
+    told: list[Phrase] = []
+    for x in rows:
+        low, high = (None if end is None else short(ExactNumber(_rational(end))) for end in _left(x))
+        ends = (*((" from ", low) if low else ()), *((" to " if low else " up to ", high) if high else ()))
+        if ends:
+            told.append((x.path, *ends, "" if high else " on"))
+    return [("Looked at: ", listed(told), "; what lies beyond was not.")] if told else []
+
+
+def _left(x: Nearest) -> tuple[Fraction | None, Fraction | None]:
+    """The ends of what was looked at that are not beside a value that was found."""
+    low, high = (None, None) if len(x.found) == 2 else (x.low, x.high)
+    for value in (Fraction(float(y.value)) for y in x.found):
+        if x.high is None or (x.low is not None and abs(value - x.low) < abs(value - x.high)):
+            low = None
+        else:
+            high = None
+    return low, high
+
+
+def _rational(x: Fraction) -> Rational:
+    return Rational(x.numerator, x.denominator)
+
+
+def sampled_condition(found: EveryPassiveHand, damping: str, stiffness: str) -> Iterator[Block]:
+    """Whether every passive hand holds a sampled loop, and what the device needs for it; the units of damping and stiffness."""
+    x = found.sampled
+    assert x is not None
+    if found.holds is None:
+        yield Paragraph((Strong("UNDECIDED"), f": {_CONDITION} does not apply, as {x.reason}."))
+    elif found.holds is False and x.passive is not False:
+        words = ": there is a passive hand in which a motion grows, as the display gives energy to imposed motion."
+        yield Paragraph((Strong("Does NOT hold"), words))
+    elif x.passive:
+        yield Paragraph((f"Holds: {_CONDITION} is met on all of 0 < ", named("theta"), " = ", *_ANGLE, " ≤ π."))
+    elif x.pushes:
+        words = ": a passive hand that is softer is pushed away, as the display's stiffness at rest is negative."
+        yield Paragraph((Strong("Does NOT hold"), words))
+    else:
+        words = f": {_CONDITION} is not met, so that there is a passive hand in which a motion grows."
+        yield Paragraph((Strong("Does NOT hold"), words))
+    if x.pushes:
+        value = short(ExactNumber(x.at_rest)), f" {stiffness}"
+        yield Notes((("Whatever a hand damps: the display's stiffness at rest is ", *value, "."),))
+    elif x.sides is not None:
+        yield Notes(tuple(_notes(x, damping)))
+
+
+_ANGLE: tuple[Phrase, ...] = (named("omega"), " ", named("T"))
+
+
+def _notes(x: SampledPassivity, unit: str) -> Iterator[Phrase]:
+    best = x.needed
+    if best is None:
+        yield "No damping of the device is enough: what the controller asks for grows without bound."
+        return
+    assert best.omega is not None
+    place = ("at ", named("theta"), " = ", short(best.omega))
+    has = " it has ", short(ExactNumber(x.damping)), f" {unit}"
+    if x.asks_nothing:
+        yield "The device's damping must not be negative;", has, "."
+    else:
+        needs = short(best.value), f" {unit};", *has
+        yield "The device's damping must exceed ", needs, " (the largest right-hand side is ", place, ")."
+    if x.passive is False and x.hand_needed is not None:
+        lacking = short(x.hand_needed), f" {unit}"
+        yield "In a hand that damps more than ", *lacking, " no motion grows, whatever its mass and stiffness."
+
 
 _IM = Prefixed(OPERATORS[Part.IMAG], H_PERC)
 _REAL = Prefixed(OPERATORS[Part.REAL], named("s"))
@@ -213,7 +293,7 @@ def _every(x: EveryPassiveHand, damping: str, stiffness: str) -> Iterator[Block]
     else:
         yield Paragraph((Strong("Does NOT hold"), ": there is a passive hand in which a motion grows."))
     if p is not None:
-        yield from noted(_notes(p, damping))
+        yield from noted(_notes_in_stability(p, damping))
 
 
 def _open(p: Passivity) -> Phrase:
@@ -222,7 +302,7 @@ def _open(p: Passivity) -> Phrase:
     return ": beyond ", both(ExactNumber(p.high)), " the sign of ", _IM, f" is {p.beyond.value}"
 
 
-def _notes(p: Passivity, unit: str) -> Iterator[Phrase]:
+def _notes_in_stability(p: Passivity, unit: str) -> Iterator[Phrase]:
     if p.active:
         yield _active(p)
     if p.holds is False and p.poles_allow is False:

@@ -8,7 +8,7 @@ from typing import Any
 
 from haptisym.model.quantities import unit_text
 from haptisym.pages.words import certainty, page_about, rounded
-from haptisym.verbs.sweep.swept import Swept
+from haptisym.verbs.sweep.entry import Swept
 from haptisym.writing.document import Block, Column, Document, Facts, Figure, Notes, Paragraph, Phrase, Strong, Table
 
 _FREQUENCIES: dict[str, Phrase] = {

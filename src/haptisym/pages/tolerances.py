@@ -9,18 +9,17 @@ from sympy import Expr
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
-from haptisym.model.parameters import Parameter
+from haptisym.model.parameters import Parameter, spread
 from haptisym.model.quantities import MotionKind, unit_text
-from haptisym.model.ranges import spread
-from haptisym.pages.crossings import joint, nothing_meets
+from haptisym.pages.evaluation import joint, nothing_meets
 from haptisym.pages.late import drawing
 from haptisym.pages.words import CHANGE, both, noted, page_about, region_of_fit, rounded, symbol
-from haptisym.verbs.stability.boxes import Share
+from haptisym.verbs.stability.held import Share
 from haptisym.verbs.tolerances.proofs import Tolerances
 from haptisym.verbs.tolerances.quantiles import LEVELS, quantiles
 from haptisym.verbs.tolerances.verdicts import Enclosure, Verdict
 from haptisym.writing.document import Block, Column, Document, Number, Paragraph, Phrase, Section, Strong, Table, listed
-from haptisym.writing.names import named
+from haptisym.writing.layout import named
 
 _VERDICTS: dict[Verdict, Phrase] = {
     Verdict.ALL: ("Proven: transparent on the whole band for ", Strong("ALL"), " values within the ranges."),
@@ -119,7 +118,7 @@ def _held(a: Tolerances) -> Iterator[Block]:
             yield from noted(told)
     if a.held:
         line = "" if clocks(a.box.scene) else _LINE
-        yield drawing("hands", _HANDS + line, "heldbox:hands_figure", a)
+        yield drawing("hands", _HANDS + line, "stability:hands_figure", a)
 
 
 def _ranges(hand: Hand) -> list[tuple[Parameter, tuple[Expr, Expr]]]:

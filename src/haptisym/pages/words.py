@@ -19,15 +19,13 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.symbols import omega
 from haptisym.model.family import SceneFamily
-from haptisym.model.jnd import Part, Threshold
+from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.proportions import DIGITS
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
-from haptisym.model.regions import Shape
 from haptisym.model.scene import Scene
 from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled
 from haptisym.writing.document import Block, Code, Document, Notes, Number, Phrase, Strong, coded, listed
-from haptisym.writing.layout import layout
-from haptisym.writing.names import named
+from haptisym.writing.layout import layout, named
 
 if TYPE_CHECKING:
     from haptisym.model.measuredscene import MeasuredScene

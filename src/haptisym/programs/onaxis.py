@@ -20,8 +20,7 @@ from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import sign_of_number
-from haptisym.programs.taylormodels import Array, Model, halves, variable
-from haptisym.programs.valued import floated, valued
+from haptisym.programs.taylormodels import Array, Model, floated, halves, valued, variable
 
 _BATCH = 512  # cells that are bounded together
 _MOST_CELLS = 40_000

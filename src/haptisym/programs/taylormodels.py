@@ -1,21 +1,36 @@
-"""Functions over many small boxes at once, with proven bounds: Taylor models of second order for values and slopes.
+"""Functions over many small boxes at once, with proven bounds: Taylor models, and programs and formulas in them.
+
+Functions over many small boxes at once, with proven bounds: Taylor models of second order for values and slopes.
 
 A ``Model`` is a function of t in [-1, 1]^n as ``c0 + c1.t + t.c2.t``, and a radius ``r`` that bounds all the rest, together with
 the same for each of its n slopes d/dt_i: rows of the arrays, the value first; and all that for each of many boxes. What
 intervals lose where a variable occurs twice, models keep to third order. Of many variables slopes may be kept to first order
 alone: n^2 numbers then, where n^3 take most of the time. Floats, with every rounding error in ``r``: a model is
 a proof, not an estimate. Where ``r`` is not finite nothing is known.
+
+A program in Taylor models: proven bounds on its results and their slopes, over many boxes of inputs at once.
+
+Rational formulas over cells, in Taylor models.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import prod
 from typing import Any, TypeAlias
 
+import flint
 import numpy as np
+from sympy import Add, Expr, Mul, Pow, Rational
 
-from haptisym.programs.sinc import sinc_and_slopes, sincm1
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import expression_ball
+from haptisym.programs.balls import FUNCTIONS, constant_ball
+from haptisym.programs.floats import sinc_and_slopes, sincm1
+from haptisym.programs.program import Program
 
 Array: TypeAlias = Any  # numpy arrays of floats
 
@@ -269,3 +284,99 @@ def halves(cells: Array, side: Array) -> Array:
     middle = (cells[rows, side, 0] + cells[rows, side, 1]) / 2
     lower[rows, side, 1], upper[rows, side, 0] = middle, middle
     return np.concatenate([lower, upper])
+
+
+ModelOrFloat: TypeAlias = Model | float
+"""Numbers that are the same everywhere stay floats, to within some roundings."""
+
+
+def _sum(x: ModelOrFloat, y: ModelOrFloat) -> ModelOrFloat:
+    if isinstance(x, Model):
+        return x + y if isinstance(y, Model) else x.plus(y)
+    assert isinstance(y, Model)
+    return y.plus(x)
+
+
+def _product_in_modelled(x: ModelOrFloat, y: ModelOrFloat) -> ModelOrFloat:
+    if isinstance(x, Model):
+        return x * y if isinstance(y, Model) else x.times(y)
+    assert isinstance(y, Model)
+    return y.times(x)
+
+
+def _quotient_in_modelled(x: ModelOrFloat, y: ModelOrFloat) -> ModelOrFloat:
+    one = x if isinstance(x, Model) else y
+    assert isinstance(one, Model)
+    upper, lower = (v if isinstance(v, Model) else one.number(v) for v in (x, y))
+    return upper / lower
+
+
+OPERATIONS: dict[str, Callable[..., ModelOrFloat]] = {
+    "add": _sum,
+    "sub": lambda x, y: _sum(x, -y),
+    "mul": _product_in_modelled,
+    "div": _quotient_in_modelled,
+    "neg": lambda x: -x,
+    "cos": lambda x: x.cosine_and_sine()[0],
+    "sin": lambda x: x.cosine_and_sine()[1],
+    "sinc": Model.sinc,
+    "sincm1": Model.sincm1,
+    "power": lambda x, order: x.to_the(order if isinstance(order, Model) else x.number(order)),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Modelled:
+    """A program without ``abs`` and ``sqrt``, whose slopes jump."""
+
+    program: Program
+
+    def run(self, inputs: Sequence[Model]) -> dict[str, ModelOrFloat]:
+        """The results by name: for inputs in the order of the program's."""
+        known: dict[int, ModelOrFloat] = dict(self._constants)
+        for i, step in enumerate(self.program.operations):
+            if step.name == "input":
+                known[i] = inputs[step.arguments[0]]
+            elif i not in known:
+                tick()
+                known[i] = OPERATIONS[step.name](*(known[x] for x in step.arguments))
+        return {name: known[x] for name, x in self.program.results.items()}
+
+    @cached_property
+    def _constants(self) -> Mapping[int, float]:
+        """The steps that depend on no input, to within a rounding."""
+        balls: dict[int, Any] = {}
+        with flint.ctx.workprec(200):
+            for i, step in enumerate(self.program.operations):
+                if step.name == "constant":
+                    balls[i] = constant_ball(step.value)
+                elif step.name != "input" and all(x in balls for x in step.arguments):
+                    balls[i] = FUNCTIONS[step.name](*(balls[x] for x in step.arguments))
+            return {i: float(x.mid()) for i, x in balls.items()}
+
+
+def valued(formula: Expr, known: Mapping[Expr, Model], like: Model) -> Model:
+    """A formula of what is known and exact numbers by + * / and whole powers; ``like`` : any model over the same cells."""
+    if formula in known:
+        return known[formula]
+    if not formula.free_symbols & set(known):
+        return like.number(floated(formula))
+    if isinstance(formula, Add):
+        terms = [valued(x, known, like) for x in formula.args]
+        return sum(terms[1:], terms[0])
+    one = like.number(1.0)
+    if isinstance(formula, Mul):
+        return prod((valued(x, known, like) for x in formula.args), start=one)
+    assert isinstance(formula, Pow)
+    power = prod([valued(formula.base, known, like)] * abs(int(formula.exp)), start=one)
+    return power if formula.exp > 0 else one / power
+
+
+def floated(value: Expr) -> float:
+    """The number to within a rounding or two. UndecidedError where it is too large for a float."""
+    if isinstance(value, Rational):
+        try:
+            return int(value.p) / int(value.q)
+        except OverflowError:
+            raise UndecidedError("how numbers compare that are too large for floats") from None
+    return float(value.evalf(20)) if value.is_algebraic else float(expression_ball(value))

@@ -19,11 +19,9 @@ from haptisym.kernel.decimals import rounded
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import Shown
 from haptisym.programs.accuracy import Accuracy, Engine
-from haptisym.programs.certified import Certified, FormsAt
-from haptisym.programs.doubled import Doubles
-from haptisym.programs.floats import Floats
+from haptisym.programs.certified import Certified, Doubles, FormsAt
+from haptisym.programs.floats import Floats, Judgement, MagnitudeRange, judged, ranges
 from haptisym.programs.machine import Machine
-from haptisym.programs.magnitudes import Judgement, MagnitudeRange, judged, ranges
 from haptisym.programs.program import Program
 
 Array: TypeAlias = NDArray[np.float64]

@@ -37,8 +37,7 @@ from haptisym.writing.boxes import (
     Titled,
     Word,
 )
-from haptisym.writing.layout import layout
-from haptisym.writing.names import named
+from haptisym.writing.layout import layout, named
 
 _OMEGA, _J = named("omega"), named("j")
 _SQUARED = Numeral("2")

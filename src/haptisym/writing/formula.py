@@ -6,7 +6,7 @@ from sympy import Add, Expr, Function, I, Integer, Mul, Rational, Symbol, preord
 from sympy.core.numbers import ImaginaryUnit
 
 from haptisym.kernel.rings import RationalFunction
-from haptisym.writing.numerals import approximate, is_short, rounded
+from haptisym.writing.layout import approximate, is_short, rounded
 
 _DIGITS = 6  # significant digits of a number that is too long to write out
 

@@ -1,14 +1,48 @@
-r"""A document in LaTeX, for pdflatex with article, amsmath and booktabs (graphicx for figures); plain ASCII."""
+"""A document in LaTeX, for pdflatex with article, amsmath and booktabs.
+
+Text and names in LaTeX, for pdflatex and nothing but amsmath.
+
+Formulas in LaTeX, for amsmath.
+
+Equations of an ``align*`` that stay on the page: long ones broken at their signs, long fractions in named parts.
+
+A document in LaTeX, for pdflatex with article, amsmath and booktabs (graphicx for figures); plain ASCII.
+"""
 
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import singledispatchmethod
-from itertools import accumulate, groupby
+from functools import singledispatch, singledispatchmethod
+from itertools import accumulate, groupby, pairwise
 from types import MappingProxyType
 
+from sympy import Basic, Expr, preorder_traversal
+
+from haptisym.writing.boxes import (
+    Absolute,
+    Applied,
+    Box,
+    Equation,
+    Exponential,
+    Fenced,
+    Fraction,
+    Grid,
+    Name,
+    Numeral,
+    Operator,
+    Power,
+    Prefixed,
+    Product,
+    Ratio,
+    Root,
+    Sum,
+    Titled,
+    Word,
+    needs_dot,
+)
 from haptisym.writing.document import (
     Block,
     Code,
@@ -17,6 +51,7 @@ from haptisym.writing.document import (
     Facts,
     Figure,
     Flow,
+    Line,
     Notes,
     Number,
     Paragraph,
@@ -26,10 +61,444 @@ from haptisym.writing.document import (
     Table,
     chosen,
 )
+from haptisym.writing.layout import CAPITALS, GREEK, greek, layout, named
 from haptisym.writing.plain import NUMBER, said, widths_of
-from haptisym.writing.texlines import Names, align
-from haptisym.writing.texnames import escape, spaced
-from haptisym.writing.texprinter import tex
+
+_SPECIAL = {
+    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%", "_": r"\_",
+    "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"\textless{}", ">": r"\textgreater{}",
+    "|": r"\textbar{}", '"': "''", "`": r"\`{}", "–": r"\textendash{}", "—": r"\textemdash{}", "‘": "`{}", "’": "'",
+    "“": "``{}", "”": "''{}", "„": ",,", "«": r"\ensuremath{\ll}", "»": r"\ensuremath{\gg}", "…": r"\dots{}", "ß": r"\ss{}",
+    "æ": r"\ae{}", "Æ": r"\AE{}", "œ": r"\oe{}", "Œ": r"\OE{}", "ø": r"\o{}", "Ø": r"\O{}", "ł": r"\l{}", "Ł": r"\L{}",
+    "ı": r"\i{}", "ȷ": r"\j{}", "§": r"\S{}", "¶": r"\P{}", "©": r"\copyright{}", "£": r"\pounds{}", "đ": "d", "Đ": "D",
+    "ð": "d", "Ð": "D", "þ": "th", "Þ": "Th", "€": "EUR", "†": r"\dag{}",
+}  # fmt: skip
+_MATH = {
+    "°": r"^{\circ}", "±": r"\pm", "∓": r"\mp", "×": r"\times", "·": r"\cdot", "⋅": r"\cdot", "−": "-", "÷": r"\div",
+    "≤": r"\le", "≥": r"\ge", "≠": r"\ne", "≈": r"\approx", "≡": r"\equiv", "∞": r"\infty", "√": r"\surd", "∂": r"\partial",
+    "∫": r"\int", "∑": r"\sum", "∏": r"\prod", "∆": r"\Delta", "Ω": r"\Omega", "ℜ": r"\Re", "ℑ": r"\Im", "∠": r"\angle",
+    "→": r"\to", "←": r"\leftarrow", "↔": r"\leftrightarrow", "⇒": r"\Rightarrow", "∈": r"\in", "µ": r"\mu", "¬": r"\neg",
+    "ϵ": r"\epsilon", "ϕ": r"\phi", "φ": r"\varphi", "ε": r"\varepsilon", "ς": r"\varsigma", "′": "'", "″": "''",
+}  # fmt: skip
+_ACCENTS = {
+    "\u0300": "`", "\u0301": "'", "\u0302": "^", "\u0303": "~", "\u0304": "=", "\u0306": "u", "\u0307": ".", "\u0308": '"',
+    "\u030a": "r", "\u030b": "H", "\u030c": "v", "\u0323": "d", "\u0327": "c", "\u0331": "b",
+}  # fmt: skip
+_SIGNS = {"∞": r"\infty"}
+_LONG_WORD = 20  # letters; a longer one gets places to break
+_BREAK = re.compile(r"\d{5}(?=\d{5})|[^\W_]{5}(?=[^\W_]{20})|[^\w\s](?=\w)|_(?=[^\W_])")
+
+
+def escape(text: str) -> str:
+    r"""Any text for pdflatex: special characters, accents, Greek, signs and subscripts; what it lacks, by code point.
+
+    Long words get places to break. A letter that the font lacks loses its mark (ę is e).
+
+    >>> escape("50% of ω₀_x é"), escape("中")
+    ("50\\% of \\ensuremath{\\omega}\\textsubscript{0}\\_x \\'{e}", '[U+4E2D]\\allowbreak{}')
+    """
+    words = text.replace("\0", " ").split()
+    marked = " ".join(_BREAK.sub(r"\g<0>\0", word) if len(word) > _LONG_WORD else word for word in words)
+    return re.sub("-(?=-)", "-{}", _escaped(marked))  # no ligature
+
+
+def _escaped(text: str) -> str:
+    return "".join(r"\allowbreak{}" if c == "\0" else _character(c) for c in unicodedata.normalize("NFC", text))
+
+
+def _character(c: str) -> str:
+    if c in _SPECIAL:
+        return _SPECIAL[c]
+    if c.isascii():
+        return c if c.isprintable() else " "
+    if c in _MATH or greek(c):
+        return rf"\ensuremath{{{_MATH.get(c) or _word(named(c).head)}}}"
+    kind, _, plain = unicodedata.decomposition(c).rpartition("> ")
+    if kind in ("<sub", "<super"):
+        letters = "".join(_character(chr(int(code, 16))) for code in plain.split())
+        return rf"\text{'subscript' if kind == '<sub' else 'superscript'}{{{letters}}}"
+    if kind == "<fraction":
+        above, below = unicodedata.normalize("NFKD", c).split("\N{FRACTION SLASH}")
+        return rf"\textsuperscript{{{above}}}/\textsubscript{{{below}}}"
+    return _accented(c)
+
+
+def _accented(c: str) -> str:
+    base, *marks = list(unicodedata.normalize("NFKD", c))
+    if not base.isascii():
+        return "" if unicodedata.combining(base) else " " if base.isspace() else rf"[U+{ord(c):04X}]\allowbreak{{}}"
+    if len(marks) == 1 and marks[0] in _ACCENTS and base.isalpha():
+        dotless = "\\" if base in "ij" else ""
+        return rf"\{_ACCENTS[marks[0]]}{{{dotless}{base}}}"
+    return "".join(map(_character, [base, *(mark for mark in marks if mark.isascii())]))
+
+
+def coded(words: str) -> str:
+    r"""Words in which what stands between backticks is code.
+
+    >>> coded("5 % more: see `x_1`.")
+    '5 \\% more: see \\texttt{x\\_1}.'
+    """
+    return "".join(rf"\texttt{{{escape(x)}}}" if i % 2 else spaced(x) for i, x in enumerate(words.split("`")))
+
+
+def spaced(words: str) -> str:
+    """Words in LaTeX, with a space at their ends where they have one."""
+    before, after = (" " if x.isspace() else "" for x in (words[:1], words[-1:]))
+    return f"{before}{escape(words)}{after}"
+
+
+def symbol_name(name: str) -> str:
+    r"""A parameter's name as people write it: ``_`` starts subscripts, several letters stand upright.
+
+    >>> symbol_name("omega_n"), symbol_name("omega_n_filter"), symbol_name("k1"), symbol_name("Mm")
+    ('\\omega_n', '\\omega_{n,\\mathrm{filter}}', 'k_1', 'M_m')
+    """
+    return set_name(named(name))
+
+
+def set_name(name: Name) -> str:
+    """The same of a name that is taken apart already."""
+    head, subscript = _word(name.head), ",".join(map(_word, name.below))
+    if not subscript:
+        return head
+    is_plain = len(subscript) == 1 or subscript[1:].isalpha()
+    return f"{head}_{subscript}" if is_plain else f"{head}_{{{subscript}}}"
+
+
+def _word(word: Word) -> str:
+    letters = word.letters
+    if letters in GREEK or letters in CAPITALS:
+        return "o" if letters == "omicron" else rf"\{letters}"
+    if letters.isascii() and letters.replace(" ", "").isalnum():
+        return rf"\mathrm{{{letters}}}".replace(" ", r"\,") if word.upright else letters
+    return _SIGNS.get(letters) or rf"\text{{{_escaped(letters)}}}"
+
+
+_OPERATORS = {
+    **{x: rf"\{x}" for x in ("sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "coth", "ln", "max", "min")},
+    **{x: rf"\{x}" for x in ("arcsin", "arccos", "arctan")},
+}  # fmt: skip
+RELATIONS = {"≈": r"\approx", "≠": r"\ne", "≤": r"\le", "≥": r"\ge"}
+
+
+def formula(expression: Basic) -> str:
+    r"""A SymPy expression as LaTeX.
+
+    >>> from haptisym.kernel.symbols import omega, symbols
+    >>> m, k = symbols("m k")
+    >>> formula(k - m * omega**2)
+    'k - m \\omega^{2}'
+    """
+    return tex(layout(expression))
+
+
+@singledispatch
+def tex(box: Box) -> str:
+    """LaTeX of a box."""
+    raise TypeError(f"not a box: {type(box).__name__}")
+
+
+@tex.register
+def _(box: Numeral) -> str:
+    if not box.exponent:
+        return box.digits
+    power = f"10^{{{box.exponent}}}"
+    return power if box.digits == "1" else rf"{box.digits} \times {power}"
+
+
+@tex.register
+def _(box: Ratio) -> str:
+    return rf"\tfrac{{{box.above}}}{{{box.below}}}"
+
+
+@tex.register
+def _(box: Name) -> str:
+    return set_name(box)
+
+
+@tex.register
+def _(box: Operator) -> str:
+    return _OPERATORS.get(box.name, rf"\operatorname{{{box.name}}}")
+
+
+@tex.register
+def _(box: Sum) -> str:
+    text = "".join((" - " if sign < 0 else " + ") + tex(term) for sign, term in box.terms)
+    return "-" + text[3:] if text.startswith(" - ") else text[3:]
+
+
+@tex.register
+def _(box: Product) -> str:
+    text = tex(box.factors[0])
+    for left, right in pairwise(box.factors):
+        text += (r" \cdot " if needs_dot(left, right) else r" \, " if isinstance(right, Prefixed) else " ") + tex(right)
+    return text
+
+
+@tex.register
+def _(box: Fraction) -> str:
+    return rf"\frac{{{tex(box.above)}}}{{{tex(box.below)}}}"
+
+
+@tex.register
+def _(box: Power) -> str:
+    exponent = f"{box.exponent.above}/{box.exponent.below}" if isinstance(box.exponent, Ratio) else tex(box.exponent)
+    if isinstance(box.base, Applied):
+        return f"{tex(box.base.function)}^{{{exponent}}}{_arguments(box.base)}"
+    return f"{tex(box.base)}^{{{exponent}}}"
+
+
+@tex.register
+def _(box: Root) -> str:
+    return rf"\sqrt{{{tex(box.inside)}}}"
+
+
+@tex.register
+def _(box: Exponential) -> str:
+    return f"e^{{{tex(box.exponent)}}}"
+
+
+@tex.register
+def _(box: Applied) -> str:
+    return tex(box.function) + _arguments(box)
+
+
+def _arguments(box: Applied) -> str:
+    return parenthesised(", ".join(map(tex, box.arguments)))
+
+
+@tex.register
+def _(box: Prefixed) -> str:
+    return f"{tex(box.operator)} {tex(box.operand)}"
+
+
+@tex.register
+def _(box: Fenced) -> str:
+    return parenthesised(tex(box.inside))
+
+
+@tex.register
+def _(box: Absolute) -> str:
+    return rf"\left| {tex(box.inside)} \right|"
+
+
+@tex.register
+def _(box: Grid) -> str:
+    rows = r" \\ ".join(" & ".join(map(tex, row)) for row in box.rows)
+    return rf"\begin{{pmatrix}} {rows} \end{{pmatrix}}"
+
+
+@tex.register
+def _(box: Titled) -> str:
+    return tex(box.inside)
+
+
+@tex.register
+def _(box: Equation) -> str:
+    text = tex(box.sides[0])
+    for relation, side in zip(box.relations, box.sides[1:], strict=True):
+        text += f" {RELATIONS.get(relation, relation)} {tex(side)}"
+    return text
+
+
+def parenthesised(text: str) -> str:
+    """Parentheses: of one size, so that lines can break inside, except around tall formulas."""
+    if any(tall in text for tall in (r"\frac", r"\sqrt", r"\left", r"\begin")):
+        return rf"\left( {text} \right)"
+    if r"\bigl" in text:
+        return rf"\Bigl( {text} \Bigr)"
+    return rf"\bigl( {text} \bigr)" if "(" in text else f"({text})"
+
+
+LINE = 40.0
+"""Width of a line, em: a page of A4 at 11 point with margins of 2.5 cm, and a little to spare."""
+
+
+def align(rows: Sequence[Line], names: Names | None = None) -> str:
+    r"""The rows as an ``align*``; nothing where all are left out.
+
+    >>> from haptisym.kernel.symbols import s, symbols
+    >>> from haptisym.writing.layout import named
+    >>> k, b = symbols("k b")
+    >>> print(align([Line(named("H"), k + b * s)]))
+    \begin{align*}
+      H &= b s + k
+    \end{align*}
+    """
+    names = Names() if names is None else names
+    room = LINE - max((width(tex(row.left)) for row in rows), default=0)
+    lines = [line for row in rows for line in _lines(row, room, names)]
+    if not lines:
+        return ""
+    return "\\begin{align*}\n  " + " \\\\\n  ".join(lines) + "\n\\end{align*}"
+
+
+@dataclass
+class Names:
+    """The numerators and denominators that were given names, so that one that occurs again is not written again."""
+
+    given: dict[str, str] = field(default_factory=dict)
+
+    def name(self, text: str, letter: str) -> tuple[str, bool]:
+        """The name of a part, and whether it is new."""
+        if text in self.given:
+            return self.given[text], False
+        count = sum(name.startswith(rf"\mathcal{{{letter}}}") for name in self.given.values()) + 1
+        self.given[text] = rf"\mathcal{{{letter}}}_{{{count}}}"
+        return self.given[text], True
+
+
+def is_long(value: Expr | Box, lines: int = 10) -> bool:
+    """Whether a formula would take more lines than that, or holds a number that does not fit on one."""
+    if isinstance(value, Expr) and sum(1 for _ in preorder_traversal(value)) > 50 * lines:
+        return True
+    text = formula(value) if isinstance(value, Expr) else tex(value)
+    return width(text) > lines * LINE or re.search(r"\d{40}", text) is not None
+
+
+def _lines(row: Line, room: float, names: Names) -> Iterator[str]:
+    relation = RELATIONS.get(row.relation, row.relation)
+    start = f"{tex(row.left)} &{relation} "
+    is_left_out = row.optional and is_long(row.value)
+    if row.meaning is not None:
+        meaning = tex(row.meaning)
+        start = f"{tex(row.left)} &= {meaning}"
+        if not is_left_out and width(f"{meaning} = {(shown := tex(row.box))}") <= room:
+            yield f"{start} {relation} {shown}"
+            return
+        yield start
+        start = f"&{relation} "
+    if not row.optional or (row.meaning is None and not is_left_out):
+        yield from _equation(start, row.box, room, names, relation)
+
+
+def _equation(left: str, box: Box, room: float, names: Names, relation: str) -> Iterator[str]:
+    minus, quotient = ("-", box.terms[0][1]) if isinstance(box, Sum) and len(box.terms) == 1 else ("", box)
+    text = tex(box)
+    if not isinstance(quotient, Fraction):
+        yield from _broken(left, text, room)
+    elif width(text) <= room:
+        yield left + text
+    else:
+        yield from _parted(left + minus, quotient, room, names, relation)
+
+
+def _parted(left: str, quotient: Fraction, room: float, names: Names, relation: str) -> Iterator[str]:
+    """A fraction whose long parts get names, and what the names stand for, as exactly as the fraction does."""
+    texts = {"N": tex(quotient.above), "D": tex(quotient.below)}
+    named = [
+        (text, *names.name(text, x)) if width(text) > room - 2 else (text, text, False) for x, text in texts.items()
+    ]
+    yield rf"{left}\frac{{{named[0][1]}}}{{{named[1][1]}}}"
+    for text, name, is_new in named:
+        if is_new:
+            yield from _broken(f"{name} &{relation} ", text, room)
+
+
+def _broken(left: str, text: str, room: float) -> Iterator[str]:
+    first, *others = broken(text, room)
+    yield left + first
+    for line in others:
+        yield rf"&\quad {line}"
+
+
+_BREAK_TEXLINES = re.compile(r"(?<![-+(]) (?!\\times|\\cdot|\)|\\[bB]igr)(?<!\\times )(?<!\\cdot )")
+
+
+def broken(text: str, room: float) -> list[str]:
+    """A formula in lines no wider than that, broken before signs (or factors) that are not inside a fraction or root.
+
+    >>> broken("a + b + c + d", 5.0)
+    ['a + b + c', '{} + d']
+    """
+    pieces = _pieces(text)
+    lines: list[str] = []
+    while pieces:
+        count = _fitting(pieces, room if not lines else room - 3)
+        line = " ".join(piece for piece, _ in pieces[:count])
+        lines.append(line if not lines else f"{{}} {line}" if line[0] in "+-" else rf"{{}} \times {line}")
+        pieces = pieces[count:]
+    return lines
+
+
+def _fitting(pieces: list[tuple[str, int]], room: float) -> int:
+    """How many pieces to put on a line: as many as fit, fewer if that breaks outside of parentheses."""
+    total, most = 0.0, 0
+    ends: list[float] = []
+    for piece, _ in pieces:
+        total += width(piece)
+        if total > room and most:
+            break
+        ends.append(total)
+        most += 1
+    if most == len(pieces):
+        return most
+    candidates = [n for n in range(1, most + 1) if ends[n - 1] > room / 2] or [most]
+    return min(candidates, key=lambda n: (pieces[n][1], -n))
+
+
+def _pieces(text: str) -> list[tuple[str, int]]:
+    """A formula cut where lines may break; each piece with a penalty for a break before it.
+
+    The penalty is the depth of parentheses, and more between factors than before a sign.
+    """
+    pieces, start, penalty = [], 0, 0
+    for found in _BREAK_TEXLINES.finditer(text):
+        before, after = text[: found.start()], text[found.end() :]
+        if before.count("{") == before.count("}") and before.count(r"\left") == before.count(r"\right"):
+            pieces.append((text[start : found.start()], penalty))
+            depth = before.count("(") - before.count(")")
+            is_sign, is_sum = (
+                after.startswith(("+ ", "- ")),
+                before.endswith(")") and after.startswith(("(", r"\b", r"\B")),
+            )
+            start, penalty = found.end(), depth if is_sign or is_sum else depth + 10
+    return [*pieces, (text[start:], penalty)]
+
+
+_TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}^_]|\S", re.DOTALL)
+_WIDTHS = {
+    **dict.fromkeys("+-=<>", 1.2), **dict.fromkeys("()|.,'", 0.35), **dict.fromkeys("0123456789", 0.5),
+    **dict.fromkeys("mwMWHNX", 0.85),
+    r"\quad": 1.0, r"\,": 0.17, r"\cdot": 0.7, r"\times": 1.2, r"\approx": 1.3, r"\Delta": 0.85, r"\omega": 0.65,
+    **dict.fromkeys((r"\left", r"\right", r"\mathrm", r"\mathcal", r"\text", r"\operatorname"), 0.0),
+    **dict.fromkeys((r"\bigl", r"\bigr", r"\Bigl", r"\Bigr"), 0.1),
+}  # fmt: skip
+
+
+def width(text: str) -> float:
+    r"""About how wide a displayed formula is, em.
+
+    >>> width("a") < width("a + b") < width(r"\frac{a + b + c}{d}") < width("a + b + c + d")
+    True
+    """
+    tokens = _TOKEN.findall(text)
+    return _row_width(tokens, 0)[0]
+
+
+def _row_width(tokens: list[str], at: int) -> tuple[float, int]:
+    """The width of the tokens up to the closing brace, and the place after it."""
+    total = 0.0
+    while at < len(tokens) and tokens[at] != "}":
+        wide, at = _item_width(tokens, at)
+        total += wide
+    return total, at + 1
+
+
+def _item_width(tokens: list[str], at: int) -> tuple[float, int]:
+    token = tokens[at]
+    if token == "{":
+        return _row_width(tokens, at + 1)
+    if token in ("^", "_") and at + 1 < len(tokens):
+        wide, after = _item_width(tokens, at + 1)
+        return 0.75 * wide, after
+    if token in (r"\frac", r"\tfrac"):
+        above, middle = _item_width(tokens, at + 1)
+        below, after = _item_width(tokens, middle)
+        return (max(above, below) if token == r"\frac" else 0.7 * max(above, below)) + 0.25, after
+    return _WIDTHS.get(token, 0.95 if token == r"\sqrt" else 0.6), at + 1
+
 
 _NONE: Mapping[str, str] = MappingProxyType({})
 _TEMPLATE = r"""\documentclass[a4paper]{article}
@@ -113,7 +582,7 @@ def _information(title: str) -> str:
 def phrase(words: Phrase) -> str:
     r"""A phrase in LaTeX.
 
-    >>> from haptisym.writing.names import named
+    >>> from haptisym.writing.layout import named
     >>> phrase((named("r_r"), " exceeds 10\xa0%"))
     '$r_r$ exceeds 10~\\%'
     """

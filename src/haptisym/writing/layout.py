@@ -1,4 +1,18 @@
-"""A SymPy expression laid out as a person would write it: order and signs of terms, fractions, roots, fences.
+"""A SymPy expression laid out as a person would write it.
+
+The names of symbols as people write them: a letter or word with subscripts, Greek letters spelt out or not.
+
+Numbers as people write them.
+
+Numbers are exact. A whole number is written as it is, without separators; a fraction as a decimal where that ends within
+six digits, or is shorter (9/5 is 1.8), else as a fraction. Only ``approximate`` and ``rounded`` round, and whoever uses them
+says so.
+
+The order in which a person writes factors and terms, and the terms that a person takes together.
+
+A product taken apart as it is written: a number, what stands above the line and what stands below it.
+
+A SymPy expression laid out as a person would write it: order and signs of terms, fractions, roots, fences.
 
 The tree (see ``boxes``) is the same for LaTeX, plain text and MathML. Nothing is rounded and nothing is evaluated: the tree
 stands for the expression exactly. What it has no box for (a derivative, say) stands as a function of its arguments.
@@ -6,9 +20,12 @@ stands for the expression exactly. What it has no box for (a derivative, say) st
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+import unicodedata
+from collections.abc import Callable, Iterable
 from decimal import Decimal
-from typing import TypeAlias
+from functools import cache
+from typing import Any, TypeAlias
 
 from sympy import (
     Abs,
@@ -26,11 +43,15 @@ from sympy import (
     Rational,
     S,
     Symbol,
+    factor_terms,
     pi,
+    sqrt,
 )
 from sympy.core.relational import Relational
 from sympy.functions import exp
 
+from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.symbols import X, omega, s
 from haptisym.writing.boxes import (
     Absolute,
     Applied,
@@ -40,17 +61,320 @@ from haptisym.writing.boxes import (
     Fenced,
     Fraction,
     Grid,
+    Name,
+    Numeral,
     Operator,
     Power,
     Product,
     Ratio,
     Root,
     Sum,
+    Word,
 )
-from haptisym.writing.names import named
-from haptisym.writing.numerals import decimal, number
-from haptisym.writing.order import base_of, grouped, place, rank, variable_of
-from haptisym.writing.quotients import exponent, flipped, fraction, is_flippable
+
+GREEK = (
+    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",
+    "omicron", "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",
+)  # fmt: skip
+CAPITALS = ("Gamma", "Delta", "Theta", "Lambda", "Xi", "Pi", "Sigma", "Upsilon", "Phi", "Psi", "Omega")
+_LETTER_OF = {"force": "F", "amplitude": "A"}  # parameters of effects, called by a word but known by a letter
+
+
+@cache
+def named(text: str) -> Name:
+    """A symbol's name taken apart: ``_`` starts subscripts, and so does what follows a first letter or ends in digits.
+
+    >>> [word.letters for word in named("omega_n_filter").below], [word.letters for word in named("zeta_force_sensor").below]
+    (['n', 'filter'], ['force sensor'])
+    >>> named("Mm").below[0].letters, named("k12").below[0].letters, named("force_friction").head.letters
+    ('m', '12', 'F')
+    """
+    head, *below = [word for word in text.split("_") if word] or [text]
+    parted = re.fullmatch(r"(.*[^\d])(\d+)", head) or re.fullmatch("([A-Z])([a-z])", head)
+    if parted and head not in CAPITALS:
+        head, below = parted[1], [parted[2], *below]
+    return Name(text, _word(_LETTER_OF.get(head, head)), tuple(_joined(map(_word, below))))
+
+
+def _word(text: str) -> Word:
+    """A letter slants; a word does not."""
+    letters = greek(text) or text if len(text) == 1 else text
+    is_letter = (len(letters) == 1 and letters.isascii()) or letters in GREEK or letters in CAPITALS
+    return Word(letters, not is_letter and not letters.isdigit())
+
+
+def _joined(words: Iterable[Word]) -> list[Word]:
+    """The words of subscripts; upright ones that follow each other are one."""
+    found: list[Word] = []
+    for word in words:
+        if found and word.upright and found[-1].upright:
+            found[-1] = Word(f"{found[-1].letters} {word.letters}", upright=True)
+        else:
+            found.append(word)
+    return found
+
+
+def greek(c: str) -> str:
+    """The English name of a Greek letter, "" for any other character.
+
+    >>> greek("ω"), greek("Δ"), greek("w")
+    ('omega', 'Delta', '')
+    """
+    size, _, name = unicodedata.name(c, "").removeprefix("GREEK ").partition(" LETTER ")
+    name = name.lower().replace("lamda", "lambda")
+    return "" if name not in GREEK else name if size == "SMALL" else name.capitalize()
+
+
+def letter(word: str) -> str:
+    """The Greek letter of that name; any other word as it is.
+
+    >>> letter("omega"), letter("Delta"), letter("wall")
+    ('ω', 'Δ', 'wall')
+    """
+    if word not in GREEK and word not in CAPITALS:
+        return word
+    size = "SMALL" if word in GREEK else "CAPITAL"
+    return unicodedata.lookup(f"GREEK {size} LETTER {word.upper().replace('LAMBDA', 'LAMDA')}")
+
+
+def alphabetical(symbol: Symbol) -> tuple[Any, ...]:
+    """Where a symbol stands in a product: Latin before Greek, each in the order of its alphabet."""
+    head, _, below = symbol.name.partition("_")
+    name = greek(head) if len(head) == 1 else _LETTER_OF.get(head, head)
+    is_greek = name.lower() in GREEK
+    return is_greek, GREEK.index(name.lower()) if is_greek else 0, (name or head).lower(), head, below
+
+
+_SHORT = 6  # digits of a decimal that a paper would print
+_READABLE = 12  # digits of a decimal that can be read
+_READABLE_RATIO = 8  # digits of a fraction, above and below
+
+
+def number(value: Rational) -> Numeral | Ratio:
+    """An exact rational number >= 0.
+
+    >>> number(Rational(9, 5)), number(Rational(1, 3)), number(Rational(1, 10**6))
+    (Numeral(digits='1.8', exponent=0), Ratio(above=1, below=3), Numeral(digits='1', exponent=-6))
+    """
+    if value.q == 1:
+        return Numeral(str(value.p))
+    exact = _terminating(value)
+    if exact is not None:
+        length = len(exact.as_tuple().digits)
+        if length <= _SHORT or length < len(f"{value.p}{value.q}"):
+            return decimal(exact)
+    return Ratio(int(value.p), int(value.q))
+
+
+def _terminating(value: Rational) -> Decimal | None:
+    below, places = int(value.q), 0
+    for prime in (2, 5):
+        power = 0
+        while below % prime == 0:
+            below, power = below // prime, power + 1
+        places = max(places, power)
+    # from text: arithmetic of decimals rounds to 28 digits
+    return None if below > 1 else Decimal(f"{int(value.p) * 10**places // int(value.q)}E-{places}")
+
+
+def decimal(value: Decimal) -> Numeral:
+    """A decimal >= 0 with a power of ten where it would have many zeros.
+
+    >>> decimal(Decimal("0.00025")), decimal(Decimal("4.0919E9"))
+    (Numeral(digits='0.00025', exponent=0), Numeral(digits='4.0919', exponent=9))
+    """
+    if -4 <= value.adjusted() < 7:
+        return Numeral(f"{value:f}")
+    first, *others = map(str, value.as_tuple().digits)
+    rest = "".join(others).rstrip("0")
+    return Numeral(f"{first}.{rest}" if rest else first, value.adjusted())
+
+
+def approximate(expression: Expr, digits: int = 6) -> Expr:
+    """The formula with long numbers, and if there are any then irrational ones too, rounded to that many digits.
+
+    >>> from sympy import Symbol
+    >>> s = Symbol("s")
+    >>> approximate(Rational(408233133, 200000001) * s + 40 * pi), approximate(Rational(4, 3) * s + 40 * pi)
+    (2.04117*s + 125.664, 4*s/3 + 40*pi)
+    """
+    if _with_numbers(expression, lambda x: x if _is_readable(x) else rounded(x, digits)) == expression:
+        return expression
+    return _with_numbers(expression, lambda x: x if x.is_Integer and abs(x) < 10**digits else rounded(x, digits))
+
+
+def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
+    if not expression.free_symbols:
+        return change(expression)
+    if isinstance(expression, Pow):
+        return Pow(_with_numbers(expression.base, change), expression.exp)
+    if isinstance(expression, Function):
+        return expression.func(*(_with_numbers(x, change) for x in expression.args))
+    if not isinstance(expression, Add | Mul):
+        return expression
+    known, rest = expression.as_independent(*expression.free_symbols, as_Add=isinstance(expression, Add))
+    others = (_with_numbers(x, change) for x in expression.func.make_args(rest))
+    return expression.func(change(known), *others)
+
+
+def rounded(value: Expr, digits: int = 6) -> Expr:
+    """A number, rational in pi, correctly rounded."""
+    if value.has(I):  # the phase of friction
+        return Add(*(x * rounded(y, digits) for x, y in zip((1, I), value.as_real_imag(), strict=True) if y))
+    return Float(ExactNumber(value).digits(digits), digits)
+
+
+def is_short(value: Rational) -> bool:
+    """Whether a rational number can be read as it is: few digits, and no power of ten beside them.
+
+    >>> is_short(Rational(68, 15)), is_short(Rational(12345678)), is_short(Rational(408233133, 200000001))
+    (True, True, False)
+    """
+    match number(abs(value)):
+        case Ratio(above, below):
+            return len(f"{above}{below}") <= _READABLE_RATIO
+        case Numeral(digits, exponent):
+            return len(digits) <= _READABLE and (not exponent or digits == "1")
+    raise AssertionError
+
+
+def _is_readable(value: Expr) -> bool:
+    rational, rest = value.as_coeff_Mul()
+    return is_short(rational) and rest in (S.One, pi, pi**2)
+
+
+def place(factor: Expr) -> tuple[Any, ...]:
+    """Where a factor stands in a product: numbers, X, parameters, their sums, frequencies, s or omega, j, functions, sums."""
+    base = base_of(factor)
+    if base in (s, omega):
+        return (6,)
+    if base.is_Symbol:
+        return (1 if base == X else 4 if _is_frequency(base) else 2, *alphabetical(base))
+    if factor == I:
+        return (7,)
+    if isinstance(base, Add):
+        if not factor.is_Add and not factor.exp.is_Integer:
+            return (10,)
+        return (9 if base.has(s, omega) else 5 if any(map(_is_frequency, base.free_symbols)) else 3,)
+    return 0 if base.is_number else 8, str(factor)
+
+
+def base_of(factor: Expr) -> Expr:
+    """What is raised to a power."""
+    return factor.base if isinstance(factor, Pow) else factor
+
+
+def _is_frequency(symbol: Symbol) -> bool:
+    return bool(symbol.name.startswith("omega_"))
+
+
+def variable_of(expr: Expr) -> Symbol | None:
+    """The variable whose powers order a sum: s, omega, else a frequency among the parameters."""
+    free = expr.free_symbols
+    named = sorted(filter(_is_frequency, free), key=alphabetical)
+    return next((x for x in (s, omega, *named) if x in free), None)
+
+
+def grouped(expr: Add, variable: Symbol | None) -> list[Expr]:
+    """The terms of a sum, those with the same power of the variable made one: their coefficients in front of it.
+
+    >>> from sympy import symbols
+    >>> b, J, k = symbols("b J k")
+    >>> grouped(b * s + J * s + k, s)
+    [k, s*(J + b)]
+    """
+    if variable is None:
+        return list(expr.args)
+    coefficients: dict[Expr, list[Expr]] = {}
+    for term in expr.args:
+        coefficient, power = term.as_independent(variable, as_Add=False)
+        coefficients.setdefault(power, []).append(coefficient)
+    terms: list[Expr] = []
+    for power, found in coefficients.items():
+        total = factor_terms(Add(*found)) if len(found) > 1 or found[0].has(Add) else found[0]
+        is_sum = isinstance(total, Add) or isinstance(-total, Add)
+        terms += found if power == 1 and is_sum else [Mul(total, power)]
+    return terms
+
+
+def rank(term: Expr, variable: Symbol | None) -> tuple[Any, ...]:
+    """Sort key of a term: descending powers, quotients last, then the natural order of the factors."""
+    names = sorted(place(f) for f in Mul.make_args(term) if not f.is_Number)
+    return -_degree(term, variable), any(name[0] == 8 for name in names), not names, str(names)
+
+
+def _degree(term: Expr, variable: Symbol | None) -> Expr:
+    """The power of the variable in a term (of all symbols without one); least for quotients of sums."""
+    total: Expr = S.Zero
+    for f in Mul.make_args(term):
+        base, exponent = (f.base, f.exp) if isinstance(f, Pow) else (f, S.One)
+        counts = base == variable or (variable is None and base.is_Symbol)
+        if counts:
+            total += exponent if exponent.is_Number else S.Half
+        elif isinstance(base, Add) and exponent.is_Number:
+            if exponent < 0 and (variable is None or base.has(variable)):
+                return Integer(-1000)
+            if not exponent.is_Integer:
+                return Integer(-999)
+            total += exponent * max(_degree(x, variable) for x in base.args)
+    return total
+
+
+def fraction(expr: Expr) -> tuple[Expr, list[Expr], list[Expr]]:
+    """Number, other factors above and other factors below the line; square roots gathered under one root.
+
+    >>> from sympy import symbols
+    >>> k, m = symbols("k m", positive=True)
+    >>> fraction(3 * k / m), fraction(2 * sqrt(k / m))
+    ((3, [k], [m]), (2, [sqrt(k/m)], []))
+    """
+    coefficient, rest = expr.as_coeff_Mul()
+    above: list[Expr] = []
+    below: list[Expr] = []
+    for f in Mul.make_args(rest):
+        if isinstance(f, Pow) and f.exp.could_extract_minus_sign():
+            below.append(Pow(f.base, -f.exp))
+        elif f != 1:
+            above.append(f)
+    roots = [f.base for f in (*above, *below) if _is_root(f)]
+    if len(roots) < 2 or sum(not root.is_nonnegative for root in roots) > 1:
+        return coefficient, above, below
+    return _one_root(coefficient, above, below)
+
+
+def _one_root(coefficient: Expr, above: list[Expr], below: list[Expr]) -> tuple[Expr, list[Expr], list[Expr]]:
+    """The same quotient with one root above the line; the coefficient goes under it if a number is there already."""
+    if not any(map(_is_root, above)):
+        root = sqrt(Mul(*(f.base for f in below if _is_root(f))), evaluate=False)
+        return coefficient, above, [*(f for f in below if not _is_root(f)), root]
+    inside = [f.base for f in above if _is_root(f)] + [1 / f.base for f in below if _is_root(f)]
+    numbers, others = [x for x in inside if x.is_Rational], Mul(*(x for x in inside if not x.is_Rational))
+    under = Mul(Mul(coefficient**2, *numbers), *Mul.make_args(others), evaluate=False) if numbers else others
+    root = sqrt(under, evaluate=False)
+    outside = (S.One if coefficient > 0 else S.NegativeOne) if numbers else coefficient
+    return outside, [*(f for f in above if not _is_root(f)), root], [f for f in below if not _is_root(f)]
+
+
+def _is_root(factor: Expr) -> bool:
+    return isinstance(factor, Pow) and factor.exp == S.Half
+
+
+def exponent(factor: Expr) -> int:
+    """A factor's whole exponent; 0 for any other one."""
+    if not isinstance(factor, Pow):
+        return 1
+    return int(factor.exp) if factor.exp.is_Integer else 0
+
+
+def is_flippable(factor: Expr) -> bool:
+    """Whether a factor is a sum, or a power of one, whose sign can be drawn out."""
+    return isinstance(base_of(factor), Add) and exponent(factor) > 0
+
+
+def flipped(factor: Expr) -> Expr:
+    """The same factor with the signs of its sum turned around."""
+    return Pow(-base_of(factor), exponent(factor))
+
 
 _FUNCTIONS = {
     **{name: name for name in ("sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "coth")},

@@ -12,9 +12,8 @@ from sympy import Expr
 from haptisym.writing.boxes import Absolute, Box, Fenced, Fraction, Name, Product, Sum, Word, needs_dot
 from haptisym.writing.document import Line
 from haptisym.writing.htmltext import Html, element
+from haptisym.writing.latex import is_long, tex, width
 from haptisym.writing.mathml import markup, mathml
-from haptisym.writing.texlines import is_long, width
-from haptisym.writing.texprinter import tex
 
 ROOM = 38.0
 """Width of a line of the page's one column, em."""

@@ -30,8 +30,7 @@ from haptisym.writing.boxes import (
     Word,
     needs_dot,
 )
-from haptisym.writing.layout import layout
-from haptisym.writing.names import CAPITALS, letter
+from haptisym.writing.layout import CAPITALS, layout, letter
 
 _TIMES = "<mo>&#x2062;</mo>"  # no sign to see, but a product to a screen reader
 _APPLY = "<mo>&#x2061;</mo>"  # likewise for the value of a function

@@ -25,8 +25,8 @@ from haptisym.writing.document import (
     Table,
     chosen,
 )
+from haptisym.writing.layout import letter
 from haptisym.writing.mathtext import text
-from haptisym.writing.names import letter
 
 PAGE = 96
 """Columns of a page that goes to no terminal, so that it can be compared; no terminal gets a wider one."""
@@ -62,7 +62,7 @@ def plain(document: Document, columns: int = PAGE, spell: Callable[[str], str] =
 def said(phrase: Phrase) -> str:
     """A phrase as plain text.
 
-    >>> from haptisym.writing.names import named
+    >>> from haptisym.writing.layout import named
     >>> said(("at ", named("omega"), " = ", Number("2.5", 2.5)))
     'at ω = 2.5'
     """

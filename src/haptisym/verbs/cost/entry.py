@@ -16,10 +16,9 @@ from haptisym.kernel.shown import counted, titled
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.cost.measurement import Measurement, Omission
-from haptisym.verbs.cost.methods import Method
 from haptisym.verbs.cost.stopwatch import Timed, interleaved, machine
 from haptisym.verbs.cost.summary import is_busy, summary
-from haptisym.verbs.cost.tasks import Task, crossings_task, delay_tasks, effects_tasks, evaluate_task, prepared
+from haptisym.verbs.cost.tasks import Method, Task, crossings_task, delay_tasks, effects_tasks, evaluate_task, prepared
 from haptisym.verbs.simulate.threads import one_thread
 
 Progressed = Callable[[str, float], None]
@@ -119,7 +118,7 @@ def simulation_cost(
     >>> max(row.digits for row in rows) > 11, min(row.digits for row in rows) < 4
     (True, True)
     """
-    from haptisym.verbs.cost.simulated import Recovery, simulation_methods
+    from haptisym.verbs.cost.sweeps import Recovery, simulation_methods
 
     scene = as_scene(scene)
     scene.knobs.need_numbers()

@@ -9,7 +9,7 @@ import numpy as np
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.regions import Sided
 from haptisym.model.jnd import Part
-from haptisym.programs.formulas import floats_of
+from haptisym.programs.floats import floats_of
 
 
 def margin(x: Criterion, omega: Any, H: Any, dH: Any) -> Any:

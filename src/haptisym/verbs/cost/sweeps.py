@@ -1,8 +1,13 @@
-"""What certainty costs a sweep: sets of parameters drawn around a scene, answered by grids of frequencies and with proof."""
+"""What certainty costs a sweep, and what accuracy costs a simulation.
+
+What certainty costs a sweep: sets of parameters drawn around a scene, answered by grids of frequencies and with proof.
+
+What the accuracy of a simulation costs: H_perc recovered with other steps, settling times and periods, and without effects.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import inf, log10
@@ -20,10 +25,12 @@ from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Scene
-from haptisym.verbs.cost.methods import Method
-from haptisym.verbs.cost.questions import DOUBLE, Attempt, Score
-from haptisym.verbs.cost.tasks import Task, prepared
-from haptisym.verbs.cost.usual import RefusedError, naive
+from haptisym.verbs.cost.tasks import DOUBLE, Attempt, Method, RefusedError, Score, Task, naive, prepared, right_digits
+from haptisym.verbs.simulate.entry import STEP, band_frequencies, default_amplitude
+from haptisym.verbs.simulate.lockin import lock
+from haptisym.verbs.simulate.motions import Sines, multisine
+from haptisym.verbs.simulate.network import name_of
+from haptisym.verbs.simulate.run import Run, period_of
 from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.exactly import AnswerRow, exact_answers
 from haptisym.verbs.sweep.kernel import Kernel
@@ -259,3 +266,81 @@ def sweep_task(scene: Scene, paths: Sequence[str], *, quick: bool) -> Task:
     ]
     attempts, left_out = prepared(methods, question, "sweep")
     return Task("sweep", attempts, lambda _, answer: question.score(answer), left_out, per=lambda _, x: x.answered)
+
+
+_STEPS = (7.2, 5.4, 3.6, 2.7, 1.8, STEP, 0.45)
+"""Radians of the highest frequency on a step."""
+_TOLERANCES = (1e-1, 1e-3, 1e-6, 1e-9, 1e-12)
+"""What is left of the transient when the lock-in begins, if its slowest pole tells."""
+_PERIODS = (1, 2, 3, 4, 6)
+"""Base periods that the lock-in looks at."""
+_TIGHT, _LONG = 1e-12, 4
+_COUNT = 5  # frequencies along the band
+
+
+@dataclass(frozen=True)
+class Recovery:
+    """H_perc along the band of a scene, recovered from a simulation under a multisine, against the closed form."""
+
+    scene: Scene
+
+    @cached_property
+    def motion(self) -> Sines:
+        """The multisine that the hand makes."""
+        motion = multisine(default_amplitude(self.scene), band_frequencies(self.scene, _COUNT))
+        assert isinstance(motion, Sines)
+        return motion
+
+    @cached_property
+    def truth(self) -> Any:
+        """The closed form, certified to the last digit."""
+        values = self.scene.distortion().compile("certified", of=("perceived_real", "perceived_imag"))(
+            np.array(self.motion.omegas)
+        )
+        return values.perceived_real + 1j * values.perceived_imag
+
+    def check(self) -> None:
+        """SceneError, with the reason, where the scene cannot be simulated."""
+        Run(self.scene, self.motion, (), STEP, None)
+
+    def recovered(self, scene: Scene, step: float, tolerance: float, periods: int) -> Any:
+        """What a simulation of a scene, this one or a simpler one, gives back for H_perc."""
+        run = Run(scene, self.motion, (), step, None)
+        window = periods * period_of(self.motion)
+        run.advance(self.motion.fade + run.settling(tolerance) + window)
+        run.advance(np.ceil(run.engine.t / period_of(self.motion) - 1e-9) * period_of(self.motion))
+        force = run.engine.signal(name_of(run.ports[-1].F))
+        phasors = np.array([self.motion.phasor(omega) for omega in self.motion.omegas])
+        return lock(run.engine.record, force, self.motion, window, 1).values / phasors
+
+    def score(self, answer: Any) -> Score:
+        """Right digits of the worst of the frequencies, from the error of the complex number as a fraction of its size."""
+        from flint import arb
+
+        return Score(
+            min(right_digits(1 + abs(x / y - 1), arb(1), DOUBLE) for x, y in zip(answer, self.truth, strict=True))
+        )
+
+
+def simulation_methods(question: Recovery) -> Iterator[Method]:
+    """The ways to simulate: one setting changed at a time, then each effect left out."""
+    scene = question.scene
+    for step in _STEPS:
+        yield _way(f"steps of {step:g} rad", scene, step, _TIGHT, _LONG)
+    for tolerance in _TOLERANCES[:-1]:
+        yield _way(f"transient of {tolerance:.0e}", scene, STEP, tolerance, _LONG)
+    for periods in _PERIODS:
+        if periods != _LONG:
+            yield _way(f"{periods} period{'s' * (periods > 1)}", scene, STEP, _TIGHT, periods)
+    for i, effect in enumerate(scene.effects):
+        rest = (*scene.effects[:i], *scene.effects[i + 1 :])
+        simpler = Scene(scene.environment, rest, scene.band, scene.threshold, scene.rendered)
+        yield _way(f"without {effect.name}", simpler, STEP, _TIGHT, _LONG)
+
+
+def _way(name: str, scene: Scene, step: float, tolerance: float, periods: int) -> Method:
+    def prepare(question: Recovery) -> Callable[[], Any]:
+        _ = question.truth
+        return partial(question.recovered, scene, step, tolerance, periods)
+
+    return Method(name, prepare, packages=("scipy",), ours=True)

@@ -1,25 +1,532 @@
-"""The questions of ``haptisym cost``: what is asked of a scene, by which methods, and how their answers are scored."""
+"""The questions of cost, and the methods that answer them: ours and the usual ones.
+
+Questions with certified answers: the ratios at frequencies, the crossings on a band; and how right another answer is.
+
+An answer may come from anywhere: floats of a formula, roots of a companion matrix, sign changes on a grid. It is held against
+a reference of higher precision. How hard the question itself is, whoever answers it, says its condition number.
+
+The usual ways to the ratios and the crossings, as their users go them: nothing here is proven, and none of it is haptisym's.
+
+Floats of H_perc - H_env as they are written, transfer functions with expanded coefficients, grids, eigenvalues of a companion
+matrix.
+
+The methods whose accuracy and time are compared: one table, each with what it needs and whether it proves its answer.
+
+Ours are there beside the usual ones: floats of H_perc - H_env as they are written, transfer functions with expanded
+coefficients, grids, eigenvalues of a companion matrix. ``prepare`` makes what a method may know beforehand (its formulas, its
+coefficients); only what it returns is timed.
+
+The questions of ``haptisym cost``: what is asked of a scene, by which methods, and how their answers are scored.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from functools import partial
-from typing import Any
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from importlib import import_module
+from math import inf, isinf, isnan, log, log10
+from typing import Any, TypeAlias
 
+import flint
 import numpy as np
-from sympy import Expr, cosh, exp, sinh
+from flint import arb
+from sympy import Expr, Float, Integer, Rational, cosh, exp, lambdify, sinh
 
 from haptisym import effects
-from haptisym.kernel.errors import SceneError
+from haptisym.interop import to_control, to_scipy
+from haptisym.judge.criteria import Criterion, noticed
+from haptisym.judge.crossings import Curve, find_crossings
+from haptisym.judge.peaks import ValueAt
+from haptisym.kernel.errors import HaptisymError, SceneError, UndecidedError
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial
+from haptisym.kernel.roots import Chart, chart
+from haptisym.kernel.symbols import omega as omega_
 from haptisym.kernel.symbols import s
 from haptisym.model.chain import Chain
-from haptisym.model.distortion import Distortion
+from haptisym.model.distortion import Distortion, part_of
+from haptisym.model.jnd import Part, Threshold, is_irrational_algebraic
 from haptisym.model.scene import Scene
+from haptisym.programs.values import Array
+from haptisym.verbs.cost.margins import margin
 from haptisym.verbs.cost.measurement import Omission
-from haptisym.verbs.cost.methods import CROSSINGS, RATIO_METHODS, Method
-from haptisym.verbs.cost.questions import Attempt, Crossings, Found, RatioQuestion, Score
-from haptisym.verbs.cost.usual import RefusedError
+
+DOUBLE = 53 * log10(2)
+"""Decimal digits that a double holds."""
+_LEAST = arb(2) ** -1075  # half the smallest double
+_LIKE_IT = Rational(1, 100)  # an answer with fewer than two right digits is no answer to that crossing
+
+AnswerNumber: TypeAlias = Any  # a float, a flint.arb, or decimal digits as text
+
+
+@dataclass(frozen=True)
+class Score:
+    """How right an answer is: right decimal digits of its worst number; crossings that it lacks and that are none.
+
+    A crossing that is missed has no right digits. ``wrong`` : of sets of parameters those with a wrong count, and how many
+    were held against the truth.
+    """
+
+    digits: float
+    missed: int = 0
+    invented: int = 0
+    wrong: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True)
+class Found:
+    """Crossings that somebody found, rad/s, by the names of the criteria; ``undecided``: places that are said to be left open."""
+
+    omegas: Mapping[str, Sequence[AnswerNumber]]
+    undecided: int = 0
+
+
+@dataclass(frozen=True)
+class RatioQuestion:
+    """r_r and r_i at frequencies, rad/s, each a double taken at its exact value."""
+
+    distortion: Distortion = field(repr=False)
+    omegas: tuple[float, ...]
+
+    def truth(self, digits: int) -> list[tuple[Ball, Ball]]:
+        """Balls around both ratios at each frequency, so many digits right; infinite where a ratio is unbounded."""
+        return [(self.ratio(Part.REAL, x, digits), self.ratio(Part.IMAG, x, digits)) for x in self.omegas]
+
+    def ratio(self, part: Part, omega: float, digits: int) -> Ball:
+        """A ball around one ratio at one frequency."""
+        return _tight(SquareRoot(ValueAt(self.distortion.squared_ratios[part], _exact(omega))), digits)
+
+    @cached_property
+    def condition(self) -> float:
+        """The largest relative change of a ratio for a relative change of the frequency, ``|omega r'/r|``; certified."""
+        return max((self._sensitivity(part, x) for part in Part for x in self.omegas), default=0.0)
+
+    def _sensitivity(self, part: Part, omega: float) -> float:
+        if not omega or not 0 < self.ratio(part, omega, 5) < arb("inf"):
+            return 0.0
+        found = _Growth(self.distortion.squared_ratios[part], _exact(omega)).ball(_GROWTH_BITS)
+        return abs(omega * float(found.mid()) / 2) if found.is_finite() else inf
+
+    def score(self, answer: Iterable[Sequence[AnswerNumber]], truth: Sequence[Sequence[Ball]], held: float) -> Score:
+        """The right digits of the worst of the values; no more than the ``held`` ones that their numbers can hold."""
+        pairs = [p for given, true in zip(answer, truth, strict=True) for p in zip(given, true, strict=True)]
+        return Score(min((right_digits(x, y, held) for x, y in pairs), default=held))
+
+
+_GROWTH_BITS = 1024  # of what may be 0, and so has no relative accuracy
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """All frequencies of a band at which r_r or r_i meets its threshold, or dH the border of its region."""
+
+    distortion: Distortion = field(repr=False)
+    threshold: Threshold
+    band: tuple[Expr, Expr]
+
+    @classmethod
+    def of(cls, scene: Scene) -> Crossings:
+        """Of a scene."""
+        return cls(scene.distortion(), scene.threshold, scene.band)
+
+    @cached_property
+    def criteria(self) -> tuple[Criterion, ...]:
+        """What is judged."""
+        return noticed(self.threshold)
+
+    @cached_property
+    def functions(self) -> Mapping[Any, Any]:
+        """What tells the crossings: the signs of r^2 - c^2 and of dH."""
+        d = self.distortion
+        return {
+            **{x: x.function(d) for x in self.criteria},
+            **{(Curve.DIFFERENCE, part): part_of(d.difference_response, part) for part in Part},
+        }
+
+    def chart(self) -> Chart:
+        """The certified answer."""
+        return chart(self.functions, *self.band)
+
+    def certified(self, digits: int) -> Found:
+        """All crossings, so many digits right, and how many places stay open."""
+        found = self.chart()
+        omegas = {x.name: [_tight(omega, digits) for omega in _crossings(found, x)] for x in self.criteria}
+        return Found(omegas, len(found.undecided))
+
+    @cached_property
+    def condition(self) -> float | None:
+        """The largest relative change of a crossing for one of its threshold, ``c/|omega r'|``; infinite at a touch.
+
+        None for a region whose border has corners.
+        """
+        found = self.chart()
+        try:
+            squares = {x: self._square(x) for x in self.criteria}
+        except SceneError:
+            return None
+        pairs = ((square, omega) for x, square in squares.items() for omega in _crossings(found, x))
+        return max((self._sensitivity(square, omega) for square, omega in pairs), default=0.0)
+
+    def _square(self, x: Criterion) -> RealFunction:
+        """Of the ratio, but for a number, or of how many times the region must be enlarged; SceneError where it is not smooth."""
+        f = x.measure(self.distortion)
+        return RealFunction((f.function / f.axis.convert(x.limit)).reduced()) if x.threshold.has(omega_) else f
+
+    def _sensitivity(self, square: RealFunction, omega: RealNumber) -> float:
+        if omega == ExactNumber(Rational(0)):
+            return 0.0
+        try:
+            growth = _Growth(square, omega).tight_ball(60)
+        except UndecidedError:  # no digit of the slope, however many bits: it is 0
+            return inf
+        return inf if growth == 0 else abs(float((2 / (omega.tight_ball(60) * growth)).mid()))
+
+    def score(self, answer: Found, truth: Found, held: float) -> Score:
+        """Right digits of the worst crossing that was found, and those missed and invented."""
+        names = [x.name for x in self.criteria]
+        scores = [_matched(answer.omegas[name], truth.omegas[name], held, float(self.band[1])) for name in names]
+        return Score(
+            min(x.digits for x in scores), sum(x.missed for x in scores), sum(x.invented for x in scores)
+        )  # fmt: skip
+
+
+Question: TypeAlias = RatioQuestion | Crossings
+
+
+@dataclass(frozen=True, repr=False)
+class _Growth(RealNumber):
+    """f'/f of a real function at a frequency, from its numerator and its denominator."""
+
+    function: RealFunction
+    omega: RealNumber
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            at, f = self.omega.ball(bits), self.function.function
+            above, below = (_growth(self.function, p, at) for p in (f.numerator, f.denominator))
+            return above - below
+
+
+def _growth(function: RealFunction, polynomial: Polynomial, at: Ball) -> Ball:
+    axis = function.axis
+    return RealFunction(axis.derivative(polynomial)).ball(at) / RealFunction(axis.function(polynomial)).ball(at)
+
+
+def right_digits(given: AnswerNumber, true: Ball, held: float) -> float:
+    """Correct decimal digits of a number, from its relative error; ``held`` at most.
+
+    >>> right_digits(3.14, arb.pi(), DOUBLE)
+    3.2950...
+    >>> right_digits(float("nan"), arb(1), DOUBLE), right_digits(0.0, arb(0), 15.0)
+    (0.0, 15.0)
+    """
+    if given in ("inf", "-inf", "nan"):
+        given = float(given)
+    if not true.is_finite():
+        return held if isinstance(given, float) and isinf(given) else 0.0
+    if isinstance(given, float) and (isnan(given) or isinf(given)):
+        return 0.0
+    with flint.ctx.workprec(max(128, int(4 * held) + 64)):
+        error = abs(arb(given).mid() - true).upper()  # what the reference leaves open counts as error
+        if error == 0 or (isinstance(given, float) and error <= _LEAST):
+            return held
+        if true == 0:
+            return 0.0
+        return _between(0.0, -float((error / abs(true).lower()).log().mid()) / log(10), held)
+
+
+def _between(least: float, x: float, most: float) -> float:
+    return min(max(least, x), most)
+
+
+def _matched(given: Sequence[AnswerNumber], true: Sequence[Ball], held: float, high: float) -> Score:
+    """Each true crossing takes the nearest number that is still free; what is left over is missed or invented."""
+    with flint.ctx.workprec(max(128, int(4 * held) + 64)):
+        near = sorted(
+            ((float(abs(arb(y).mid() - x).mid()), i, j) for i, x in enumerate(true) for j, y in enumerate(given)),
+        )
+    left, free, digits = set(range(len(true))), set(range(len(given))), held
+    for distance, i, j in near:
+        if i in left and j in free and distance <= float(_LIKE_IT) * (float(true[i].mid()) or high):
+            left.remove(i)
+            free.remove(j)
+            digits = min(digits, right_digits(given[j], true[i], held))
+    return Score(0.0 if left else digits, len(left), len(free))
+
+
+def _crossings(found: Chart, criterion: Criterion) -> list[RealNumber]:
+    return [x.omega for x in find_crossings(found) if x.criterion == criterion]
+
+
+def _exact(omega: float) -> ExactNumber:
+    return ExactNumber(Rational(omega))
+
+
+def _tight(x: RealNumber, digits: int) -> Ball:
+    """A ball so many digits right; infinite where there is no such number."""
+    bits = int(3.33 * digits) + 8
+    for working in (128, 1024):
+        if x.ball(working).is_finite():
+            return x.tight_ball(bits)
+    return arb("inf")
+
+
+Attempt: TypeAlias = Callable[[], Any]
+"""Something that answers a question when it is called, ready to be timed."""
+
+
+_BLOCK = 1 << 14  # points that stay in the processor's cache
+
+
+class RefusedError(HaptisymError):
+    """A method does not fit a question, or a package that it needs is missing; the text says which."""
+
+
+# The ratios at frequencies: they answer with a pair (r_r, r_i) for each frequency.
+
+
+def naive(distortion: Distortion, free: Sequence[Expr] = ()) -> Callable[..., tuple[Any, Any]]:
+    """H_env and H_perc - H_env on s = j omega, in complex floats as the formulas are written; of omega and what is ``free``."""
+    chain = distortion.chain
+    perceived = chain.rendered
+    for a, b, c, d in chain.matrices:
+        perceived = (a * perceived + b) / (c * perceived + d)
+    both = lambdify([s, *free], [_with_floats(x) for x in (chain.environment, perceived)], "numpy", cse=True)
+
+    def functions(omega: Array, *values: Array) -> tuple[Any, Any]:
+        H, G = both(1j * omega, *values)
+        return H, G - H
+
+    return functions
+
+
+def _with_floats(form: Expr) -> Expr:
+    """Numbers as floats, but for small whole ones: NumPy has no whole numbers as large as SymPy's."""
+    numbers = {x: Float(x, 17) for x in form.atoms(Rational) if not (isinstance(x, Integer) and abs(x) < 100)}
+    return form.xreplace(numbers)
+
+
+def _ratios(H: Any, dH: Any, omega: Array) -> Array:
+    """Both ratios, one row for each frequency."""
+    size = np.abs(H)
+    rows: Array = np.stack(
+        [np.broadcast_to(np.abs(x) / size, omega.shape) for x in (np.real(dH), np.imag(dH))], axis=-1
+    )
+    return rows
+
+
+def _quietly(function: Callable[[], Any]) -> Any:
+    with np.errstate(all="ignore"):  # what overflows or divides by zero is judged by its value
+        return function()
+
+
+def _silently(function: Callable[[], Any]) -> Any:
+    """Without the warnings of other packages, which are not about a user's own call."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return function()
+
+
+def naive_way(question: RatioQuestion) -> Attempt:
+    """H_perc - H_env in floats, as SymPy's ``lambdify`` writes it."""
+    function, omega = naive(question.distortion), np.array(question.omegas)
+    return lambda: _quietly(lambda: _ratios(*function(omega), omega))
+
+
+def control_way(question: RatioQuestion) -> Attempt:
+    """The difference of two transfer functions of python-control."""
+    H, G = _silently(lambda: [to_control(x.expression()) for x in _rational(question.distortion)])
+    difference, omega = G - H, np.array(question.omegas)
+    return lambda: _silently(lambda: _ratios(H(1j * omega), difference(1j * omega), omega))
+
+
+def scipy_way(question: RatioQuestion) -> Attempt:
+    """The difference of two frequency responses of ``scipy.signal``."""
+    from scipy import signal
+
+    H, G = _silently(lambda: [to_scipy(x.expression()) for x in _rational(question.distortion)])
+    omega = np.array(question.omegas)
+
+    def attempt() -> Array:
+        felt, given = (signal.freqs(x.num, x.den, omega)[1] for x in (G, H))
+        return _ratios(given, felt - given, omega)
+
+    return lambda: _silently(attempt)
+
+
+def _rational(distortion: Distortion) -> tuple[Any, Any]:
+    if distortion.perc.ring.functions:
+        raise RefusedError("transfer functions know no delays and no fractional powers")
+    return distortion.env, distortion.perc
+
+
+# Crossings: they answer with ``Found``.
+
+
+def grid_way(question: Crossings, count: int, *, brent: bool = False) -> Attempt:
+    """Changes of sign between the points of a grid, each by a straight line, or found by Brent's method."""
+    function = naive(question.distortion)
+    low, high = (float(x) for x in question.band)
+
+    def excess(omega: Any, criterion: Criterion) -> Any:
+        return margin(criterion, omega, *function(omega))
+
+    def attempt() -> Found:
+        grid = np.linspace(low, high, count)
+        found: dict[str, list[float]] = {x.name: [] for x in question.criteria}
+        for start in range(0, count - 1, _BLOCK):
+            block = grid[start : start + _BLOCK + 1]  # neighbouring blocks share a point, which counts once
+            H, dH = function(block)
+            for x in question.criteria:
+                values = np.broadcast_to(margin(x, block, H, dH), block.shape)
+                refine = partial(_brent, partial(excess, criterion=x)) if brent else _straight
+                found[x.name] += _changes(block, values, refine, is_last=start + _BLOCK >= count - 1)
+        return Found(found)
+
+    return lambda: _quietly(attempt)
+
+
+Refine: TypeAlias = Callable[[float, float, float, float], float]
+
+
+def _changes(grid: Array, values: Array, refine: Refine, *, is_last: bool) -> list[float]:
+    at = [float(grid[i]) for i in np.flatnonzero(values == 0) if is_last or i < len(grid) - 1]
+    between = np.flatnonzero(values[1:] * values[:-1] < 0)
+    rows = zip(grid[between], grid[between + 1], values[between], values[between + 1], strict=True)
+    return sorted([*at, *(refine(*(float(x) for x in row)) for row in rows)])
+
+
+def _straight(a: float, b: float, at_a: float, at_b: float) -> float:
+    return a - at_a * (b - a) / (at_b - at_a)
+
+
+def _brent(function: Callable[[Any], Any], a: float, b: float, at_a: float, at_b: float) -> float:
+    from scipy.optimize import brentq
+
+    return float(brentq(lambda omega: float(function(np.float64(omega))), a, b, xtol=1e-300, rtol=1e-15))
+
+
+def companion_way(question: Crossings) -> Attempt:
+    """numpy.roots on the float coefficients of the exact polynomial in omega^2, or omega: the eigenvalues that are real."""
+    low, high = (float(x) for x in question.band)
+    rows = {x.name: _polynomial(question, x) for x in question.criteria}
+
+    def attempt() -> Found:
+        found = {}
+        for name, row in rows.items():
+            is_even = not row[1::2].any()
+            zeros = np.roots((row[::2] if is_even else row)[::-1])
+            omegas = zeros[np.isreal(zeros) & (zeros.real >= 0)].real
+            omegas = np.sqrt(omegas) if is_even else omegas
+            found[name] = sorted(float(x) for x in omegas[(omegas >= low) & (omegas <= high)])
+        return Found(found)
+
+    return lambda: _quietly(attempt)
+
+
+def _polynomial(question: Crossings, criterion: Criterion) -> Array:
+    """The coefficients, ascending."""
+    if any(is_irrational_algebraic(question.threshold[x]) for x in Part):
+        raise RefusedError("the threshold is not rational")
+    excess = question.functions[criterion]
+    if not isinstance(excess, RealFunction):
+        raise RefusedError("the border of the region is not that of one polynomial")
+    row = None if excess.axis.functions else excess.axis.univariate(excess.function.cleared().numerator)
+    if row is None:
+        raise RefusedError("the equation is not a polynomial with rational coefficients")
+    return np.array([float(int(x.p) / int(x.q)) for x in row])
+
+
+_BOTH = ("ratio_real", "ratio_imag")
+
+Prepare: TypeAlias = Callable[[Any], Attempt]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to an answer.
+
+    ``proves`` : whether its answers are certified. ``ours`` : whether it is haptisym's. ``held`` : decimal digits that its
+    numbers hold. ``packages`` : what must be installed. ``prepare`` takes the question and raises
+    RefusedError where it does not fit. ``at_once`` : whether it answers for many frequencies at once, and should be timed so.
+    """
+
+    name: str
+    prepare: Prepare
+    proves: bool = False
+    ours: bool = False
+    held: float = DOUBLE
+    packages: tuple[str, ...] = ()
+    at_once: bool = True
+
+    def ready(self, question: Any) -> Attempt:
+        """The method, ready to answer the question."""
+        for package in self.packages:
+            try:
+                import_module(package)
+            except ImportError:
+                raise RefusedError(f"{package.partition('.')[0]} is not installed") from None
+        try:
+            return self.prepare(question)
+        except OverflowError:
+            raise RefusedError("a coefficient is beyond the range of floats") from None
+
+
+def _level(question: RatioQuestion, accuracy: str) -> Attempt:
+    function, omega = question.distortion.compile(accuracy, of=_BOTH), np.array(question.omegas)
+    return lambda: np.stack([(v := function(omega)).ratio_real, v.ratio_imag], axis=-1)
+
+
+def _digits(question: RatioQuestion, count: int) -> Attempt:
+    function, omega = question.distortion.compile(of=_BOTH), np.array(question.omegas)
+
+    def attempt() -> list[tuple[str, str]]:
+        found = function.digits(omega, count + 1)  # rounding takes up to one
+        return [(str(x), str(y)) for x, y in zip(found.ratio_real, found.ratio_imag, strict=True)]
+
+    return attempt
+
+
+def _certified(question: Crossings, digits: int) -> Attempt:
+    return lambda: question.certified(digits)
+
+
+NAIVE = Method("H_perc - H_env in floats", naive_way)
+RATIO_METHODS: Mapping[str, Method] = {
+    x.name: x
+    for x in (
+        NAIVE,
+        Method("python-control", control_way, packages=("control",)),
+        Method("scipy.signal", scipy_way, packages=("scipy.signal",)),
+        *(
+            Method(x, partial(_level, accuracy=x), proves=x == "certified", ours=True)
+            for x in ("fast", "double-double", "certified")
+        ),
+        *(
+            Method(f"{n} digits", partial(_digits, count=n), proves=True, ours=True, held=n, at_once=False)
+            for n in (30, 100, 300)
+        ),
+    )
+}
+"""Ways to the ratios at given frequencies."""
+
+CROSSINGS: Mapping[str, Method] = {
+    x.name: x
+    for x in (
+        *(Method(f"grid of 10^{n}", partial(grid_way, count=10**n)) for n in range(2, 7)),
+        Method("grid of 10^4 + Brent", partial(grid_way, count=10**4, brent=True), packages=("scipy.optimize",)),
+        Method("numpy.roots", companion_way),
+        *(
+            Method(f"certified, {n} digits", partial(_certified, digits=n), proves=True, ours=True, held=n)
+            for n in (15, 50, 100, 300, 1000)
+        ),
+    )
+}
+"""Ways to the crossings on a band."""
+
 
 _DIGITS = 15
 """Of the crossings whose time and shift are compared when delays are approximated or effects left out."""

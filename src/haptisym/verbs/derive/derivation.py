@@ -1,36 +1,369 @@
-"""The formulas of a scene for the parameters that a user wants to keep as symbols: closed, in steps, solved, dimensionless."""
+"""The formulas of a scene: closed, in steps, solved, dimensionless, with leading terms.
+
+What is left of a distortion when the devices are fast: its leading terms, and a proven bound on all the rest.
+
+Every time constant of an effect (a delay, a sampling period, one over a corner frequency) is multiplied by epsilon: dH is then a
+power series in epsilon, whose terms are rational functions of s. At epsilon = 1 it is the scene's own distortion, and what
+the terms leave is bounded on the scene's band by its certified largest value.
+
+The parameters of a scene reduced to independent dimensionless groups: fewer of them, and one formula for all sizes.
+
+By Buckingham's theorem a relation between n quantities of r independent dimensions is one between n - r groups. As many
+parameters as there are dimensions serve as units: mass and stiffness of the environment where it has both. In these units
+they are 1, and every other parameter is a number, its group; so the dimensionless scene is the scene with these values.
+
+The formulas of a scene for the parameters that a user wants to keep as symbols: closed, in steps, solved, dimensionless.
+
+The formulas of a scene.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, reduce
 from itertools import chain
-from operator import attrgetter
+from math import prod
+from operator import add, attrgetter
+from pathlib import Path
 from pkgutil import resolve_name
 from types import MappingProxyType
 from typing import Any, ClassVar, TypeAlias
 
-from sympy import Expr, Symbol, count_ops
+from sympy import (
+    Add,
+    Dummy,
+    Expr,
+    Integer,
+    Matrix,
+    Mul,
+    Rational,
+    Symbol,
+    cosh,
+    count_ops,
+    exp,
+    factorial,
+    linsolve,
+    sinh,
+    symbols,
+)
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion, noticed, opened
 from haptisym.judge.evaluation import Evaluation, evaluate
-from haptisym.kernel.errors import SceneError
-from haptisym.kernel.implicit import Equation
+from haptisym.judge.peaks import largest
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import SceneError, several
 from haptisym.kernel.lattices import Lattice, Piece
-from haptisym.kernel.response import RealFunction
+from haptisym.kernel.reals import RealNumber, SquareRoot
+from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.kernel.shown import titled
-from haptisym.kernel.solutions import Solution, solve
-from haptisym.kernel.symbols import c
+from haptisym.kernel.solutions import Equation, Solution, solve
+from haptisym.kernel.symbols import c, omega, s
 from haptisym.model.chain import Chain
-from haptisym.model.distortion import Distortion
+from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part, is_irrational_algebraic
-from haptisym.model.quantities import Number
+from haptisym.model.parameters import Parameter
+from haptisym.model.quantities import Dimension, MotionKind, Number, dimension_exponents
 from haptisym.model.scene import Scene
+from haptisym.model.scenefile import as_scene
 from haptisym.programs.steps import Steps
-from haptisym.verbs.derive.asymptotics import Expansion, expansion
-from haptisym.verbs.derive.groups import Groups, groups
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """dH = terms[0] + terms[1] + ... + remainder, for fast devices.
+
+    ``terms`` : in the scene's symbols, of ascending order in the devices' time constants; the first, of order 0, is what
+    devices without any delay would do. ``fast`` : the parameters that make them fast.
+    """
+
+    scene: Scene = field(repr=False)
+    terms: tuple[RationalFunction, ...] = field(repr=False)
+    fast: tuple[Symbol, ...]
+
+    def part(self, part: Part) -> Expr:
+        """Re or Im of the terms together, a closed form in omega."""
+        return Add(*(part_of(on_axis(term), part).factored() for term in self.terms))
+
+    @cached_property
+    def bounds(self) -> Mapping[Part, RealNumber | None]:
+        """The largest error that the terms make in r_r and r_i on the scene's band: certified; None where it is infinite.
+
+        Empty where a parameter has no number.
+        """
+        values = {p.symbol: p.value for p in self.scene.parameters}
+        if any(value.free_symbols for value in values.values()):
+            return {}
+        exact = self.scene.distortion()
+        ring = exact.chain.ring
+        kept = [ring.convert(term.expression().xreplace(values)) for term in self.terms]
+        rest = on_axis((exact.difference - reduce(add, kept)).reduced())
+        found: dict[Part, RealNumber | None] = {}
+        for part in Part:
+            error = part_of(rest, part)
+            square = largest(error * error / exact.squared_modulus, *self.scene.band)
+            found[part] = None if square is None else SquareRoot(square)
+        return found
+
+
+def expansion(scene: Scene, order: int = 1) -> Expansion:
+    """The distortion of a scene to some order in the time constants of its effects.
+
+    Raises SceneError where no effect has a time constant, or where the distortion of infinitely fast devices is infinite.
+
+    >>> from haptisym import effects, environments
+    >>> from haptisym.kernel.symbols import symbols
+    >>> k, tau = symbols("k tau")
+    >>> scene = Scene(environments.mass_spring_damper(k=100), (effects.delay("5 ms"),))
+    >>> found = expansion(scene)
+    >>> found.part(Part.IMAG), found.bounds[Part.IMAG].digits(3), found.bounds[Part.REAL].digits(3)
+    (-k*omega*tau, '0.0000703', '0.00281')
+    """
+    fast = {p.symbol: p.dimension for e in scene.effects for p in e.parameters if p.dimension in _SPEED}
+    if not fast:
+        raise SceneError("no effect of this scene has a time constant: there is nothing that could be fast")
+    epsilon = Dummy("epsilon", positive=True)
+    slowed = scene.chain.at({x: x * epsilon ** _SPEED[dimension] for x, dimension in fast.items()})
+    depth = order + 2 + 2 * len(fast)  # a hold divides by its period, which costs an order each time
+    cut = Distortion.of(slowed.map(lambda entry: _truncated(entry, epsilon, depth)))
+    terms = _series(cut.difference, epsilon, order)
+    return Expansion(scene, tuple(terms), tuple(fast))
+
+
+_SPEED = {Dimension.TIME: 1, Dimension.FREQUENCY: -1}
+"""How a parameter that measures this grows with the time constants."""
+
+
+def _truncated(entry: Expr, epsilon: Symbol, depth: int) -> Expr:
+    """The entry with a Taylor polynomial for each exponential that holds epsilon."""
+
+    def polynomial(x: Expr, powers: range) -> Expr:
+        return Add(*(x**n / factorial(n) for n in powers))
+
+    for function, first, step in ((exp, 0, 1), (cosh, 0, 2), (sinh, 1, 2)):
+        powers = range(first, depth + 1, step)
+        for found in entry.atoms(function):
+            if found.has(epsilon):
+                entry = entry.xreplace({found: polynomial(found.args[0], powers)})
+    return entry
+
+
+def _series(f: RationalFunction, epsilon: Symbol, order: int) -> Iterator[RationalFunction]:
+    """The coefficients of a power series in epsilon, up to an order; ``f`` in lowest terms."""
+    above, below = (_by_powers(p, f.ring, epsilon) for p in (f.numerator, f.denominator))
+    if 0 not in below:  # then it is in the numerator: a power of epsilon is left below the line
+        raise SceneError("the distortion grows without bound as the effects get faster: it has no leading terms")
+    terms: list[RationalFunction] = []
+    for n in range(order + 1):
+        total = above.get(n, f.ring.zero)
+        for j, term in enumerate(terms):
+            total = total - below.get(n - j, f.ring.zero) * term
+        terms.append((total / below[0]).reduced())
+        yield terms[-1]
+
+
+def _by_powers(polynomial: Polynomial, ring: PolynomialRing, variable: Symbol) -> dict[int, RationalFunction]:
+    """The coefficients of the powers of a variable."""
+    index = ring.meanings.index(variable)
+    found: dict[int, dict[tuple[int, ...], object]] = {}
+    for exponents, value in polynomial.to_dict().items():
+        own = list(map(int, exponents))
+        power, own[index] = own[index], 0
+        found.setdefault(power, {})[tuple(own)] = value
+    return {n: ring.function(ring.context.from_dict(terms)) for n, terms in found.items()}
+
+
+_BASE = (Dimension.STIFFNESS, Dimension.MASS, Dimension.DAMPING, Dimension.FREQUENCY, Dimension.TIME)
+_LETTERS = {
+    Dimension.MASS: "mu", Dimension.STIFFNESS: "kappa", Dimension.DAMPING: "beta", Dimension.FREQUENCY: "rho",
+    Dimension.TIME: "theta", Dimension.FORCE: "phi", Dimension.DISPLACEMENT: "chi", Dimension.ANY: "gamma",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class DimensionlessGroup:
+    """A dimensionless group: its symbol, and what it is in the scene's parameters."""
+
+    symbol: Symbol
+    value: Expr
+
+
+@dataclass(frozen=True)
+class Groups:
+    """The dimensionless form of a scene.
+
+    ``frequency`` : x, omega in units of the scene's own frequency. ``groups`` : what everything else depends on.
+    ``units`` : the parameters that became 1. ``stiffness`` : the unit of H.
+    """
+
+    frequency: DimensionlessGroup
+    groups: tuple[DimensionlessGroup, ...]
+    units: tuple[Symbol, ...]
+    stiffness: Expr
+    values: Mapping[Symbol, Expr]
+    """Each parameter of the scene, in these units."""
+    chain: Chain
+
+    @cached_property
+    def distortion(self) -> Distortion:
+        """The closed forms in x and the groups: ratios are those of the scene, dynamics are in units of ``stiffness``."""
+        return Distortion.of(self.chain.at(self.values))
+
+    def forwards(self, form: Expr) -> Expr:
+        """A form of ``distortion``, which is written in omega, with x for it."""
+        return form.xreplace({omega: self.frequency.symbol})
+
+    def back(self, form: Expr) -> Expr:
+        """A form in x and the groups, in the scene's own parameters again: exact."""
+        return form.xreplace({group.symbol: group.value for group in (self.frequency, *self.groups)})
+
+
+def groups(scene: Scene) -> Groups:
+    """The dimensionless form of a scene, found from the units of its parameters.
+
+    Raises SceneError where the unit of a parameter is not known, as for a bare number in an expression.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> found = groups(load_scene("fu2019"))
+    >>> [(g.symbol, g.value) for g in (found.frequency, *found.groups)]
+    [(x, sqrt(m)*omega/sqrt(k)), (zeta_env, b/(2*sqrt(k)*sqrt(m))), (rho, sqrt(m)*omega_n/sqrt(k)), (zeta, zeta)]
+    """
+    orders = {x for order in scene.chain.ring.orders for x in order.free_symbols}
+    fixed = {p.symbol: p.value for p in scene.parameters if p.symbol in orders}
+    given = [p for p in scene.parameters if p.symbol not in orders]
+    sizes = {p.symbol: _size(p, scene.motion) for p in given}
+    chain = scene.chain.at(fixed)
+    _check(chain, sizes, scene.motion)
+    base = _base(given, sizes)
+    others = [p for p in given if p.symbol not in base]
+    named = dict(zip([p.symbol for p in others], _named(others, base, sizes, scene), strict=True))
+    units = {x: Integer(1) for x in base}
+    return Groups(
+        DimensionlessGroup(Symbol("x", positive=True), omega / _unit({"time": Rational(-1)}, base, sizes)),
+        tuple(group for group, _ in named.values()),
+        tuple(base),
+        _unit(_exponents(Dimension.STIFFNESS, scene.motion), base, sizes),
+        {**fixed, **units, **{x: factor * group.symbol for x, (group, factor) in named.items()}},
+        chain,
+    )
+
+
+_Size: TypeAlias = Mapping[str, Rational]
+"""The exponents of the base dimensions, as far as they are not 0."""
+
+
+def _size(p: Parameter, motion: MotionKind | None) -> _Size:
+    """Of a parameter; a bare number in a formula counts as a pure number."""
+    if p.dimension is Dimension.ANY:
+        return {name: Rational(n.numerator, n.denominator) for name, n in p.exponents or ()}
+    return _exponents(p.dimension, motion)
+
+
+def _exponents(dimension: Dimension, motion: MotionKind | None) -> _Size:
+    return {name: Rational(n.numerator, n.denominator) for name, n in dimension_exponents(dimension, motion) or ()}
+
+
+def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | None) -> None:
+    """SceneError unless other units of mass, length and time change the dynamics as they should: exact."""
+    if irrational := [order for order in chain.ring.orders if not order.is_Rational]:
+        raise SceneError(f"natural groups need powers of s that are rational numbers, not {irrational[0]}")
+    roots = {n.q for size in sizes.values() for n in size.values()} | {order.q for order in chain.ring.orders}
+    units = {name: Dummy(name, positive=True) ** prod(map(int, roots)) for name in ("mass", "length", "time")}
+    scale = {x: x * Mul(*(units[name] ** n for name, n in size.items())) for x, size in sizes.items()}
+    scale[s] = s / units["time"]
+    stiffness = Mul(*(units[name] ** n for name, n in _exponents(Dimension.STIFFNESS, motion).items()))
+    # a chain matrix counts up to a common factor, H_env does not
+    rows: list[tuple[Sequence[Expr], Sequence[int]]]
+    rows = [((H, Integer(1)), (1, 0)) for H in (chain.environment, chain.rendered)]
+    rows += [(matrix, (0, 1, -1, 0)) for matrix in chain.matrices]
+    for row, powers in rows:
+        expected = [entry * stiffness**n for entry, n in zip(row, powers, strict=True)]
+        scaled = [entry.xreplace(scale) for entry in row]
+        if not _proportional(expected, scaled):
+            raise SceneError(f"{row[0]}: its units do not fit together; give every parameter in it its unit")
+
+
+def _proportional(row: Sequence[Expr], other: Sequence[Expr]) -> bool:
+    """Whether two rows are the same up to a common factor."""
+    ring = Ring.of([*row, *other])
+    x, y = ([ring.convert(e.expand()) for e in entries] for entries in (row, other))
+    last = max(i for i, entry in enumerate(x) if not entry.is_zero)
+    return all((a * y[last]).equals(b * x[last]) for a, b in zip(x, y, strict=True))
+
+
+def _base(given: Sequence[Parameter], sizes: Mapping[Symbol, _Size]) -> list[Symbol]:
+    """Parameters of independent dimensions, as many as there are: stiffness and mass first, the environment's first."""
+    found: list[Symbol] = []
+    rank = 0
+    for p in sorted(given, key=lambda p: _BASE.index(p.dimension) if p.dimension in _BASE else len(_BASE)):
+        if (now := _rows([*found, p.symbol], sizes).rank()) > rank and not p.value.is_zero:
+            found.append(p.symbol)
+            rank = now
+    return found
+
+
+def _rows(symbols: Sequence[Symbol], sizes: Mapping[Symbol, _Size]) -> Matrix:
+    return Matrix([[sizes[x].get(name, 0) for name in ("mass", "length", "time")] for x in symbols])
+
+
+def _unit(size: _Size, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size]) -> Expr:
+    """The product of powers of the base parameters that has this size; 1 if there is none."""
+    powers = symbols(f"n:{len(base)}")
+    wanted = Matrix([[size.get(name, 0) for name in ("mass", "length", "time")]])
+    solved = linsolve((_rows(base, sizes).T, wanted.T), *powers) if base else []
+    for solution in solved:
+        return Mul(*(x**n for x, n in zip(base, solution, strict=True)))
+    return Integer(1)
+
+
+def _named(
+    others: Sequence[Parameter], base: Sequence[Symbol], sizes: Mapping[Symbol, _Size], scene: Scene
+) -> list[tuple[DimensionlessGroup, int]]:
+    """The group of each parameter, and how many times it is the parameter in the units of the base."""
+    letters = [_letter(p, base, sizes, scene) for p in others]
+    taken, environment = {p.symbol.name for p in scene.parameters}, {p.symbol for p in scene.environment.parameters}
+    found: list[tuple[DimensionlessGroup, int]] = []
+    for p, letter in zip(others, letters, strict=True):
+        own = p.symbol.name
+        if not letter:
+            name = own
+        else:
+            name = letter if letters.count(letter) == 1 else f"{letter}_{_index(own)}"
+            if name in taken:  # a parameter's name stays that parameter's
+                name = f"{letter}_{'env' if p.symbol in environment else own}"
+        name = name if all(name != group.symbol.name for group, _ in found) else f"{name}_{own}"
+        factor = 2 if letter == "zeta" else 1
+        symbol = Symbol(name, positive=True) if p.symbol.is_positive else Symbol(name, real=True)
+        found.append((DimensionlessGroup(symbol, p.symbol / (factor * _unit(sizes[p.symbol], base, sizes))), factor))
+    return found
+
+
+def _index(name: str) -> str:
+    """What tells a parameter from its like: n of omega_n, 2 of k2."""
+    return re.sub(r"^(omega|tau|zeta|[a-zA-Z](?![a-zA-Z]))_?", "", name) or name
+
+
+def _letter(p: Parameter, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size], scene: Scene) -> str:
+    """What a group is called in the field; nothing for a pure number, which keeps its name."""
+    size = {name: n for name, n in sizes[p.symbol].items() if n}
+    if not size:
+        return ""
+    kinds = {_kind(sizes[x], scene.motion) for x in base}
+    kind = _kind(size, scene.motion)
+    own = {q.symbol for q in scene.environment.parameters}
+    if kind is Dimension.DAMPING and p.symbol in own and kinds >= {Dimension.STIFFNESS, Dimension.MASS}:
+        return "zeta"
+    return _LETTERS[kind]
+
+
+def _kind(size: _Size, motion: MotionKind | None) -> Dimension:
+    """The dimension with these exponents."""
+    plain = {name: n for name, n in size.items() if n}
+    return next((d for d in _LETTERS if d is not Dimension.ANY and _exponents(d, motion) == plain), Dimension.ANY)
+
 
 Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 """Irreducible factors as equations, each with its order."""
@@ -51,19 +384,19 @@ class Derivation(Answer):
     """The quantities that its page shows; none for all that it says unasked."""
 
     _schema: ClassVar[str] = "haptisym.derivation/1"
-    _page: ClassVar[str] = "haptisym.pages.derive:page"
+    _page: ClassVar[str] = "haptisym.pages.sections:page"
 
     def _line(self) -> str:
         kept = ", ".join(p.name for p in self.kept) or "nothing"
         return f"{titled(self.scene.title)}: {kept} as symbols"
 
     def _body(self) -> dict[str, Any]:
-        found: dict[str, Any] = resolve_name("haptisym.pages.derive:body")(self)
+        found: dict[str, Any] = resolve_name("haptisym.pages.sections:body")(self)
         return found
 
     def to_latex(self) -> str:
         r"""LaTeX for a paper, a paragraph for each section: what ``haptisym derive --to latex`` prints."""
-        return str(resolve_name("haptisym.pages.derive:latex")(self))
+        return str(resolve_name("haptisym.pages.sections:latex")(self))
 
     @cached_property
     def chain(self) -> Chain:
@@ -177,7 +510,7 @@ class Derivation(Answer):
     def at(self, **values: Number) -> Evaluation:
         """Certified answers for values of the parameters, by name; what is not named keeps the scene's value.
 
-        >>> from haptisym.verbs.derive.entry import derive
+        >>> from haptisym.verbs.derive.derivation import derive
         >>> derive("fu2019").at(omega_n="160 rad/s").bandwidth is None
         False
         """
@@ -255,3 +588,42 @@ def bare(name: str) -> str:
 def listed_name(name: str) -> str | None:
     """The quantity that a name stands for, as it is listed; None if it is none."""
     return next((known for known in QUANTITIES if bare(known) == bare(name)), None)
+
+
+def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = None) -> Derivation:
+    """The formulas of a scene, or of a distortion in its own symbols; ``print`` shows them as a page of text.
+
+    ``keep`` : the names of the parameters that stay symbols; None for all of them and the threshold, () for none. A name
+    that the scene does not have raises SceneError, as do names beside a distortion, whose symbols stay.
+
+    >>> found = derive("fu2019", keep=["omega_n"])
+    >>> found
+    <Derivation "Numerical example of Fu, van Paassen and ...": omega_n as symbols>
+    >>> found["H_perc"]
+    omega_n**2*(9*s**2 + 75*s + 500)/(5*omega_n**2 + 5*omega_n*s + 5*s**2)
+    >>> [x.omega for x in derive("fu2019").changeovers("env")]
+    [sqrt(k)/sqrt(m)]
+    >>> from haptisym import distort, effects, environments, symbols
+    >>> derive(distort(environments.mass_spring_damper(k=100), effects.first_order_lag(symbols("w"))))["Im dH"]
+    -100*omega*w/(omega**2 + w**2)
+    """
+    if isinstance(scene, Distortion):
+        return _of_distortion_in_entry(scene, keep)
+    scene = as_scene(scene)
+    if keep is None:
+        return Derivation(scene, tuple(x.symbol for x in scene.parameters))
+    kept = [
+        scene.knobs[name].felt()
+        for name in ([keep] if isinstance(keep, str) else several("keep", keep, "give names of parameters"))
+    ]
+    thresholds = tuple(part for part in Part if any(part in x.parts for x in kept))
+    return Derivation(scene, tuple(x.symbol for x in kept if not x.parts), thresholds)
+
+
+def _of_distortion_in_entry(d: Distortion, keep: Iterable[str] | None) -> Derivation:
+    if keep is not None:
+        raise SceneError("keep: the symbols of a distortion stay, and its numbers are in place: leave it out")
+    if d.elements is None:
+        raise SceneError("a distortion of a chain alone has no environment and effects: give what distort() made")
+    environment, effects, rendered = d.elements
+    return Derivation(Scene(environment, effects, rendered=rendered), ())

@@ -22,8 +22,7 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega
 from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.jnd import Part
-from haptisym.model.regions import positive
+from haptisym.model.jnd import Part, positive
 
 Bounds = Mapping[Part, Rational]
 """Of the change of each part, relative to |H_env|."""

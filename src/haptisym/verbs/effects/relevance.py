@@ -1,8 +1,12 @@
-"""Which effects of a scene matter: how much each changes the distortion ratios, and the fewest that do for all, with proof.
+"""Which effects of a scene matter: how much each changes the ratios, and the fewest that do.
+
+Which effects of a scene matter: how much each changes the distortion ratios, and the fewest that do for all, with proof.
 
 ``|r_full - r_kept| <= bound`` at every frequency of the band. So the full scene meets its threshold c only where the kept scene's
 ratio lies between c - bound and c + bound, and the chart of the kept scene at these two levels encloses all its crossings. Of a
 region ``enclosing`` has the two levels.
+
+Which effects of a scene matter for a tolerance.
 """
 
 from __future__ import annotations
@@ -12,25 +16,30 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
 from math import inf, nextafter
+from pathlib import Path
 from typing import Any, ClassVar
 
 from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion, Judged, noticed
+from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.errors import SceneError
 from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.roots import Chart, Interval, chart
+from haptisym.kernel.roots import Chart, Interval, chart, sign_of_number
 from haptisym.kernel.shown import titled
 from haptisym.kernel.symbols import omega
 from haptisym.model.catalogue import Effect
-from haptisym.model.jnd import Part
-from haptisym.model.regions import positive
+from haptisym.model.jnd import Part, positive
+from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Scene
+from haptisym.model.scenefile import as_scene
 from haptisym.programs.series import series_arithmetic
 from haptisym.verbs.effects.ballchain import BallChain, BandPiece
 from haptisym.verbs.effects.differences import Difference, SupremumBounds
 from haptisym.verbs.effects.enclosing import levels
+from haptisym.verbs.effects.subsets import SubsetSearch
 from haptisym.verbs.effects.suprema import Supremum
 
 _FINEST = 10  # halvings of the band until two effects count as alike
@@ -235,3 +244,42 @@ def _passes(table: Chart, interval: Interval) -> bool:
     before, after = interval.low.before, interval.high.after
     below = [signs.get("low", 1) < 0 for signs in (before, after)]
     return below[0] != below[1]
+
+
+TOLERANCE = Rational(1, 100)
+"""Unless told otherwise: a tenth of the usual JND."""
+
+
+def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE, *, limit: float | None = SECONDS) -> Relevance:
+    """Find which effects of a scene matter: the fewest with which r_r and r_i stay within a tolerance of the full scene's.
+
+    ``tolerance`` : a number >= 0, of the ratios. Guaranteed: the bound holds at every frequency of the band for both
+    ratios and all left-out effects together; of 12 effects or fewer no smaller set does. ``limit`` : seconds after which a
+    LimitError says that it is not decided; None for none. Raises SceneError for a scene with symbols for numbers, and for a
+    tolerance that is none.
+
+    >>> from haptisym import effects, environments
+    >>> from haptisym.model.jnd import Part
+    >>> between = (effects.first_order_lag("20 rad/s"), effects.first_order_lag("1 MHz", name="cable"))
+    >>> found = relevance(Scene(environments.mass_spring_damper(1.8, 15, 100), between))
+    >>> [e.name for e in found.pruned.effects], found.bound[Part.REAL].most < 1e-5
+    (['first-order-lag'], True)
+    """
+    scene = as_scene(scene)
+    most = _tolerance(tolerance)
+    scene.knobs.need_numbers()
+    balls = BallChain(scene)
+    with limited(limit):
+        choice = SubsetSearch(scene, balls, most).choose()
+    kept = tuple(effect for i, effect in enumerate(scene.effects) if i in choice.kept)
+    return Relevance(scene, most, replace(scene, effects=kept), choice.bound, choice.smallest, balls)
+
+
+def _tolerance(given: Number) -> Expr:
+    try:
+        value = number(given, Dimension.RATIO).value
+    except SceneError as error:
+        raise error.within("tolerance") from None
+    if not value.is_Rational or sign_of_number(value) < 0:
+        raise SceneError(f'tolerance: "{given}" must be rational and >= 0')
+    return value

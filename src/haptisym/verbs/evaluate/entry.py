@@ -83,7 +83,7 @@ def evaluate(
 def _evaluated(scene: Scene, digits: int, tolerance: Number | None) -> Evaluation:
     if tolerance is None:
         return evaluation.evaluate(scene, digits)
-    from haptisym.verbs.effects.entry import relevance
+    from haptisym.verbs.effects.relevance import relevance
 
     found = relevance(scene, tolerance, limit=None)
     return evaluation.evaluate(found.pruned, digits, left_out=found)

@@ -1,24 +1,164 @@
-"""What one display does to several environments at once: each, where all stay transparent, and which one binds."""
+"""What one display does to several environments at once: each, all, the worst, and which one binds.
+
+What holds for every environment of a family at once, judged by one JND: the worst case, and who binds there.
+
+Does the conclusion for several environments survive another JND model?
+
+What one display does to several environments at once: each, where all stay transparent, and which one binds.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
+from haptisym.judge.criteria import Criterion, Judged, noticed
 from haptisym.judge.evaluation import Evaluation, evaluate
+from haptisym.judge.spread import OWN, Compared
 from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.roots import Chart, Interval
-from haptisym.kernel.shown import counted, titled
+from haptisym.kernel.roots import Chart, Interval, Key, Signs, chart
+from haptisym.kernel.shown import Shown, counted, titled
+from haptisym.model.distortion import Distortion
 from haptisym.model.family import SceneFamily
+from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_family
-from haptisym.verbs.family.regions import FamilyCompared, binding_row, compared_all
-from haptisym.verbs.family.worst import FamilyBinding, WorstCase
+
+
+@dataclass(frozen=True)
+class FamilyBinding(Judged):
+    """At this end of the common transparent set this environment breaks this criterion beyond."""
+
+    omega: RealNumber
+    environment: str
+    criterion: Criterion
+
+
+@dataclass(frozen=True, repr=False)
+class WorstCase(Shown):
+    """``chart`` : of each environment and criterion, (name, criterion), what must not be positive, on one band.
+
+    So ends of different environments are told apart, or found equal, exactly.
+    """
+
+    chart: Chart
+    keys: tuple[tuple[str, Criterion], ...]
+
+    def _line(self) -> str:
+        return f"common bandwidth {self.bandwidth.digits(5) if self.bandwidth else 'none'}"
+
+    @classmethod
+    def of(cls, family: SceneFamily, threshold: Threshold) -> WorstCase:
+        """In one ring: equal functions are found equal."""
+        ring, criteria = family.ring(), noticed(threshold)
+        functions: dict[Key, Signed] = {}
+        for name, scene in family.scenes.items():
+            distortion = Distortion.of(scene.distortion().chain, ring)
+            functions |= {(name, x): x.function(distortion) for x in criteria}
+        return cls(chart(functions, *family.band), tuple((name, x) for name in family for x in criteria))
+
+    @cached_property
+    def transparent(self) -> tuple[Interval, ...]:
+        """The frequencies at which every environment is transparent: closed intervals, perhaps none."""
+        return self.chart.where(lambda signs: all(signs[key] <= 0 for key in self.keys))
+
+    @property
+    def bandwidth(self) -> RealNumber | None:
+        """The end of the common transparent interval that starts at the band's low end; None if none does."""
+        first = self.transparent[0] if self.transparent else None
+        return first.high.omega if first and first.low is self.chart.points[0] else None
+
+    @cached_property
+    def binding(self) -> tuple[FamilyBinding, ...]:
+        """Who binds at each end of the common transparent set inside the band, in ascending order.
+
+        Several where their ratios meet their thresholds at the same frequency. Where not even the band's low end is in
+        the set, who stands in the way there comes first.
+        """
+        lowest, highest = self.chart.points[0], self.chart.points[-1]
+        blocked = lowest.at if any(lowest.at[key] > 0 for key in self.keys) else lowest.after
+        found = self._exceeding(lowest.omega, blocked) if self.bandwidth is None else []
+        for x in self.transparent:
+            found += [] if x.low is lowest else self._exceeding(x.low.omega, x.low.before)
+            found += [] if x.high is highest else self._exceeding(x.high.omega, x.high.after)
+        return tuple(dict.fromkeys(found))
+
+    def _exceeding(self, omega: RealNumber, signs: Signs) -> list[FamilyBinding]:
+        return [FamilyBinding(omega, name, x) for name, x in self.keys if signs[name, x] > 0]
+
+
+@dataclass(frozen=True, repr=False)
+class FamilyCompared(Shown):
+    """What one region says of all environments together, and of each: ``answers``, by the names of the environments."""
+
+    name: str
+    threshold: Threshold
+    worst: WorstCase
+    answers: Mapping[str, Compared]
+
+    def _line(self) -> str:
+        return f"{self.name}: common bandwidth {self.bandwidth.digits(5) if self.bandwidth else 'none'}"
+
+    @property
+    def bandwidth(self) -> RealNumber | None:
+        """The common one."""
+        return self.worst.bandwidth
+
+    @property
+    def first(self) -> tuple[FamilyBinding, ...]:
+        """Who binds at the first end of the common transparent set; none where it is the whole band."""
+        bound = self.worst.binding
+        return tuple(x for x in bound if x.omega is bound[0].omega)
+
+    @property
+    def certified(self) -> bool:
+        """Whether nothing was left undecided."""
+        return not self.worst.chart.undecided and all(x.certified for x in self.answers.values())
+
+    def row(self, digits: int) -> dict[str, Any]:
+        """As a row of a document."""
+        return {
+            "region": self.name,
+            "threshold": self.threshold.row(),
+            "bandwidth": None if self.bandwidth is None else float(self.bandwidth),
+            "binding": [binding_row(x, digits) for x in self.first],
+            "certified": self.certified,
+        }
+
+
+def binding_row(x: FamilyBinding, digits: int) -> dict[str, Any]:
+    """Who binds where, as documents have it."""
+    return {
+        "at": float(x.omega),
+        "digits": x.omega.digits(digits),
+        "enclosure": list(x.omega.enclosure(digits)),
+        "environment": x.environment,
+        "part": x.criterion.name,
+    }
+
+
+def compared_all(family: SceneFamily, answers: Mapping[str, Evaluation], own: WorstCase) -> tuple[FamilyCompared, ...]:
+    """Square, disc and diamond of the JND's half widths, and the JND itself: each judges all environments.
+
+    ``answers`` : of each environment, with its regions. ``own`` : what the JND itself says of all of them.
+    """
+    models = {x.name: x.threshold for x in next(iter(answers.values())).regions}
+    each = {name: {who: _of(e, name) for who, e in answers.items()} for name in models}
+    return tuple(
+        FamilyCompared(name, model, own if name == OWN else WorstCase.of(family, model), each[name])
+        for name, model in models.items()
+    )
+
+
+def _of(e: Evaluation, name: str) -> Compared:
+    return next(x for x in e.regions if x.name == name)
 
 
 @dataclass(frozen=True, repr=False)

@@ -10,10 +10,9 @@ from sympy import Expr, Rational, pi
 
 from haptisym.kernel.errors import SceneError
 from haptisym.model.catalogue import ENVIRONMENTS, Environment
-from haptisym.model.jnd import Part, Threshold
+from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension
-from haptisym.model.regions import Shape
 
 Table: TypeAlias = Mapping[str, Any]
 

@@ -1,8 +1,13 @@
-"""What a person's answers say of the just-noticeable difference, ready for a scene. Estimated, never certified."""
+"""What a person's answers say of the just-noticeable difference, and what was published.
+
+What a person's answers say of the just-noticeable difference, ready for a scene. Estimated, never certified.
+
+The published thresholds as an answer: a table for reading, and for a program.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from functools import cached_property
@@ -12,10 +17,10 @@ from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import SceneError
-from haptisym.verbs.jnd.answers import Answers, condensed
-from haptisym.verbs.jnd.curve import Asked
-from haptisym.verbs.jnd.fit import Deviance, Estimate, Fit, grouped_words
-from haptisym.verbs.jnd.tables import read_answers
+from haptisym.kernel.shown import counted
+from haptisym.model.published import Published, published_by_name
+from haptisym.verbs.jnd.fitting import Asked, Deviance, Estimate, Fit, grouped_words
+from haptisym.verbs.jnd.tables import Answers, condensed, read_answers
 from haptisym.verbs.simulate.threads import one_thread
 
 METHODS = {"likelihood": "maximum likelihood", "psignifit": "psignifit 4"}
@@ -164,7 +169,7 @@ def jnd(
     if method not in METHODS:
         raise SceneError(f'method: "{str(method)[:60]}": valid are {", ".join(METHODS)}')
     if method == "psignifit":
-        from haptisym.verbs.jnd.bayes import fitted_by_psignifit
+        from haptisym.verbs.jnd.fitting import fitted_by_psignifit
 
         if guess or lapse != 0:
             raise SceneError("psignifit fits guesses and lapses itself: leave out guess and lapse")
@@ -205,3 +210,51 @@ def _written(x: Estimate) -> str:
 
 def _decimal(value: float, rounding: str) -> str:
     return f"{Context(prec=4, rounding=rounding).create_decimal_from_float(value):f}"
+
+
+class PublishedThresholds(Answer, tuple[Published, ...]):
+    """Published just-noticeable differences, each usable by its name: ``jnd = { like = "viscosity-forced-choice" }``."""
+
+    _schema: ClassVar[str] = "haptisym.published/1"
+    _page: ClassVar[str] = "haptisym.pages.jnd:published_page"
+
+    def __new__(cls, found: Iterable[Published]) -> PublishedThresholds:
+        return super().__new__(cls, found)
+
+    def _line(self) -> str:
+        return counted(len(self), "published threshold")
+
+    @property
+    def certified(self) -> bool:
+        """False: they were measured."""
+        return False
+
+    @property
+    def _about(self) -> File:
+        return File("Published thresholds")
+
+    def _body(self) -> dict[str, Any]:
+        return {"thresholds": [_row_in_published(x) for x in self], "certified": self.certified}
+
+
+def _row_in_published(x: Published) -> dict[str, Any]:
+    return {
+        "name": x.name,
+        "quantity": x.quantity,
+        "fraction": [float(x.low), float(x.high)],
+        "criterion": None if x.criterion is None else float(x.criterion),
+        "reference": x.reference,
+        "source": x.source,
+        "doi": x.doi or None,
+        "read": x.read,
+        "usable": not x.apart,
+    }
+
+
+def published() -> PublishedThresholds:
+    """All published thresholds that the package knows, with their sources.
+
+    >>> [x.name for x in published() if x.criterion]
+    ['steering-wheel', 'viscosity-forced-choice', 'viscosity-matching']
+    """
+    return PublishedThresholds(published_by_name().values())

@@ -1,11 +1,19 @@
-"""Tables of answers in files: CSV of counts or of single answers, and results of psignifit 4 as JSON. Never a pickle."""
+"""Tables of answers in files, and the answers as they are counted.
+
+Answers of a person at several levels of a stimulus, as they are counted.
+
+Which columns of a table hold levels and answers: the names that programs of psychophysics give them.
+
+Tables of answers in files: CSV of counts or of single answers, and results of psignifit 4 as JSON. Never a pickle.
+"""
 
 from __future__ import annotations
 
 import csv
 import json
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from io import TextIOWrapper
 from itertools import chain
@@ -13,10 +21,184 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, TextIO
 
-from haptisym.kernel.errors import SceneError, need, quoted
+from haptisym.kernel.errors import SceneError, meant, need, quoted
 from haptisym.kernel.shown import counted
-from haptisym.verbs.jnd.answers import Answers, collected
-from haptisym.verbs.jnd.columns import TOLD, Columns, find_columns, position
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """``count`` of ``trials`` answers at a level were "more" (or right)."""
+
+    level: float
+    count: int
+    trials: int
+
+    @property
+    def share(self) -> float:
+        """Counted answers over all of the level."""
+        return self.count / self.trials
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What was answered, level by level in ascending order; valid by construction.
+
+    ``name`` : where it comes from. ``alternatives`` : of a forced choice, where that is known. ``notes`` : what was left out or
+    put together on the way. ``earlier`` : what another program found, as it says.
+    """
+
+    name: str
+    rows: tuple[Row, ...]
+    alternatives: int | None = None
+    notes: tuple[str, ...] = ()
+    earlier: str = ""
+
+    def __post_init__(self) -> None:
+        if len(self.rows) < 2:
+            what = "there are no answers" if not self.rows else f"all answers are at one level, {self.rows[0].level:g}"
+            raise SceneError(f"{what}; a curve needs at least two levels")
+        count, trials = sum(x.count for x in self.rows), sum(x.trials for x in self.rows)
+        if count in (0, trials):
+            told = "no answer counts" if count == 0 else "every answer counts"
+            raise SceneError(f"{told} (k = {count} of n = {trials} in all): nothing can be fitted to that")
+
+
+def collected(rows: Iterable[tuple[float, int, int]]) -> tuple[Row, ...]:
+    """Level, count and trials of blocks, put together by level; SceneError where a block is impossible.
+
+    >>> collected([(2.0, 1, 4), (1.0, 0, 4), (2.0, 3, 4)])
+    (Row(level=1.0, count=0, trials=4), Row(level=2.0, count=4, trials=8))
+    """
+    counts: dict[float, list[int]] = defaultdict(lambda: [0, 0])
+    for level, count, trials in rows:
+        if not isfinite(level):
+            raise SceneError(f"level {level} is not a finite number")
+        if count < 0 or count > trials:
+            raise SceneError(f"level {level:g}: {count} of {trials} answers cannot be")
+        counts[level][0] += count
+        counts[level][1] += trials
+    return tuple(Row(level, *counts[level]) for level in sorted(counts) if counts[level][1])
+
+
+MOST_LEVELS = 1000
+"""With which a curve is fitted; more are put together."""
+
+
+def condensed(answers: Answers) -> Answers:
+    """The same with neighbouring levels put together at their means where there are very many."""
+    rows = answers.rows
+    if len(rows) <= MOST_LEVELS:
+        return answers
+    each = -(-sum(x.trials for x in rows) // MOST_LEVELS)
+    groups: list[list[Row]] = [[]]
+    filled = 0
+    for row in rows:
+        if filled >= each:
+            groups.append([])
+            filled = 0
+        groups[-1].append(row)
+        filled += row.trials
+    together = tuple(
+        Row(sum(x.level * x.trials for x in group) / _trials(group), sum(x.count for x in group), _trials(group))
+        for group in groups
+    )
+    note = f"{len(rows)} levels put into {len(together)} groups of neighbours, each at its mean"
+    return replace(answers, rows=together, notes=(*answers.notes, note))
+
+
+def _trials(rows: Iterable[Row]) -> int:
+    return sum(x.trials for x in rows)
+
+
+ALIASES = {
+    "level": (
+        "level", "levels", "x", "intensity", "intensities", "stimlevel", "stimlevels", "stimulus", "stimuli", "stim",
+        "stimulusintensity", "stimulusintensities", "allintensities", "comparison",
+    ),
+    "count": (
+        "k", "numpos", "npos", "positives", "ncorrect", "numcorrect", "nright", "hits", "nyes", "yes", "count", "correct",
+        "right",
+    ),
+    "trials": ("n", "outofnum", "ntrials", "trials", "total", "ntotal", "numtrials"),
+    "answer": (
+        "response", "responses", "allresponses", "corr", "resp", "answer", "correct", "iscorrect", "outcome", "y", "yes",
+    ),
+}  # fmt: skip
+"""By what each is called, in small letters without anything between; a name with a point is known by its end (key_resp.corr).
+
+k, n: quickpsy. StimLevels, NumPos, OutOfNum: Palamedes. trials.intensity, trials.response, key_resp.corr: PsychoPy.
+"""
+TOLD = ("participant", "subject", "subj", "observer", "session", "condition", "hand")
+"""Columns whose values are different people or conditions: told where they are put together."""
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Where a table has what, by position: ``count`` and ``trials``, or else ``answer``, one to a line."""
+
+    level: int
+    count: int | None
+    trials: int | None
+    answer: int | None
+
+    @property
+    def used(self) -> tuple[int, ...]:
+        """The positions, level first."""
+        return tuple(x for x in (self.level, self.count, self.trials, self.answer) if x is not None)
+
+
+def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
+    """The columns that hold level and answers; ``named`` : those that the caller names. SceneError where there are none."""
+    found = {key: _named(header, key, named) if key in named else _known(header, key) for key in ALIASES}
+    level, count, trials, answer = (found[key] for key in ("level", "count", "trials", "answer"))
+    if level is None:
+        raise SceneError(_missing(header, "the levels", "level"))
+    if count is not None and trials is not None and "answer" not in named:
+        return Columns(level, count, trials, None)
+    if answer is not None and answer != level:
+        return Columns(level, None, None, answer)
+    lacking = "how many answers counted (k) of how many (n), nor one answer a line"
+    raise SceneError(_missing(header, lacking, "count and --trials, or --answer,"))
+
+
+def position(header: Sequence[str], name: str) -> int:
+    """Where a column of exactly that name is; SceneError where none is."""
+    if name in header:
+        return header.index(name)
+    raise SceneError(f"no column {quoted(name)}: {meant(name, header)}there are {_listed(header)}")
+
+
+def _named(header: Sequence[str], key: str, named: Mapping[str, str]) -> int:
+    try:
+        return position(header, named[key])
+    except SceneError as error:
+        raise error.within(key) from None
+
+
+def _known(header: Sequence[str], key: str) -> int | None:
+    plain = [_plain(x) for x in header]
+    for alias in ALIASES[key]:
+        places = [i for i, x in enumerate(plain) if x == alias]
+        if len(places) > 1:
+            both = " or ".join(quoted(header[i]) for i in places)
+            raise SceneError(f"{key}: it may be column {both}: name it with --{key}")
+        if places:
+            return places[0]
+    return None
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[^a-z]", "", name.lower().rpartition(".")[2])
+
+
+def _missing(header: Sequence[str], what: str, option: str) -> str:
+    return f"no column holds {what}: there are {_listed(header)}; name it with --{option} COLUMN"
+
+
+def _listed(header: Sequence[str]) -> str:
+    shown = ", ".join(x[:40] for x in header[:12] if x)
+    return f"{shown}, ..." if len(header) > 12 else shown or "none"
+
 
 _MOST_CHARACTERS = 10_000_000
 """Of a document of JSON."""

@@ -1,28 +1,219 @@
-"""The two-step evaluation of a measured scene, at the measured frequencies alone. Measured, never certified."""
+"""The two-step evaluation of a measured scene, at the measured frequencies alone.
+
+What would resolve the open lines: the coherence, the number of averages or the radius at which their discs decide.
+
+The rows of a document with a million lines as text, a table of characters at once: every number reads back as itself.
+
+The two-step evaluation of a measured scene, at the measured frequencies alone. Measured, never certified.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.percepts import Change, Property
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.jnd import Part
-from haptisym.model.measured import Reals
+from haptisym.model.measured import Measurement, Reals, averages_for, coherence_for
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.verbs.measured.between import Between, between
-from haptisym.verbs.measured.judging import CODES, Judged, Lines, Signs, Verdict, judged, lines_of, signs
-from haptisym.verbs.measured.needed import Needed, needed
-from haptisym.verbs.measured.regions import ends_of
-from haptisym.verbs.measured.rowtext import listed, row_texts
+from haptisym.verbs.measured.judging import CODES, Judged, Lines, Signs, Verdict, ends_of, judged, lines_of, signs
+
+MOST_AVERAGES = 1e6
+"""More than anyone takes: a line that would need more lies at its threshold, as far as measuring goes."""
+
+MOST_COHERENCE = 1 - 1e-6
+"""More than any bench gives."""
+
+
+@dataclass(frozen=True)
+class Share:
+    """What resolves half of the open lines, and all of them; None where nothing sensible does."""
+
+    half: float | None
+    all: float | None
+
+    def row(self) -> dict[str, Any]:
+        """As a document has it."""
+        return {"half": self.half, "all": self.all}
+
+
+@dataclass(frozen=True)
+class Needed:
+    """What would resolve open lines if the estimates stay where they are, each quantity alone, the others as they are.
+
+    ``radius`` : at most, relative to ``|H_env|``. ``coherence``, ``averages`` : at least; None where the discs do not come from
+    them, or not from them alone.
+    """
+
+    lines: int
+    radius: Share
+    coherence: Share | None
+    averages: Share | None
+
+
+def needed(x: Lines, found: Sequence[Judged]) -> Needed | None:
+    """Of the lines that are open in some judgement; None if none is."""
+    open_lines = np.any([one.verdict == 0 for one in found], axis=0)
+    if not open_lines.any():
+        return None
+    margins = [np.where(one.verdict == 0, np.abs(one.distance), np.inf) for one in found]
+    margin = np.min(margins, axis=0)[open_lines]
+    felt, own = x.felt, x.own
+    coherence = averages = None
+    if felt.coherence is not None and (own is None or own.discs is None):
+        coherence, averages = _of_coherence(felt, x, margin, open_lines)
+    return Needed(int(open_lines.sum()), _shares(-margin, negated=True), coherence, averages)
+
+
+def _of_coherence(felt: Measurement, x: Lines, margin: Reals, at: Any) -> tuple[Share, Share]:
+    assert felt.averages is not None
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = margin * np.abs(x.environment[at]) / np.abs(x.perceived[at])
+    coherence = coherence_for(relative, felt.averages, felt.confidence)
+    averages = averages_for(relative, felt.coherence[at], felt.confidence)
+    return _shares(coherence, most=MOST_COHERENCE), _shares(averages, most=MOST_AVERAGES)
+
+
+def _shares(values: Reals, *, most: float = np.inf, negated: bool = False) -> Share:
+    """The value that is enough for at least half of the lines, and for all; None for one above ``most``."""
+    row, middle = np.nan_to_num(values, nan=np.inf), (len(values) - 1) // 2
+    found = (
+        float(np.partition(row, middle)[middle]),
+        float(row.max()),
+    )  # as sorting all would give, in a fourth of the time
+    half, every = (None if value > most or not np.isfinite(value) else -value if negated else value for value in found)
+    return Share(half, every)
+
+
+Letters: TypeAlias = NDArray[np.uint8]
+
+_TOGETHER = 20_000
+"""Rows that are written at once: a table of all would need as much memory as the document."""
+_FEW = 1000
+"""Up to so many lines numbers are the shortest that read back; more have 17 digits, which takes a tenth of the time."""
+_EXACT = 10.0 ** np.arange(23)
+"""Powers of ten that floats hold exactly."""
+_LEAST = -6
+_DECADES = 10.0 ** np.arange(_LEAST, 17)
+"""Between which numbers are written by their digits; a product with a power of ``_EXACT`` is then a whole number of 17."""
+_SPLIT = 134217729.0
+_FOUR = np.frombuffer("".join(f"{i:04}" for i in range(10_000)).encode(), np.uint32)
+"""Four digits as one number of 32 bits."""
+_EXPONENTS = np.frombuffer("".join(f"e{i:+03}" for i in range(_LEAST, 17)).encode(), np.uint32)
+
+
+def row_texts(
+    columns: Sequence[tuple[str, Reals | None]], kinds: Any, end: Callable[[int], str], between: str
+) -> Iterator[str]:
+    """Rows, many at once, with ``between`` after each: ``columns`` by name, None for null, and what ends a row.
+
+    ``kinds`` : a number for each line; ``end`` : of the first line of a kind what all of that kind end with.
+
+    >>> columns = [("omega", np.array([1, 0.25])), ("radius", None)]
+    >>> list(row_texts(columns, np.array([7, 7]), lambda line: '"real": "below"', "; "))
+    ['{"omega":  1.0, "radius": null, "real": "below"}; {"omega": 0.25, "radius": null, "real": "below"}; ']
+    """
+    names, first, own = np.unique(kinds, return_index=True, return_inverse=True)
+    told = {name: end(int(line)) for name, line in zip(names.tolist(), first.tolist(), strict=True)}
+    ends, last = _left([f", {x}" for x in told.values()]), _left([f"}}{between}"])
+    for start in range(0, len(own), _TOGETHER):
+        some = slice(start, start + _TOGETHER)
+        parts: list[Letters] = []
+        for i, (name, row) in enumerate(columns):
+            label = f"{', ' if i else '{'}{json.dumps(name)}: "
+            parts += [_left([label]), _left(["null"]) if row is None else numerals(row[some], few=len(own) <= _FEW)]
+        yield _joined([*parts, ends[own[some]], last], len(own[some]))
+
+
+def _left(texts: Sequence[str]) -> Letters:
+    """A table of texts, a row each; spaces fill it."""
+    width = max(map(len, texts), default=0)
+    return np.frombuffer("".join(x.ljust(width) for x in texts).encode("ascii"), np.uint8).reshape(len(texts), width)
+
+
+def _joined(parts: Sequence[Letters], count: int) -> str:
+    """Tables side by side, one row after the other."""
+    whole = np.empty((count, sum(x.shape[1] for x in parts)), np.uint8)
+    at = 0
+    for x in parts:
+        whole[:, at : at + x.shape[1]] = x
+        at += x.shape[1]
+    return whole.tobytes().decode("ascii")
+
+
+def numerals(x: Reals, *, few: bool) -> Letters:
+    """Numbers as text, a row each, null for what is not finite.
+
+    >>> [bytes(row).decode() for row in numerals(np.array([0.1, 1 / 3, np.inf]), few=False)]
+    ['1.0000000000000000e-01', '3.3333333333333331e-01', '                  null']
+    """
+    x = np.asarray(x, dtype=float)
+    if few:
+        texts = [repr(v) if np.isfinite(v) else "null" for v in x.tolist()]
+        width = max(map(len, texts), default=0)
+        return _left([t.rjust(width) for t in texts])
+    plain = (x == 0) | ((x >= _DECADES[0]) & (x < _DECADES[-1]))
+    found = _by_digits(np.where(plain, x, 0.0))
+    if not plain.all():
+        others = numerals(x[~plain], few=True)
+        wide = max(found.shape[1], others.shape[1])
+        found, others = (np.pad(t, ((0, 0), (wide - t.shape[1], 0)), constant_values=ord(" ")) for t in (found, others))
+        found[~plain] = others
+    return found
+
+
+def _by_digits(x: Reals) -> Letters:
+    """``d.dddddddddddddddde+dd`` of numbers from 10^-6 to 10^16, and of 0; 17 digits, the nearest, 15 where they read back."""
+    decade = np.where(x == 0, -_LEAST, np.searchsorted(_DECADES, x, "right") - 1)
+    shift = 16 - _LEAST - decade
+    digits = _product(x, _EXACT[shift])
+    short = (digits + 50) // 100
+    digits = np.where(short / _EXACT[np.maximum(shift - 2, 0)] == x, np.where(shift >= 2, 100 * short, digits), digits)
+    found = np.empty((len(x), 22), np.uint8)
+    fours = [np.ndarray(len(x), np.uint32, found, at, (22,)) for at in (2, 6, 10, 14, 18)]  # columns of four letters
+    fours.pop()[:] = _EXPONENTS.take(decade)
+    while fours:
+        above = digits // 10_000
+        fours.pop()[:] = _FOUR.take(digits - 10_000 * above)
+        digits = above
+    found[:, 0], found[:, 1] = digits + ord("0"), ord(".")
+    return found
+
+
+def _product(x: Reals, power: Reals) -> Any:
+    """The whole number nearest to a product from 10^16 to 10^17: its float, which is whole, and what that lacks (Dekker)."""
+    found = x * power
+    (a, b), (c, d) = _halves(x), _halves(power)
+    return found.astype(np.int64) + np.rint(((a * c - found) + a * d + b * c) + b * d).astype(np.int64)
+
+
+def _halves(x: Reals) -> tuple[Reals, Reals]:
+    high = _SPLIT * x - (_SPLIT * x - x)
+    return high, x - high
+
+
+def listed(rows: Iterator[str], between: str) -> Iterator[str]:
+    """A list, in parts, of rows that end with ``between``; what is after the last is left out.
+
+    >>> "".join(listed(iter(["1,2,", "3,"]), ",")), "".join(listed(iter([]), ","))
+    ('[\\n    1,2,3\\n  ]', '[]')
+    """
+    last = None
+    for part in rows:
+        yield "[\n    " if last is None else last
+        last = part
+    yield "[]" if last is None else f"{last.removesuffix(between)}\n  ]"
 
 
 class Row(NamedTuple):

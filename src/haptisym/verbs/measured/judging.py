@@ -1,20 +1,223 @@
-"""Three-valued judgements of measured lines: where the disc of a change lies against the region of what is not noticed."""
+"""Three-valued judgements of measured lines, against regions of every shape.
+
+How far a change lies from the border of what is not noticed: exact, for regions of every shape, at all lines at once.
+
+Positive outside, negative inside: a disc of radius r lies outside where the distance is above r, inside where it is at most -r.
+
+Three-valued judgements of measured lines: where the disc of a change lies against the region of what is not noticed.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
+from functools import lru_cache
+from typing import Any, TypeAlias
 
+import flint
 import numpy as np
+from flint import arb, arb_poly
+from sympy import Expr, Poly, fraction, together
 
 from haptisym.judge.percepts import Change, Property, real_property
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import expression_ball
+from haptisym.kernel.symbols import omega
 from haptisym.model.catalogue import Environment
-from haptisym.model.jnd import Part, Threshold
+from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.measured import Complexes, Measurement, Reals
 from haptisym.model.measuredscene import MeasuredScene
-from haptisym.verbs.measured.regions import ends_of, floor_of, is_of_change_alone, joint_distance, part_distance
+
+Corners: TypeAlias = Sequence[tuple[Reals, Reals]]
+_LOST, _BITS = 1e-14, 400
+"""Of a value that may be lost in floats; and with how many bits it is computed where more is."""
+_HALVINGS = 60
+_NEAR = 1e-30  # of its half axis: beside an axis of an ellipse in place of on it
+
+
+def values_of(formula: Expr, at: Reals) -> Reals:
+    """A number, or a rational formula in omega, at frequencies, to within some roundings of the values themselves."""
+    if not formula.has(omega):
+        return np.full(len(at), float(formula))
+    above, below = (_polynomial(x, at) for x in _coefficients(formula))
+    return np.asarray(above / below)
+
+
+def _polynomial(row: tuple[Expr, ...], at: Reals) -> Reals:
+    """In floats; where these lose digits, as terms cancel, in balls."""
+    floats = np.array(row, float)
+    found, terms = np.polyval(floats, at), np.polyval(np.abs(floats), np.abs(at))
+    lost = np.flatnonzero(len(row) * 2.3e-16 * terms > _LOST * np.abs(found))
+    if len(lost):
+        with flint.ctx.workprec(_BITS):
+            exact = arb_poly([expression_ball(x) for x in row[::-1]])
+            found[lost] = [float(exact(arb(x)).mid()) for x in at[lost].tolist()]
+    return np.asarray(found)
+
+
+@lru_cache(maxsize=64)
+def _coefficients(formula: Expr) -> tuple[tuple[Expr, ...], ...]:
+    return tuple(tuple(Poly(x, omega).all_coeffs()) for x in fraction(together(formula)))
+
+
+def ends_of(c: Threshold, part: Part, at: Reals) -> tuple[Reals, Reals]:
+    """From where to where a change of one part alone is not noticed, as a share of ``|H_env|``: changes that make it larger."""
+    own, i = c.region, 0 if part is Part.REAL else 1
+    if own.shape is Shape.POLYGON:
+        return _axis(_corners(c, at), i)
+    limit = values_of(c[part], at)
+    if own.shape is Shape.ELLIPSE:
+        limit = limit * upright(values_of(own.tilt, at))
+    return -limit, limit
+
+
+def joint_distance(c: Threshold, at: Reals, x: Reals, y: Reals) -> Reals | None:
+    """Of a change x + j y from an ellipse, a diamond or a polygon; None where each part is judged by itself."""
+    own = c.region
+    if own.shape is Shape.SQUARE:
+        return None
+    if own.shape is Shape.ELLIPSE:
+        a, b = (values_of(c[part], at) for part in Part)
+        return _from_ellipse(a, b, values_of(own.tilt, at), x, y)
+    return _from_polygon(_corners(c, at), x, y)
+
+
+def part_distance(c: Threshold, part: Part, at: Reals, x: Reals, env: Reals, size: tuple[Reals, Reals]) -> Reals:
+    """Of a change of one part alone. ``x`` : that part's; ``env`` : the environment's part, both as shares of ``|H_env|``.
+
+    ``size`` : the least and the largest ``|H_env|`` in the environment's disc; where they differ, a limit for changes that make
+    the part larger is that only as far as the part does become larger, and a floor is taken at its worst.
+    """
+    low, high = ends_of(c, part, at)
+    lower = c.lower(part)
+    if is_of_change_alone(c, part):
+        return np.maximum(x - high, low - x)
+    below = high if lower is None else values_of(lower, at)
+    least, largest = (_floored(c, at, s) for s in size)
+    uncertain = size[0] < size[1]
+    exact = _two_way(np.maximum(high, largest), np.maximum(below, largest), x, env)
+    grown, moved = np.abs(env + x) - np.abs(env), np.abs(x)
+    outer, inner = (_either(moved, grown, np.maximum(high, f), np.maximum(below, f)) for f in (least, largest))
+    worst = np.where(outer > 0, outer, np.minimum(inner, 0))
+    return np.where(uncertain, worst, exact)
+
+
+def is_of_change_alone(c: Threshold, part: Part) -> bool:
+    """Whether it does not matter which environment a change is of: no floor, and limits that are the same for both ways."""
+    return c.lower(part) is None and c.region.floor is None
+
+
+def upright(tilt: Reals) -> Reals:
+    """sqrt(1 - t^2), to its last digits where t is close to 1, too."""
+    found: Reals = np.sqrt((1 - tilt) * (1 + tilt))
+    return found
+
+
+def depth_of(c: Threshold, at: Reals) -> Reals:
+    """How far no change at all lies inside a diamond or a polygon."""
+    zero = np.zeros(len(at))
+    return -_from_polygon(_corners(c, at), zero, zero)
+
+
+def floor_of(c: Threshold, at: Reals) -> Reals:
+    """The least change that is noticed, in the unit of H; 0 without a floor."""
+    return np.zeros(len(at)) if c.region.floor is None else values_of(c.region.floor, at)
+
+
+def _floored(c: Threshold, at: Reals, size: Reals) -> Reals:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.nan_to_num(floor_of(c, at) / size, nan=0.0, posinf=np.inf)
+
+
+def _either(moved: Reals, grown: Reals, up: Reals, down: Reals) -> Reals:
+    """How far a change is noticed, or not noticed where negative, whatever the disc makes of how the part has ``grown``."""
+    beyond = np.maximum(np.minimum(grown, moved - up), np.minimum(-grown, moved - down))
+    within = np.maximum(np.minimum(grown, up - moved), np.minimum(-grown, down - moved))
+    outer = np.maximum(moved - np.maximum(up, down), beyond)
+    inner = np.maximum(np.minimum(up, down) - moved, within)
+    found: Reals = np.where(outer > 0, outer, -np.maximum(inner, 0))
+    return found
+
+
+def _two_way(up: Reals, down: Reals, x: Reals, env: Reals) -> Reals:
+    """One limit for changes that make a part larger in magnitude, another for those that make it smaller.
+
+    With env = e > 0 what is smaller lies between -2 e and 0: not noticed is [-min(down, 2 e), up], and [-up, -2 e] if
+    there is one.
+    """
+    x, turn = np.where(env < 0, -x, x), -2 * np.abs(env)
+    first, beyond = np.maximum(-down, turn), -up <= turn
+    first = np.where(beyond & (first <= turn), -up, first)
+    near = np.minimum(x - first, up - x)
+    far = np.where(beyond, np.minimum(x + up, turn - x), -np.inf)
+    found: Reals = -np.maximum(near, far)
+    return found
+
+
+# The plane.
+
+
+def _corners(c: Threshold, at: Reals) -> Corners:
+    if c.region.shape is Shape.POLYGON:
+        return [(values_of(x, at), values_of(y, at)) for x, y in c.region.corners]
+    a, b = (values_of(c[part], at) for part in Part)
+    zero = np.zeros(len(at))
+    return [(a, zero), (zero, b), (-a, zero), (zero, -b)]
+
+
+def _edges(corners: Corners) -> Iterable[tuple[Reals, Reals, Reals, Reals]]:
+    for (px, py), (qx, qy) in zip(corners, [*corners[1:], corners[0]], strict=True):
+        yield px, py, qx - px, qy - py
+
+
+def _axis(corners: Corners, i: int) -> tuple[Reals, Reals]:
+    """Where a polygon cuts an axis."""
+    low, high = np.full(len(corners[0][0]), -np.inf), np.full(len(corners[0][0]), np.inf)
+    for px, py, dx, dy in _edges(corners):
+        slope, reach = (dy, -dx)[i], dy * px - dx * py
+        with np.errstate(divide="ignore", invalid="ignore"):
+            end = reach / slope
+        high = np.where(slope > 0, np.minimum(high, end), high)
+        low = np.where(slope < 0, np.maximum(low, end), low)
+    return low, high
+
+
+def _from_polygon(corners: Corners, x: Reals, y: Reals) -> Reals:
+    """Of a convex polygon, corners counterclockwise."""
+    depth, away = np.full(len(x), np.inf), np.full(len(x), np.inf)
+    for px, py, dx, dy in _edges(corners):
+        length = np.hypot(dx, dy)
+        depth = np.minimum(depth, (dx * (y - py) - dy * (x - px)) / length)
+        share = np.clip(((x - px) * dx + (y - py) * dy) / length**2, 0, 1)
+        away = np.minimum(away, np.hypot(x - px - share * dx, y - py - share * dy))
+    found: Reals = np.where(depth >= 0, -depth, away)
+    return found
+
+
+def _from_ellipse(a: Reals, b: Reals, tilt: Reals, x: Reals, y: Reals) -> Reals:
+    """Of (x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2: the foot of the perpendicular, by bisection in the principal axes.
+
+    It is (long^2 u/(t + long^2 - short^2), short^2 v/t); t may be close to 0, and is found to its last digits.
+    """
+    mixed, apart = tilt * a * b, (a - b) * (a + b) / 2
+    spread, turned = np.hypot(apart, mixed), 0.5 * np.arctan2(mixed, apart)
+    long = np.sqrt((a**2 + b**2) / 2 + spread)
+    short = a * b * upright(tilt) / long
+    cos, sin = np.cos(turned), np.sin(turned)
+    u = np.maximum(np.abs(x * cos + y * sin), _NEAR * long)
+    v = np.maximum(np.abs(y * cos - x * sin), _NEAR * short)
+    low, high = short * v, np.hypot(long * u, short * v)
+    for _ in range(_HALVINGS):
+        t = np.sqrt(low) * np.sqrt(high)
+        beyond = (long * u / (t + 2 * spread)) ** 2 + (short * v / t) ** 2 > 1
+        low, high = np.where(beyond, t, low), np.where(beyond, high, t)
+    t = np.sqrt(low) * np.sqrt(high)
+    found: Any = np.abs(t - short**2) * np.hypot(u / (t + 2 * spread), v / t)
+    inside = (u / long) ** 2 + (v / short) ** 2 <= 1
+    signed: Reals = np.where(inside, -found, found)
+    return signed
+
 
 OPEN = 2
 """A sign that a disc does not tell."""

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from sympy import Expr, Integer
 
-from haptisym.judge.passivity import most_charted
-from haptisym.judge.positivereal import has_no_pole_right, poles_allow
+from haptisym.judge.passivity import has_no_pole_right, most_charted, poles_allow
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.response import RealFunction

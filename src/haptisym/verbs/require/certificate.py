@@ -1,27 +1,273 @@
-"""The certificate of a requirement: for which values a display is transparent, with a proof (docs/certificates.md)."""
+"""The certificate of a requirement, and the slabs that prove it.
+
+Factors over a slab of values: sums, with positive weights, of functions of omega alone, whose signs show theirs.
+
+Slabs of values of one parameter, and cells of the band, in which coefficients show the sign of what must not be positive.
+
+The certificate of a requirement: for which values a display is transparent, with a proof (docs/certificates.md).
+"""
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
+from functools import lru_cache, partial
 from itertools import pairwise
+from math import isqrt
 from typing import Any, TypeAlias
 
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.model.scene import Scene
 from haptisym.verbs.evaluate.certificate import TOO_LONG, afford, document, named
-from haptisym.verbs.evaluate.powers import rectangular
-from haptisym.verbs.evaluate.products import Linked, products
-from haptisym.verbs.evaluate.waves import WaveFactor
+from haptisym.verbs.evaluate.products import Factor, Linked, Rows, WaveFactor, products, rectangular
 from haptisym.verbs.require.feasible import End
 from haptisym.verbs.require.freeparameter import conditions
 from haptisym.verbs.require.required import Requirement
-from haptisym.verbs.require.slabs import Ends, Problem, Value, ascending
-from haptisym.verbs.require.slicing import cost, width
+
+Pair: TypeAlias = tuple[int, int]
+Held: TypeAlias = tuple[bool, bool] | None
+"""Whether each end of the slab belongs to it, where a factor must not be zero for a value; None where it may."""
+
+
+def moved(p: Sequence[int], low: Pair, high: Pair) -> list[int]:
+    """The coefficients of p((a + b u)/(c + d u)) (c + d u)^n, low = a/c and high = b/d."""
+
+    def stretched(q: Sequence[int], a: int, b: int) -> list[int]:
+        return [a * x + b * y for x, y in zip([*q, 0], [0, *q], strict=True)]
+
+    found, power = [p[-1]], [1]
+    for c in p[-2::-1]:
+        power = stretched(power, low[1], high[1])
+        found = [x + c * y for x, y in zip(stretched(found, low[0], high[0]), power, strict=True)]
+    return found
+
+
+@dataclass(frozen=True)
+class Slices:
+    """The slices of a polynomial in omega^step, the first at the low end of the slab."""
+
+    rows: Sequence[Sequence[int]]
+    step: int
+
+    def side(self, a: Fraction, b: Fraction, held: Held) -> int | None:
+        """The sign from a to b for all values; None where it is not shown."""
+        rows = [moved(q, (a**self.step).as_integer_ratio(), (b**self.step).as_integer_ratio()) for q in self.rows]
+        signs = {(x > 0) - (x < 0) for row in rows for x in row} - {0}
+        borders = [row for row, own in zip((rows[0], rows[-1]), held or (), strict=False) if own]
+        return signs.pop() if len(signs) == 1 and all(map(any, borders)) else None
+
+
+class WaveSlices:
+    """The slices of a factor with waves; None for one that is zero everywhere."""
+
+    def __init__(self, slices: Sequence[WaveFactor | None]) -> None:
+        self.slices = slices
+        self._known = lru_cache(maxsize=None)(self._found)
+        self._asked = [x for x in slices if x]
+
+    def side(self, a: Fraction, b: Fraction, held: Held) -> int | None:
+        """The sign from a to b for all values; None where it is not shown."""
+        borders = [x for x, own in zip((self.slices[0], self.slices[-1]), held or (), strict=False) if own]
+        return self._known(a, b) if all(borders) else None
+
+    def _found(self, a: Fraction, b: Fraction) -> int | None:
+        """The sign that all slices have; the one that failed is asked first in the next cell."""
+        found = 0
+        for i, x in enumerate(self._asked):
+            own = {*(x.moved(a, b) or (0,))} if a < b else {x.sign_at(a)}
+            if own not in ([{found}] if found else [{1}, {-1}]):
+                self._asked.insert(0, self._asked.pop(i))
+                return None
+            [found] = own
+        return found or None
+
+
+def cost(factor: Factor | WaveFactor) -> tuple[int, int]:
+    """Of the signs of its slices, as the limits of the format have it: for each bit of a point, and with waves for each point."""
+    count, most = len(_rows(factor)), width(factor)
+    if isinstance(factor, Factor):
+        return 2 * (count * most) ** 2 + 2000, 0
+    return 2 * count * most**2, factor.cost * most
+
+
+def width(factor: Factor | WaveFactor) -> int:
+    """How many slices it has."""
+    return max(map(len, _rows(factor)))
+
+
+def _rows(factor: Factor | WaveFactor) -> Rows:
+    return factor.rows if isinstance(factor, Factor) else tuple(row for _, rows in factor.terms for row in rows)
+
+
+def sliced(factor: Factor | WaveFactor, low: Pair, high: Pair) -> Slices | WaveSlices:
+    """A factor between two values; 1/0 and -1/0 where there is no bound."""
+    if isinstance(factor, Factor):
+        return Slices(_slices(factor.rows, low, high), factor.step)
+    every = _slices(_rows(factor), low, high)
+    return WaveSlices([_refilled(factor, found) for found in every])
+
+
+def _slices(rows: Sequence[Sequence[int]], low: Pair, high: Pair) -> list[list[int]]:
+    width = max(map(len, rows))
+    every = [moved([*row, *[0] * (width - len(row))], low, high) for row in rows]
+    return [list(x) for x in zip(*every, strict=True)]
+
+
+def _refilled(factor: WaveFactor, coefficients: Sequence[int]) -> WaveFactor | None:
+    """The factor with these coefficients; None where all are zero."""
+    terms, place = list[tuple[tuple[int, ...], Rows]](), 0
+    for turns, rows in factor.terms:
+        own = coefficients[place : (place := place + len(rows))]
+        if any(own):
+            terms.append((turns, tuple((n,) for n in own)))
+    return WaveFactor(tuple(terms), factor.waves, factor.delays, factor.orders) if terms else None
+
+
+Value: TypeAlias = Fraction | None
+"""A value of the parameter; None where it is unbounded."""
+
+_MOST_CELLS, _MOST_SLABS = 50, 150
+_MOST_WITH_WAVES = 40
+
+
+@dataclass(frozen=True)
+class Ends:
+    """The ends of a slab of values, and whether each belongs to it."""
+
+    low: Value
+    high: Value
+    holds_low: bool = False
+    holds_high: bool = False
+
+    def halves(self) -> tuple[Ends, Ends]:
+        """Two of them that meet inside."""
+        cut = _middle(self.low, self.high)
+        return Ends(self.low, cut, self.holds_low, True), Ends(cut, self.high, True, self.holds_high)  # noqa: FBT003
+
+    def slices(self, factors: Sequence[Factor | WaveFactor]) -> list[Slices | WaveSlices]:
+        """Of each factor, over the slab."""
+        low = (-1, 0) if self.low is None else self.low.as_integer_ratio()
+        high = (1, 0) if self.high is None else self.high.as_integer_ratio()
+        return [sliced(f, low, high) for f in factors]
+
+
+def _middle(low: Value, high: Value) -> Fraction:
+    if high is None:
+        return Fraction(0) if low is None else max(2 * low, low + 1) if low else Fraction(1)
+    if low is None:
+        return min(2 * high, high - 1)
+    if low == 0:
+        return high / 16
+    if 0 < 8 * low < high:
+        scale = 10**6
+        while low * scale < 1:
+            scale *= 1000
+        return Fraction(isqrt(int(low * high * scale**2)) + 1, scale)
+    return (low + high) / 2
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Excesses as products of factors, on a band; ``starts`` : points of the band at which something binds."""
+
+    factors: Sequence[Factor | WaveFactor]
+    functions: Mapping[str, Mapping[str, Any]]
+    band: tuple[Fraction, Fraction, Fraction, Fraction]
+    starts: Sequence[Fraction]
+
+    def slabs(self, ends: Ends, *, holds: bool) -> Iterator[dict[str, Any]]:
+        """Slabs from end to end, each with its proof. UndecidedError where so many as a certificate may have do not suffice."""
+        most = _MOST_WITH_WAVES if any(isinstance(f, WaveFactor) for f in self.factors) else _MOST_SLABS
+        waiting, count = [*ends.halves()[::-1]] if ends.low is ends.high is None else [ends], 1
+        while waiting:
+            tick()
+            here = waiting.pop()
+            found = self._slab(here, holds=holds)
+            if found is not None:
+                yield {"from": _text(here.low), "to": _text(here.high), **found}
+            elif count < most:
+                waiting += here.halves()[::-1]
+                count += 1
+            else:
+                raise UndecidedError(
+                    "a certificate: so many slabs of values, and cells of the band, as it may have are not enough"
+                )
+
+    def _slab(self, ends: Ends, *, holds: bool) -> dict[str, Any] | None:
+        slab = Slab(self, ends, ends.slices(self.factors))
+        if not holds:
+            found = next(((x, part) for x in self._tried for part in self.functions if slab.fails(part, x)), None)
+            return None if found is None else {"points": [str(found[0])], "part": found[1].partition(".")[2]}
+        points = slab.cells()
+        return None if points is None else {"points": [str(x) for x in points], "part": None}
+
+    @property
+    def _tried(self) -> list[Fraction]:
+        """Points of the band at which an excess may be positive: those that bind, and some between."""
+        _, low, high, _ = self.band
+        near_0 = [Fraction(1, 10**n) for n in (15, 40, 70)] if low == 0 and _have_powers(self.factors) else []
+        return [*self.starts, *near_0, high, low, *(low + (high - low) * n / 16 for n in range(1, 16))]
+
+
+def _have_powers(factors: Sequence[Factor | WaveFactor]) -> bool:
+    """Whether there are powers of omega, which have no bounds at 0."""
+    return any(isinstance(f, WaveFactor) and f.orders for f in factors)
+
+
+def _text(x: Value) -> str | None:
+    return None if x is None else str(x)
+
+
+@dataclass(frozen=True)
+class Slab:
+    """Values between two, with the factors as sums, of positive weights, of functions of omega alone."""
+
+    problem: Problem
+    ends: Ends
+    slices: Sequence[Slices | WaveSlices]
+
+    def fails(self, name: str, x: Fraction) -> bool:
+        """Whether an excess is positive at a point of the band for all values."""
+        return self._sign(self.problem.functions[name], x, x, firm=True) == 1
+
+    def cells(self) -> list[Fraction] | None:
+        """Points between which no excess is positive; None where so many as a slab may have do not suffice."""
+        low, *_, high = self.problem.band
+        inner = sorted({x for x in self.problem.starts if low < x < high})
+        found, waiting = [low], [high, *inner[::-1]]
+        while waiting:
+            if self._is_kept(found[-1], waiting[-1]):
+                found.append(waiting.pop())
+            elif len(found) + len(waiting) < _MOST_CELLS:
+                waiting.append((found[-1] + waiting[-1]) / 2)
+            else:
+                return None
+        return found
+
+    def _is_kept(self, a: Fraction, b: Fraction) -> bool:
+        return all(self._sign(told, a, b, firm=False) in (-1, 0) for told in self.problem.functions.values())
+
+    def _sign(self, told: Mapping[str, Any], a: Fraction, b: Fraction, *, firm: bool) -> int | None:
+        number = Fraction(told["number"])
+        found = (number > 0) - (number < 0)
+        held = self.ends.holds_low, self.ends.holds_high
+        for i, n in told["powers"]:
+            own = self.slices[i].side(a, b, held if firm or n < 0 else None)
+            if own is None:
+                return None
+            found *= own ** (n % 2)
+        return found
+
+
+def ascending(values: Sequence[tuple[Value, Value, bool]]) -> bool:
+    """Whether the intervals come one after the other, and no two neighbours say the same."""
+    return all(a[1] is not None and b[0] is not None and a[1] <= b[0] and a[2] is not b[2] for a, b in pairwise(values))
+
 
 Bounds: TypeAlias = tuple[Fraction, Fraction]
 

@@ -22,8 +22,8 @@ from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.require.asking import Asked, Plan, share_of
-from haptisym.verbs.require.boundary import edge_polynomial, touch_polynomial
 from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder
+from haptisym.verbs.require.criticalvalues import edge_polynomial, touch_polynomial
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.freeparameter import conditions, pieces
 from haptisym.verbs.require.held import with_hands
@@ -43,7 +43,7 @@ class DesignMap(Answer):
 
     _schema: ClassVar[str] = "haptisym.designmap/1"
     _page: ClassVar[str] = "haptisym.pages.designmap:page"
-    _figure: ClassVar[str] = "haptisym.figures.wishes:map_figure"
+    _figure: ClassVar[str] = "haptisym.figures.designmap:map_figure"
 
     scene: Scene
     free: tuple[Knob, Knob]

@@ -18,8 +18,8 @@ from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.rings import RationalFunction
-from haptisym.programs.taylormodels import Array, Model, halves
-from haptisym.programs.valued import floated, valued
+from haptisym.programs.taylormodels import Array, Model, floated, halves, valued
+from haptisym.verbs.require.criticalvalues import ExactSign
 from haptisym.verbs.require.energyterms import (
     Parts,
     Span,
@@ -35,7 +35,6 @@ from haptisym.verbs.require.energyterms import (
     terms_in,
     variables,
 )
-from haptisym.verbs.require.exactsigns import ExactSign
 
 _FARTHEST = 2.0**60
 _MOST = 800  # cells of frequency and parameter

@@ -16,8 +16,7 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import Polynomial
-from haptisym.programs.taylormodels import Array, Model, between, variable
-from haptisym.programs.valued import floated
+from haptisym.programs.taylormodels import Array, Model, between, floated, variable
 
 Span: TypeAlias = tuple[float, float]
 Parts: TypeAlias = dict[Expr, list[Model | None]]

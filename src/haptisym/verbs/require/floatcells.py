@@ -25,8 +25,7 @@ from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.tolerances.box import Box, Side
-from haptisym.verbs.tolerances.excess import Excess, LargerExcess
-from haptisym.verbs.tolerances.regional import excess_of
+from haptisym.verbs.tolerances.search import Excess, LargerExcess, excess_of
 
 _FIRST = 16
 """Pieces of the band to begin with."""

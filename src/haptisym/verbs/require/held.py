@@ -19,16 +19,15 @@ from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, how_to_give
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
-from haptisym.verbs.require.existing import allowed, missing
+from haptisym.verbs.require.criticalvalues import allowed, missing
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.verdicts import Question, Turn
-from haptisym.verbs.stability.boundary import meetings
 from haptisym.verbs.stability.chains import RightRoots, Tendency
 from haptisym.verbs.stability.clocked import clocked_roots, passages_in
+from haptisym.verbs.stability.critical import Tally, meetings
 from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.loops import Gap, Loop, Meetings
-from haptisym.verbs.stability.tally import Tally
 
 _MOST_WINDOWS = 8
 """Of values about the scene's own, each about four times as wide as the one before it."""

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from sympy import Expr, Integer
 
 from haptisym.judge.criteria import PASSIVE
-from haptisym.judge.passiveparts import environment_alone
-from haptisym.judge.passivity import passivity
+from haptisym.judge.passivity import environment_alone, passivity
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.eliminants import resultant
 from haptisym.kernel.monomials import monomials
@@ -18,8 +17,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import Rule, values
 from haptisym.model.scene import Scene
-from haptisym.verbs.require.boundary import critical, irreducible, real_roots
-from haptisym.verbs.require.existing import allowed, missing
+from haptisym.verbs.require.criticalvalues import allowed, critical, irreducible, missing, real_roots
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain, conditions, pieces
 from haptisym.verbs.require.passivecells import solve_by_cells

@@ -26,10 +26,9 @@ from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
 from haptisym.programs.onaxis import OnAxis
+from haptisym.verbs.require.criticalvalues import ExactSign, allowed, is_between, keeps_sign, missing, zeros_of
 from haptisym.verbs.require.energy import Energy
 from haptisym.verbs.require.energyterms import span
-from haptisym.verbs.require.exactsigns import ExactSign, is_between, keeps_sign, zeros_of
-from haptisym.verbs.require.existing import allowed, missing
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.verdicts import Question, Turn

@@ -14,7 +14,7 @@ from sympy import Expr
 
 from haptisym.kernel.bernstein import range_of
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
-from haptisym.kernel.wavesums import CompiledWaves
+from haptisym.kernel.waves import CompiledWaves
 from haptisym.kernel.zeros import rounded_up, tightened
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.strips import Shape

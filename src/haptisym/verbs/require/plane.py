@@ -23,10 +23,8 @@ from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.tolerances.box import Box, Side
-from haptisym.verbs.tolerances.excess import Excess
-from haptisym.verbs.tolerances.heldplane import held_plane
-from haptisym.verbs.tolerances.rectangles import Pieces, RectangleSearch
-from haptisym.verbs.tolerances.regional import excess_of
+from haptisym.verbs.tolerances.heldbox import Pieces, RectangleSearch, held_plane
+from haptisym.verbs.tolerances.search import Excess, excess_of
 
 _FIRST_PIECES = 16  # of the band, to begin with
 _FINEST, _FINEST_HELD = 2.0**-8, 2.0**-9

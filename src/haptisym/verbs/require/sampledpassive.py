@@ -21,9 +21,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
-from haptisym.verbs.require.boundary import critical, real_roots
-from haptisym.verbs.require.exactsigns import zeros_of
-from haptisym.verbs.require.existing import allowed, missing
+from haptisym.verbs.require.criticalvalues import allowed, critical, missing, real_roots, zeros_of
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.passive import turns_of_poles

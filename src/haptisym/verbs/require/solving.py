@@ -22,8 +22,7 @@ from haptisym.model.jnd import Part
 from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.cells import Leaf, ValueSearch
-from haptisym.verbs.require.criticalvalues import Problem
-from haptisym.verbs.require.existing import allowed, missing, without
+from haptisym.verbs.require.criticalvalues import Problem, allowed, missing, without
 from haptisym.verbs.require.feasible import End, Solved, Span, bound_ends, runs
 from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import Conditions, Domain, conditions, each, pieces

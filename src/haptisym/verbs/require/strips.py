@@ -24,7 +24,7 @@ from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
-from haptisym.kernel.wavesums import CompiledWaves
+from haptisym.kernel.waves import CompiledWaves
 
 _Waves: TypeAlias = tuple[int, ...]
 _Rows: TypeAlias = Mapping[tuple[_Waves, _Waves], list[arb_poly]]

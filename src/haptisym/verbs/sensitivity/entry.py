@@ -1,13 +1,34 @@
-"""How each frequency of a scene moves with each parameter, as an answer."""
+"""How crossings, changeovers and the bandwidth move with each parameter.
+
+Which zeros and poles of a real function meet at a frequency, and where each goes as a parameter moves.
+
+A sign changes at a zero of odd order of what stands above or below the line of f(omega, p). For the scene's own p several may
+lie on one frequency: a pole without damping is a zero above the line on a double zero below it, and with a little damping the
+zero alone is left, beside it. Counted are the real branches through the point that change the sign, for p a little smaller
+and a little larger; one alone is where the frequency goes, and its slope follows from its own factor by implicit differentiation.
+Derivation: 14_sensitivity.
+
+How the frequencies of an evaluation move with each parameter: derivatives and elasticities, exact and certified.
+
+A crossing is a simple zero of F(omega, p) = r^2 - c^2, so that d omega/dp = -(dF/dp)/(dF/d omega) there (implicit
+differentiation). ``Derivation.sensitivity`` has the formula; here it is evaluated in ball arithmetic at the certified
+frequency. Where the display touches its threshold dF/d omega is 0 and the derivative does not exist. Where zeros and poles meet
+(``branches``), where a parameter has the least value that it may have, and at the ends of the band it may exist from one side.
+Derivation: 14_sensitivity.
+
+How each frequency of a scene moves with each parameter, as an answer.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
-from sympy import Expr
+import flint
+from flint import arb, fmpq
+from sympy import Expr, Integer, Rational, Symbol, pi
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion
@@ -16,26 +37,383 @@ from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.lattices import Lattice, Piece, Signed
 from haptisym.kernel.levels import algebraic
-from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot
+from haptisym.kernel.precision import at_rising_precision
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial, PolynomialRing
 from haptisym.kernel.roots import Point, chart
-from haptisym.kernel.shown import counted, titled
-from haptisym.kernel.symbols import c
+from haptisym.kernel.shown import Shown, counted, titled
+from haptisym.kernel.solutions import Equation, ImplicitSlope
+from haptisym.kernel.symbols import c, omega
+from haptisym.kernel.zeros import is_clear, sign_of
 from haptisym.model.jnd import Part, is_irrational_algebraic
-from haptisym.model.knobs import THRESHOLD
+from haptisym.model.knobs import THRESHOLD, Knob, Knobs
+from haptisym.model.parameters import Rule
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.derive.entry import derive
-from haptisym.verbs.sensitivity.slopes import (
-    FLAT,
-    TOUCH,
-    Sensitive,
-    Sensitivity,
-    VariedParameter,
-    at,
-    none,
-    still,
-)
+from haptisym.verbs.derive.derivation import Derivation, derive
+
+_USUAL_BITS = 128
+Factors: TypeAlias = tuple[tuple[Equation, int], ...]
+"""Irreducible factors as equations, each with its order."""
+SymbolValues: TypeAlias = tuple[tuple[Symbol, RealNumber], ...]
+ZERO = ExactNumber(Integer(0))
+"""What does not move at first order."""
+Branch: TypeAlias = RealNumber | None
+"""The slope of a branch; None where it is infinite, or one of several that leave the point."""
+Sides: TypeAlias = tuple[list[Branch], list[Branch]]
+"""The branches for a parameter a little smaller, and a little larger."""
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Factors, each with its order, that vanish or nearly vanish at a frequency, where the symbols have these ``values``."""
+
+    factors: Factors
+    parameter: Symbol
+    values: SymbolValues
+
+    def sides(self) -> Sides | None:
+        """The branches that change the sign, below and above the parameter's value; None where that stays open.
+
+        Complete for polynomials with rational values of the symbols, but where more than two branches of one factor meet.
+        """
+        core = self._core()
+        if core is None:
+            return None
+        below: list[Branch] = []
+        above: list[Branch] = []
+        for factor, order in self.factors:
+            found = self._of(factor, core) if order % 2 else ([], [])
+            if found is None:
+                return None
+            below, above = below + found[0], above + found[1]
+        return below, above
+
+    def is_still(self) -> bool:
+        """Whether a simple zero of the only factor does not move at first order: dF/dp is 0 there. (False: not seen to be.)"""
+        core, [(factor, _)] = self._core(), self.factors
+        return core is not None and self._vanishes(
+            factor.ring, _derivative(factor.ring, factor.F, self.parameter), core
+        )
+
+    def _of(self, factor: Equation, core: Polynomial) -> Sides | None:
+        """The real branches of one factor F, by the lowest terms of its Taylor series at the point."""
+        ring, here = factor.ring, self._here(factor.ring, factor.F)
+        times = 0 if here.is_zero() else _multiplicity(core, here)  # F = p - value is 0 nowhere beside the value
+        if times == 0:
+            return [], []
+        F_p = _derivative(ring, factor.F, self.parameter)
+        if times == 1:
+            slope = ZERO if self._vanishes(ring, F_p, core) else Slope(factor.slope(self.parameter), self.values)
+            return [slope], [slope]
+        if not self._vanishes(ring, F_p, core):  # a d omega^times + b dp = 0
+            return self._fold(ring, factor.F, F_p, times)
+        return self._pair(ring, factor.F, core) if times == 2 else None
+
+    def _fold(self, ring: PolynomialRing, F: Polynomial, F_p: Polynomial, times: int) -> Sides | None:
+        """Infinitely fast: on both sides where ``times`` is odd, else twice on one side and not at all on the other."""
+        if times % 2:
+            return [None], [None]
+        highest = F
+        for _ in range(times):
+            highest = _derivative(ring, highest, omega)
+        one, other = self._sign(ring, highest), self._sign(ring, F_p)
+        if not one or not other:
+            return None
+        return ([None, None], []) if one * other > 0 else ([], [None, None])
+
+    def _pair(self, ring: PolynomialRing, F: Polynomial, core: Polynomial) -> Sides | None:
+        """a d omega^2 + 2 b d omega dp + c dp^2 = 0: two lines where b^2 > a c, the point alone where b^2 < a c."""
+        F_w, F_p = _derivative(ring, F, omega), _derivative(ring, F, self.parameter)
+        a, b, c = (_derivative(ring, *x) for x in ((F_w, omega), (F_w, self.parameter), (F_p, self.parameter)))
+        discriminant = b * b - a * c
+        sign = None if self._vanishes(ring, discriminant, core) else self._sign(ring, discriminant)
+        if sign is None:
+            return None
+        lines: list[Branch] = [None, None] if sign > 0 else []  # where the frequency goes, two of them leave open
+        return lines, list(lines)
+
+    def _core(self) -> Polynomial | None:
+        """The irreducible polynomial that the frequency is a zero of; None but for polynomials with rational values."""
+        plain = not any(f.ring.functions for f, _ in self.factors)
+        if not plain or not all(isinstance(value, Rational) for value in self._numbers.values()):
+            return None
+        left: dict[str, Polynomial] = {}
+        for factor, _ in self.factors:
+            here = self._here(factor.ring, factor.F)
+            for core, _ in [] if here.is_zero() else here.factor()[1]:
+                if self._sign(factor.ring, core) is None:
+                    left[str(core)] = core
+        return next(iter(left.values())) if len(left) == 1 else None
+
+    def _here(self, ring: PolynomialRing, polynomial: Polynomial) -> Polynomial:
+        """A polynomial with the symbols' values in place."""
+        known = {ring.meanings.index(x): v for x, v in self._numbers.items() if x in ring.meanings}
+        return polynomial.subs({i: fmpq(int(v.p), int(v.q)) for i, v in known.items()})
+
+    @property
+    def _numbers(self) -> dict[Symbol, Any]:
+        """The symbols' exact values, None where a number has none."""
+        return {x: v.value if isinstance(v, ExactNumber) else None for x, v in self.values if x != omega}
+
+    def _vanishes(self, ring: PolynomialRing, polynomial: Polynomial, core: Polynomial) -> bool:
+        here = self._here(ring, polynomial)
+        return bool(here.is_zero()) or _multiplicity(core, here) > 0
+
+    def _sign(self, ring: PolynomialRing, polynomial: Polynomial) -> int | None:
+        """The sign here, -1 or 1; None where it is 0, or too near to it."""
+        return at_rising_precision(lambda bits: sign_of(ring.ball(polynomial, balls(self.values, bits))) or None, 64)
+
+
+def not_clear(factors: Factors, values: SymbolValues) -> Factors:
+    """The factors, of which at least one vanishes here, that are not proven to differ from 0."""
+
+    def alone(bits: int) -> Factors | None:
+        nonlocal factors
+        known = balls(values, bits)
+        factors = tuple((factor, order) for factor, order in factors if not is_clear(factor.ball(known)))
+        return factors if len(factors) <= 1 else None
+
+    if len(factors) > 1:
+        at_rising_precision(alone, 64)
+    return factors
+
+
+def balls(values: SymbolValues, bits: int) -> dict[Expr, Ball]:
+    """Enclosures of exact values, and of pi at the working precision."""
+    return {pi: arb.pi(), **{symbol: number.ball(bits) for symbol, number in values}}
+
+
+def _multiplicity(core: Polynomial, polynomial: Polynomial) -> int:
+    """How often an irreducible polynomial divides one that is not 0."""
+    times = 0
+    while True:
+        quotient, rest = divmod(polynomial, core)
+        if not rest.is_zero():
+            return times
+        polynomial, times = quotient, times + 1
+
+
+def _derivative(ring: PolynomialRing, polynomial: Polynomial, x: Symbol) -> Polynomial:
+    return polynomial.derivative(ring.meanings.index(x)) if x in ring.meanings else 0 * polynomial
+
+
+@dataclass(frozen=True, repr=False)
+class Slope(RealNumber):
+    """An implicit derivative where its symbols have these values."""
+
+    slope: ImplicitSlope
+    values: SymbolValues
+
+    def ball(self, bits: int) -> Ball:
+        above, below = self._parts(bits)
+        with flint.ctx.workprec(bits):
+            return -above / below
+
+    def _parts(self, bits: int) -> tuple[Ball, Ball]:
+        """Balls around what stands above and below; a float, five digits and a sign are read off one and the same."""
+        enough = max(bits, _USUAL_BITS)
+        if enough not in self._known:
+            with flint.ctx.workprec(enough):
+                self._known[enough] = self.slope.balls(balls(self.values, enough))
+        return self._known[enough]
+
+    @cached_property
+    def _known(self) -> dict[int, tuple[Ball, Ball]]:
+        return {}
+
+    def is_clear(self) -> bool:
+        """Whether neither dF/dp nor dF/d omega is 0: proven."""
+        return bool(at_rising_precision(lambda bits: all(map(is_clear, self._parts(bits))) or None, _USUAL_BITS))
+
+
+TOUCH = "undefined: the display touches its threshold here"
+_MEET = "undecided: several branches of the equation meet here"
+_NOT_CLEAR = "undecided: dF/dp or dF/d omega is 0 here, or too near to it"
+FLAT = "undefined: the ratio meets its threshold at 0 rad/s, where it is flat"
+_LEAST = "from above; below there is no scene"
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """How a frequency moves with one parameter p: ``derivative`` = d omega/dp in rad/s per ``unit``, ``elasticity`` =
+    (p/omega) d omega/dp (1). Certified; None where the derivative does not exist.
+
+    ``side``: "above" or "below" where the derivative holds only for larger or for smaller values of the parameter.
+    """
+
+    knob: Knob
+    derivative: RealNumber | None
+    elasticity: RealNumber | None
+    reason: str = ""
+    """Why there are none, or only from one side."""
+    side: str = ""
+
+    @property
+    def path(self) -> str:
+        """The parameter's place in a scene file."""
+        return self.knob.path
+
+    @property
+    def name(self) -> str:
+        """That of its symbol, ``c`` (or ``c_real``, ``c_imag``) the threshold."""
+        return self.knob.name
+
+    @property
+    def unit(self) -> str:
+        """The parameter's; empty where it is not known."""
+        return self.knob.unit_in(self.knob.motion)
+
+
+@dataclass(frozen=True, repr=False)
+class Sensitive(Shown):
+    """A frequency, rad/s, and how it moves with each parameter; ``criterion``: of a crossing, whose it is."""
+
+    omega: RealNumber
+    parameters: tuple[Sensitivity, ...]
+    criterion: Criterion | None = None
+    kind: CrossingKind | None = None
+
+    def _line(self) -> str:
+        return f"{self.omega.digits(6)} rad/s: {counted(len(self.parameters), 'parameter')}"
+
+    def __getitem__(self, name: str) -> Sensitivity:
+        knob = Knobs(tuple(x.knob for x in self.parameters))[name]
+        return next(x for x in self.parameters if x.knob is knob)
+
+    @property
+    def reason(self) -> str:
+        """Why there are no derivatives by any parameter; empty where there are some."""
+        reasons = {x.reason if x.derivative is None else "" for x in self.parameters}
+        return reasons.pop() if len(reasons) == 1 else ""
+
+    @property
+    def ranked(self) -> tuple[Sensitivity, ...]:
+        """The parameters, that with the largest elasticity first."""
+        return tuple(sorted(self.parameters, key=lambda x: -abs(float(x.elasticity or 0))))
+
+
+@dataclass(frozen=True)
+class VariedParameter:
+    """A parameter, its value, and the equations with its symbol left in."""
+
+    knob: Knob
+    value: RealNumber
+    derivation: Derivation = field(repr=False)
+
+    @property
+    def least(self) -> bool:
+        """Whether no smaller value makes a scene."""
+        return self.knob.rule is Rule.NONNEGATIVE and self.knob.value == 0
+
+    def factors(self, of: Criterion | Piece | str) -> Factors:
+        """Of r^2 - c^2 of a criterion, of a function of a region, or of Re H: the factors above and below the line."""
+        if of not in self._known:
+            self._known[of] = self.derivation.factors(of)
+        return self._known[of]
+
+    @cached_property
+    def _known(self) -> dict[Criterion | Piece | str, Factors]:
+        return {}
+
+
+def still(p: VariedParameter) -> Sensitivity:
+    """Of a frequency that does not depend on the parameter."""
+    return Sensitivity(p.knob, ZERO, ZERO)
+
+
+def none(places: tuple[VariedParameter, ...], reason: str) -> tuple[Sensitivity, ...]:
+    """Of a frequency that has no derivative by any of them."""
+    return tuple(Sensitivity(p.knob, None, None, reason) for p in places)
+
+
+def at(
+    p: VariedParameter,
+    factors: Factors,
+    where: RealNumber,
+    known: dict[Symbol, RealNumber],
+    flat: str = "",
+    *,
+    simple: bool,
+) -> Sensitivity:
+    """The sensitivity of a frequency at which one or more of these factors vanish.
+
+    ``flat``: why nothing that depends on the parameter has a derivative; ``simple``: whether it is a simple zero or pole.
+    """
+    values = tuple({**known, omega: where, p.knob.symbol: p.value}.items())
+    meeting = not_clear(factors, values)
+    if meeting and not any(_depends(equation, p.knob.symbol) for equation, _ in meeting):
+        return still(p)
+    if flat:
+        return replace(still(p), derivative=None, elasticity=None, reason=flat)
+    if len(meeting) != 1 or not simple:
+        return _met(p, Meeting(meeting, p.knob.symbol, values), where)
+    slope = Slope(meeting[0][0].slope(p.knob.symbol), values)
+    if slope.slope.vanishes({p.knob.symbol: p.knob.value}):
+        return _one_sided(p, ZERO, where)
+    if not slope.is_clear():
+        if Meeting(meeting, p.knob.symbol, values).is_still():
+            return _one_sided(p, ZERO, where)
+        return Sensitivity(p.knob, None, None, _NOT_CLEAR)
+    return _one_sided(p, slope, where)
+
+
+def _depends(equation: Equation, x: Symbol) -> bool:
+    return bool(equation.partial(x))
+
+
+def _one_sided(p: VariedParameter, derivative: RealNumber, where: RealNumber) -> Sensitivity:
+    """A derivative that holds on both sides, as far as there are two."""
+    elasticity = ZERO if p.knob.value == 0 or derivative is ZERO else _Elasticity(derivative, p.value, where)
+    least = p.least and derivative is not ZERO
+    side, reason = ("above", _LEAST) if least else ("", "")
+    return Sensitivity(p.knob, derivative, elasticity, reason, side)
+
+
+def _met(p: VariedParameter, meeting: Meeting, where: RealNumber) -> Sensitivity:
+    """The sensitivity where several zeros and poles meet."""
+    sides = meeting.sides()
+    if sides is None:
+        return Sensitivity(p.knob, None, None, _MEET)
+    below, above = (_alone(side) for side in sides)
+    nothing = Sensitivity(p.knob, None, None)
+    if p.least:
+        return replace(nothing, reason=f"undefined: {above}") if isinstance(above, str) else _one_sided(p, above, where)
+    if isinstance(below, str) and isinstance(above, str):
+        return replace(nothing, reason=f"undefined: {above if above == below else f'{above} above, {below} below'}")
+    if isinstance(below, str) or isinstance(above, str):
+        side, there, other = ("above", above, below) if isinstance(below, str) else ("below", below, above)
+        assert isinstance(there, RealNumber)
+        row = _one_sided(p, there, where)
+        return replace(row, side=side, reason=f"from {side}; on the other side {other}")
+    if below == above:
+        return _one_sided(p, above, where)
+    return replace(nothing, reason=f"undefined: {below.digits(5)} from below, {above.digits(5)} from above")
+
+
+def _alone(branches: list[Branch]) -> RealNumber | str:
+    """The slope of a branch that is alone, or what there is instead of one."""
+    if not branches:
+        return "it is not there"
+    if len(branches) > 1:
+        return "it splits into several"
+    return branches[0] or "it moves infinitely fast"
+
+
+@dataclass(frozen=True, repr=False)
+class _Elasticity(RealNumber):
+    """value/omega times a slope."""
+
+    slope: RealNumber
+    value: RealNumber
+    omega: RealNumber
+
+    def ball(self, bits: int) -> Ball:
+        slope, value, omega = (x.ball(bits) for x in (self.slope, self.value, self.omega))
+        with flint.ctx.workprec(bits):
+            return slope * value / omega
+
 
 _BITS = 256
 _SEVERAL = "undefined: several limits of the region meet here"

@@ -9,8 +9,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.model.quantities import Dimension
 from haptisym.model.scene import Scene
 from haptisym.verbs.simulate.entry import band_frequencies, check, default_amplitude, simulate
-from haptisym.verbs.simulate.motions import Motion, chirp, multisine, positive, sine
-from haptisym.verbs.simulate.recordings import recording
+from haptisym.verbs.simulate.motions import Motion, chirp, multisine, positive, recording, sine
 from haptisym.verbs.simulate.results import EncoderQuantisation, Extra, ForceSaturation, Simulations
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import SceneError
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.descriptor import Input
+from haptisym.verbs.simulate.descriptor import Drive, Input, Linear, Reading, linear_systems
 from haptisym.verbs.simulate.events import (
     Breaks,
     Guard,
@@ -27,7 +27,6 @@ from haptisym.verbs.simulate.events import (
     first_event,
     guards,
 )
-from haptisym.verbs.simulate.linear import Drive, Linear, Reading, linear_systems
 from haptisym.verbs.simulate.motions import Motion
 from haptisym.verbs.simulate.network import MOTION, Network, Step
 from haptisym.verbs.simulate.propagate import NODES, Record, at_end

@@ -13,7 +13,7 @@ import numpy as np
 
 from haptisym.kernel.errors import SceneError
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.linear import Drive, Linear, Reading
+from haptisym.verbs.simulate.descriptor import Drive, Linear, Reading
 from haptisym.verbs.simulate.motions import Motion
 from haptisym.verbs.simulate.network import MOTION, Network, Step, Switch
 from haptisym.verbs.simulate.propagate import NODES, at_end, series

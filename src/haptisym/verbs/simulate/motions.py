@@ -1,18 +1,26 @@
-"""Motions of the hand, prescribed: sines, sums of sines and sweeps, with all their derivatives.
+"""Motions of the hand: sines, sweeps, and recordings as splines.
+
+Motions of the hand, prescribed: sines, sums of sines and sweeps, with all their derivatives.
 
 A motion is a displacement X_h(t), m or rad, of time in s; before t = 0 the hand is at rest.
+
+Recorded motions of the hand: CSV files, read with care, as splines.
 """
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
 from math import comb, factorial, pi
-from typing import Protocol
+from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 
-from haptisym.kernel.errors import SceneError, several
+from haptisym.kernel.errors import SceneError, need, several
 from haptisym.model.quantities import Dimension, Number, number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
@@ -219,3 +227,227 @@ def _product(one: Array, other: Array) -> Array:
     return np.stack(
         [sum((comb(k, i) * one[i] * other[k - i] for i in range(k + 1)), np.zeros_like(one[0])) for k in orders]
     )
+
+
+_GAP = 1.5  # of the usual spacing of samples; a longer one is a gap
+_RESTING = 10  # equal samples in a row: what a spline would swing there has faded to some thousandths
+_STILL = 1e-12  # of the largest displacement: what a filter leaves of a rest
+
+
+@dataclass(frozen=True)
+class Lowpass:
+    """A zero-phase low-pass: a Butterworth filter of half the ``order``, run forth and then back over the recording.
+
+    |G| = 1/(1 + (tan(omega dt/2)/tan(cutoff dt/2))^order (sqrt(2) - 1)): 3 dB less at the ``cutoff``, rad/s, and no delay.
+    A causal filter would delay the motion, and with it all that the scene says about phase; a recording is whole, so that
+    none is needed. Beyond both ends the recording is continued, turned about its end points.
+    """
+
+    cutoff: float
+    order: int
+
+    def __str__(self) -> str:
+        return f"low-passed at {self.cutoff / (2 * pi):.4g} Hz (order {self.order}, zero phase)"
+
+    @classmethod
+    def of(cls, cutoff: Number, order: int) -> Lowpass:
+        """From a frequency as a user writes it, and an order of 2, 4, 6 or 8."""
+        if order not in (2, 4, 6, 8):
+            raise SceneError(f"order of the low-pass: {order} is none of 2, 4, 6, 8 (it runs forth and back)")
+        return cls(positive("lowpass", cutoff, Dimension.FREQUENCY), order)
+
+    def smoothed(self, made: Recording) -> Recording:
+        """The recording at even spacing, smoothed. Raises SceneError for a cutoff that its spacing cannot hold."""
+        from scipy.signal import butter, sosfiltfilt
+
+        count = len(made.times)
+        times = np.linspace(0.0, made.times[-1], count)
+        dt = times[1]
+        if self.cutoff >= pi / dt or self.cutoff * made.times[-1] < 2 * pi:
+            raise SceneError(
+                f"lowpass: {self.cutoff:.6g} rad/s must lie between one period in the whole recording, "
+                f"{2 * pi / made.times[-1]:.4g} rad/s, and its Nyquist frequency, {pi / dt:.4g} rad/s"
+            )
+        each = np.tan(self.cutoff * dt / 2) / (2**0.5 - 1) ** (1 / self.order)  # twice this is 3 dB at the cutoff
+        sections = butter(self.order // 2, 2 * np.arctan(each) / pi, output="sos")
+        even = made.derivatives(times, 0)[0]
+        pad = min(count - 1, int(np.ceil(3 * 2 * pi / self.cutoff / dt)))
+        return replace(made, times=times, values=sosfiltfilt(sections, even, padlen=pad), lowpass=self)
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A recorded motion: a spline of degree 5 through samples at ``times``, s; where ten or more are equal the hand rests.
+
+    It then has no velocity at all, which friction would feel: each movement between two rests has a spline of its own, that
+    sets out from rest and comes to rest.
+    """
+
+    times: Array
+    values: Array
+    name: str = "recording"
+    kind: Kind | None = None
+    omegas: tuple[float, ...] = ()
+    lowpass: Lowpass | None = None
+    """What smoothed it."""
+
+    @cached_property
+    def _rests(self) -> list[tuple[int, int]]:
+        """From which sample to which the hand rests."""
+        moves = np.abs(np.diff(self.values)) > _STILL * self.amplitude
+        ends = [-1, *np.flatnonzero(moves), len(moves)]
+        return [(int(a) + 1, int(b)) for a, b in pairwise(ends) if b - a >= _RESTING]
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Where a rest begins or ends, s: its third derivative jumps there."""
+        return tuple(float(self.times[i]) for rest in self._rests for i in rest)
+
+    @property
+    def smoothness(self) -> int:
+        """How many of its derivatives exist."""
+        return 3 if self._rests else 4
+
+    @cached_property
+    def _pieces(self) -> tuple[Array, list[Any]]:
+        """Where pieces end, s, and the polynomials in pieces that they are."""
+        from scipy.interpolate import PPoly, make_interp_spline
+
+        if not self._rests:
+            return np.array([]), [make_interp_spline(self.times, self.values, k=5)]
+        last = len(self.times) - 1
+        edges = sorted({0, last, *(i for rest in self._rests for i in rest)})
+        pieces = []
+        for a, b in pairwise(edges):
+            t, x = self.times[a : b + 1], self.values[a : b + 1]
+            if (a, b) in self._rests:
+                pieces.append(PPoly([[x[0]]], [t[0], t[-1]]))
+                continue
+            free = [(3, 0.0), (4, 0.0)]  # at an end of the recording
+            still = [(1, 0.0), (2, 0.0)]
+            ends = free if a == 0 else still, free if b == last else still
+            pieces.append(make_interp_spline(t, x, k=5, bc_type=ends))
+        return self.times[edges[1:-1]], pieces
+
+    def _spline(self, t: Array, nu: int) -> Array:
+        """A derivative of it, at times within the recording."""
+        edges, pieces = self._pieces
+        which = np.searchsorted(edges, t, side="right")
+        found = np.zeros(t.shape)
+        for i in np.unique(which):
+            found[which == i] = pieces[i](t[which == i], nu=nu)
+        return found
+
+    @property
+    def amplitude(self) -> float:
+        """The largest displacement, m or rad."""
+        return float(np.abs(self.values).max())
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """From one period in the whole record to the Nyquist frequency of its longest gap, rad/s."""
+        return 2 * pi / self.times[-1], pi / float(np.diff(self.times).max())
+
+    @property
+    def duration(self) -> float | None:
+        """Until its last sample, s."""
+        return float(self.times[-1])
+
+    def derivatives(self, t: Array, order: int) -> Array:
+        """Of the spline through its samples; at rest before the first."""
+        inside = np.clip(t, self.times[0], self.times[-1])
+        # before its first sample the hand is at rest there
+        return np.stack(
+            [np.where((t >= self.times[0]) | (k == 0), self._spline(inside, k), 0.0) for k in range(order + 1)]
+        )
+
+
+def recording(path: str | Path, *, lowpass: Number | None = None, order: int = 4) -> Recording:
+    """A motion from a CSV file: two columns, time and displacement, with units in the header (``t [s], x [mm]``).
+
+    Without a unit they are s and m (or rad). ``lowpass``: cutoff, rad/s or with a unit, of a smoothing of that ``order`` (see
+    ``Lowpass``); as recorded if not given. SceneError names the line of what is missing, not a number, or not in order, and
+    gaps: spacings more than 1.5 times the usual one.
+    """
+    need("recording", path, (str, Path), "give a CSV file")
+    made = _read(path)
+    if lowpass is None:
+        return made
+    smooth = Lowpass.of(lowpass, order)
+    return replace(smooth.smoothed(made), name=f"{made.name}, {smooth}")
+
+
+def _read(path: str | Path) -> Recording:
+    rows = _rows(Path(path))
+    units = [_unit(path, header) for header in rows[0]] if not _is_number(rows[0][0]) else ["", ""]
+    body = rows[1:] if not _is_number(rows[0][0]) else rows
+    first = 2 if body is not rows else 1
+    if len(body) < 6:
+        raise SceneError(f"{path}: {len(body)} samples; a recorded motion needs at least 6")
+    time = _column(path, body, 0, first) * float(_scale(path, units[0], Dimension.TIME)[0])
+    factor, kind = _scale(path, units[1], Dimension.DISPLACEMENT)
+    values = _column(path, body, 1, first) * factor
+    _regular(path, time, first)
+    return Recording(time - time[0], values, Path(path).name, kind)
+
+
+def _rows(path: Path) -> list[list[str]]:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a text file (UTF-8)"
+        raise SceneError(f"{path}: {reason.lower()}") from None
+    rows = [[cell.strip() for cell in row] for row in csv.reader(text.splitlines())]
+    while rows and not any(rows[-1]):
+        rows.pop()
+    if not rows:
+        raise SceneError(f"{path}: the file is empty")
+    for line, row in enumerate(rows, 1):
+        if len(row) != 2 or not all(row):
+            raise SceneError(f"{path}: line {line}: needs a time and a displacement, separated by a comma")
+    return rows
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _unit(path: str | Path, header: str) -> str:
+    if "[" not in header:
+        return ""
+    name, _, rest = header.partition("[")
+    unit, closed, _ = rest.partition("]")
+    if not closed or not unit.strip():
+        raise SceneError(f'{path}: line 1: "{header}": write the unit in brackets, as in "{name.strip() or "x"} [mm]"')
+    return unit.strip()
+
+
+def _scale(path: str | Path, unit: str, dimension: Dimension) -> tuple[float, Kind | None]:
+    try:
+        read = quantity(f"1 {unit}", dimension)
+    except SceneError as error:
+        raise error.within(f"{path}: line 1") from None
+    return float(read.value), read.motion
+
+
+def _column(path: str | Path, rows: list[list[str]], index: int, first: int) -> Array:
+    for line, row in enumerate(rows, first):
+        if not _is_number(row[index]) or not np.isfinite(float(row[index])):
+            raise SceneError(f'{path}: line {line}: "{row[index][:40]}" is not a finite number')
+    return np.array([float(row[index]) for row in rows])
+
+
+def _regular(path: str | Path, time: Array, first: int) -> None:
+    steps = np.diff(time)
+    if (steps <= 0).any():
+        raise SceneError(f"{path}: line {int(np.argmax(steps <= 0)) + first + 1}: time does not increase")
+    usual = float(np.median(steps))
+    if (steps > _GAP * usual).any():
+        i = int(np.argmax(steps > _GAP * usual))
+        raise SceneError(
+            f"{path}: line {i + first + 1}: a gap of {steps[i]:.6g} s between samples that are {usual:.6g} s apart"
+        )

@@ -1,4 +1,17 @@
-"""Held displaced, and let go: whether hand and display come to rest or shake, by their equations of motion in time.
+"""Held displaced, and let go: the run, what is read from it, and the closed form's rightmost root.
+
+The rightmost root of a characteristic function with delays and powers of s: found by Newton's method, certified in balls.
+
+Newton's iteration in floating point runs from many starts; each root it finds is enclosed by interval Newton, and that none lies
+further to the right is proven by the argument principle around what is left of the half plane, as far as roots can lie there.
+
+The largest root of a loop with a clock, as rate and frequency of the motion that lasts longest.
+
+Rate and frequency of what lasts longest in a motion: a matrix pencil (Hua and Sarkar, 1990) on even samples.
+
+What a release hands over: the run, the rate and frequency read from it, and those of the closed form.
+
+Held displaced, and let go: whether hand and display come to rest or shake, by their equations of motion in time.
 
 The hand has held the display displaced for so long that everything rests; then the force with which it holds fades within a
 moment, and its mass, damping and stiffness alone stay. Clocks, delay lines and friction are real ones (``blocks``,
@@ -8,16 +21,27 @@ read by a matrix pencil, and held against the rightmost root of H_perc(s) + m s^
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
 from math import inf, pi
 from pathlib import Path
+from typing import Any, ClassVar
 
+import flint
 import numpy as np
+from flint import acb, acb_poly, arb
+from sympy import Expr, Integer, Rational
 
-from haptisym.kernel.budget import SECONDS, limited
-from haptisym.kernel.errors import SceneError
-from haptisym.kernel.terms import at_least, order_at_0
+from haptisym.judge.answers import Answer
+from haptisym.kernel.budget import SECONDS, limited, tick
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import SceneError, UndecidedError
+from haptisym.kernel.reals import expression_ball
+from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.rootcount import RootChain, at_least, order_at_0
+from haptisym.kernel.shown import titled
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, how_to_give
 from haptisym.model.quantities import Dimension, Number, quantity
@@ -26,19 +50,554 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.blocks import Port
-from haptisym.verbs.simulate.clockroot import clocked_root
 from haptisym.verbs.simulate.engine import Engine
 from haptisym.verbs.simulate.frictions import join_frictions
 from haptisym.verbs.simulate.motions import _fade, positive
 from haptisym.verbs.simulate.network import MOTION, Network, SignalSum, exact, name_of
-from haptisym.verbs.simulate.pencil import Mode, envelope, slowest
-from haptisym.verbs.simulate.released import Closed, Release
+from haptisym.verbs.simulate.propagate import Record
 from haptisym.verbs.simulate.rest import at_rest
-from haptisym.verbs.simulate.rightmost import rightmost_root
 from haptisym.verbs.simulate.run import build
 from haptisym.verbs.simulate.threads import one_thread
+from haptisym.verbs.stability.clocked import loop_of
 from haptisym.verbs.stability.entry import chosen
-from haptisym.verbs.stability.held import characteristic, held, ring_of
+from haptisym.verbs.stability.held import Held, characteristic, held, ring_of
+
+_BITS = 192
+_ITERATIONS = 80
+_TURNS = 12  # of the longest delay, as far as Newton's method starts
+_MOST_PIECES = 40_000  # of a contour
+_MOST_RADIUS = 1e7
+_SLACK = 1e-9
+
+
+@dataclass(frozen=True)
+class Term:
+    """coefficient s^power exp(-s lag)."""
+
+    coefficient: Expr
+    power: Rational
+    lag: Expr
+
+
+@dataclass(frozen=True)
+class Rightmost:
+    """The rightmost root with Im s >= 0 that was found, rad/s, and its digits; ``certified`` : no root lies right of it, proven.
+
+    ``enclosure`` : a ball (flint ``acb``) around it; None where interval Newton did not enclose it.
+    """
+
+    s: complex
+    enclosure: Any
+    certified: bool
+    function: Characteristic | None = field(default=None, repr=False)
+    others: tuple[complex, ...] = ()
+    """All roots that were found, from the right to the left."""
+
+    def digits(self, count: int = 15) -> tuple[str, str]:
+        """Real and imaginary part, correctly rounded where it is enclosed."""
+        if self.enclosure is None:
+            return f"{self.s.real:.9g}", f"{self.s.imag:.9g}"
+        return tuple(x.str(count, radius=False) for x in (self.enclosure.real, self.enclosure.imag))
+
+
+def rightmost_pole(dynamics: RationalFunction) -> complex | None:
+    """The pole with the largest real part; None if none is found.
+
+    >>> from sympy import exp
+    >>> from haptisym.kernel.symbols import s
+    >>> pole = rightmost_pole(Ring.of([exp(-s)]).convert(1 / (s + 2 * exp(-s))).reduced())
+    >>> round(pole.real, 4), round(abs(pole.imag), 4)
+    (0.1728, 1.6737)
+    """
+    assert isinstance(dynamics.ring, Ring)
+    roots = Characteristic.of(dynamics.denominator, dynamics.ring).roots()
+    return max((x for x in roots if abs(x) > _SLACK), key=lambda x: x.real, default=None)
+
+
+def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmost | None:
+    """The rightmost root of a characteristic function with numbers only; None if there is none to find.
+
+    ``at_0`` : that many roots at s = 0 are not meant, as they cancel.
+    """
+    function = Characteristic.of(polynomial, ring)
+    found = sorted((x for x in function.roots() if not at_0 or abs(x) > _SLACK), key=lambda x: -x.real)
+    if not found:
+        return None
+    first = found[0]
+    following = next((x.real for x in found if x.real < first.real - 1e-7 * (1 + abs(first))), -inf)
+    enclosure = function.enclosed(first)
+    certified = enclosure is not None and function.is_rightmost(found, first, following, at_0)
+    return Rightmost(
+        first if enclosure is None else complex(enclosure.mid()), enclosure, certified, function, tuple(found)
+    )
+
+
+def _terms(polynomial: Polynomial, ring: Ring) -> Iterator[Term]:
+    lags = len(ring.lags)
+    for exponents, value in polynomial.to_dict().items():
+        own = [int(n) for n in exponents]
+        turns, powers = own[ring.size : ring.size + lags], own[ring.size + lags :]
+        lag = sum((n * x for n, x in zip(turns, ring.lags, strict=True)), Integer(0))
+        power = sum((n * x for n, x in zip(powers, ring.orders, strict=False)), Integer(own[0]))
+        yield Term(Rational(int(value.p), int(value.q)) * ring.meanings[1] ** own[1], power, lag)
+
+
+@dataclass(frozen=True)
+class Characteristic:
+    """A sum of terms, as floats and as balls."""
+
+    terms: tuple[Term, ...]
+
+    @classmethod
+    def of(cls, polynomial: Polynomial, ring: Ring) -> Characteristic:
+        """That of a polynomial of a ring, with numbers only."""
+        found: dict[tuple[Rational, Expr], Expr] = {}
+        for t in _terms(polynomial, ring):  # several powers of pi may stand before one power of s
+            found[t.power, t.lag] = found.get((t.power, t.lag), Integer(0)) + t.coefficient
+        return cls(tuple(Term(c, *place) for place, c in found.items()))
+
+    @cached_property
+    def chain(self) -> float | None:
+        """To which Re s infinitely many roots tend, where delays are in the highest power of s; None where there are none."""
+        degree = max(t.power for t in self.terms)
+        own = {float(t.lag): float(t.coefficient) for t in self.terms if t.power == degree}
+        own = {lag - min(own): c for lag, c in own.items()}
+        unit = min((lag for lag in own if lag > 0), default=0.0)
+        if not unit or any(abs(lag / unit - round(lag / unit)) > _SLACK for lag in own):
+            return None
+        row = np.zeros(round(max(own) / unit) + 1)
+        for lag, c in own.items():
+            row[round(lag / unit)] = c
+        return float(max(-np.log(np.abs(np.roots(row[::-1])))) / unit)
+
+    @cached_property
+    def _floats(self) -> tuple[Array, Array, Array]:
+        rows = [(float(t.coefficient), float(t.power), float(t.lag)) for t in self.terms]
+        c, p, lag = (np.array(column) for column in zip(*rows, strict=True))
+        return c, p, lag
+
+    @cached_property
+    def _balls(self) -> list[tuple[Any, Rational, Any]]:
+        with flint.ctx.workprec(_BITS):
+            return [(expression_ball(t.coefficient), t.power, expression_ball(t.lag)) for t in self.terms]
+
+    def values(self, s: Array) -> tuple[Array, Array]:
+        """The function and its derivative, each over the largest term: no overflow where exponentials are large."""
+        c, p, lag = self._floats
+        logs = np.log(np.abs(c)) + p * np.log(s[:, None]) - lag * s[:, None]
+        top = logs.real.max(axis=1, keepdims=True)
+        terms = np.sign(c) * np.exp(logs - top)
+        return terms.sum(axis=1), (terms * (p / s[:, None] - lag)).sum(axis=1)
+
+    def roots(self) -> list[complex]:
+        """Roots with Im s >= 0, each once: where Newton's method ends that starts from many places."""
+        s = self._starts()
+        with np.errstate(all="ignore"):
+            for _ in range(_ITERATIONS):
+                value, slope = self.values(s)
+                step = value / slope
+                size = np.abs(step)
+                s = s - np.where(size > 0.5 * np.abs(s) + 1e-12, step * (0.5 * np.abs(s) + 1e-12) / size, step)
+            value, slope = self.values(s)
+            good = np.isfinite(value) & (np.abs(value / slope) < 1e-9 * np.abs(s) + 1e-13)
+        found: list[complex] = [0j] if min(t.power for t in self.terms) > 0 else []
+        for x in sorted(map(complex, s[good]), key=lambda x: -x.real):
+            own = complex(x.real, abs(x.imag)) if abs(x.imag) > 1e-9 * abs(x) else complex(x.real, 0)
+            if all(abs(own - y) > 1e-7 * (abs(own) + 1e-9) for y in found):
+                found.append(own)
+        return found
+
+    def _starts(self) -> Array:
+        _, _, lags = self._floats
+        longest, shortest = lags.max(initial=0.0), min((x for x in lags if x > 0), default=0.0)
+        sizes = np.geomspace(1e-2, 1e5, 57)
+        turns = np.exp(1j * np.pi * np.array([0.0, 0.2, 0.4, 0.47, 0.5, 0.53, 0.6, 0.8, 0.99]))
+        starts = [np.multiply.outer(sizes, turns).ravel()]
+        for lag in {longest, shortest} - {0.0}:
+            heights = np.arange(0.25, 2 * _TURNS, 0.5) * pi / lag
+            widths = np.array([-8.0, -3.0, -1.0, -0.2, 0.2, 1.0, 3.0, 8.0]) / lag
+            starts.append((widths[:, None] + 1j * heights).ravel())
+        return np.concatenate(starts)
+
+    def ball(self, s: Any) -> Any:
+        """A ball around the values at a ball."""
+        return self._sum(s)[0]
+
+    def _sum(self, s: Any) -> tuple[Any, Any]:
+        value, slope = acb(0), acb(0)
+        for c, p, lag in self._balls:
+            wave = c * (-lag * s).exp()
+            power = s ** int(p) if p.is_Integer else (s.log() * expression_ball(p)).exp()
+            lower = _lower(s, p)
+            value += wave * power
+            slope += wave * (lower - lag * power)
+        return value, slope
+
+    def enclosed(self, near: complex) -> Any:
+        """A ball in which there is one root, by interval Newton; None where that is not shown."""
+        with flint.ctx.workprec(_BITS):
+            middle = acb(near.real, near.imag)
+            for _ in range(8):
+                value, slope = self._sum(middle)
+                if slope.contains(0):
+                    return None
+                middle = (middle - value / slope).mid()
+            if near.imag == 0:
+                middle = acb(middle.real)
+            radius = arb(2) ** -100 * (abs(middle).mid() + arb(2) ** -40)
+            for _ in range(40):
+                box = acb(middle.real + arb(0, radius), middle.imag + arb(0, radius))
+                value, slope = self._sum(box)
+                if slope.contains(0):
+                    return None
+                image = middle - self.ball(middle) / slope
+                if box.contains_interior(image):
+                    return image
+                radius *= 4
+        return None
+
+    # That no root is further right
+
+    def is_rightmost(self, found: Sequence[complex], first: complex, following: float, at_0: int) -> bool:
+        """Whether the half plane right of a line just left of the first root holds only those that were found there."""
+        if any(not t.power.is_Integer for t in self.terms) and following < 0:
+            return False  # powers of s have a cut on the negative real axis
+        gap = min(first.real - following, 0.2 * abs(first) + 1e-3)
+        line = first.real - gap / 2
+        number = sum(1 + bool(x.imag) for x in found if x.real > line) + (at_0 if line < 0 else 0)
+        return self._count_right_of(line) == number
+
+    def _count_right_of(self, line: float) -> int | None:
+        radius = self._radius(line)
+        if radius is None:
+            return None
+        right = line + radius
+        corners = [complex(line, -radius), complex(right, -radius), complex(right, radius), complex(line, radius)]
+        with flint.ctx.workprec(64):
+            total, left = arb(0), [_MOST_PIECES]
+            for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
+                turned = self._turned(a, b, left)
+                if turned is None:
+                    return None
+                total += turned
+            turns = total / (2 * arb.pi())
+        whole = round(float(turns))
+        return whole if abs(turns - whole) < arb(1) / 4 else None
+
+    def _turned(self, start: complex, end: complex, left: list[int]) -> Any:
+        """By how much the function turns along a segment; None where that is not shown with so many pieces."""
+        total, pieces = arb(0), [(acb(start.real, start.imag), acb(end.real, end.imag))]
+        while pieces:
+            tick()
+            a, b = pieces.pop()
+            left[0] -= 1
+            if left[0] < 0:
+                return None
+            over = self.ball(a.union(b))
+            middle = over.mid()
+            if not over.contains(0) and (over / middle).real > 0:
+                total += (self.ball(b) / middle).arg() - (self.ball(a) / middle).arg()
+                continue
+            half = ((a + b) / 2).mid()
+            pieces += [(half, b), (a, half)]
+        return total
+
+    def _radius(self, line: float) -> float | None:
+        """Beyond which no root lies right of the line: there the highest power outweighs all others."""
+        degree = max(t.power for t in self.terms)
+        rows = [(abs(c), p, np.exp(min(-lag * line, 700.0))) for c, p, lag in zip(*self._floats, strict=True)]
+        own = [(c, lag) for c, p, lag in zip(*self._floats, strict=True) if p == float(degree)]
+        single = [c for c, lag in own if lag == 0]
+        if not single:
+            return None
+        floor = abs(single[0]) - sum(abs(c) * np.exp(min(-lag * line, 700.0)) for c, lag in own if lag)
+        if floor <= 0:
+            return None
+        radius = 1e-3
+        while radius < _MOST_RADIUS:
+            if 0.9 * floor > sum(c * e * radius ** (p - float(degree)) for c, p, e in rows if p < float(degree)):
+                return float(radius)
+            radius *= 1.5
+        return None
+
+
+def _lower(s: Any, p: Rational) -> Any:
+    """p s^(p - 1)."""
+    if p == 0:
+        return acb(0)
+    return int(p) * s ** (int(p) - 1) if p.is_Integer else expression_ball(p) * (s.log() * expression_ball(p - 1)).exp()
+
+
+_BITS_CLOCKROOT = 256
+_TINY = 1e-12
+
+
+def clocked_root(scene: Scene, hand: Hand) -> Rightmost | None:
+    """ln z/T of the largest root z, all of them being enclosed; None where that loop is not known."""
+    try:
+        loop = loop_of(scene, hand)
+        if any(loop.hidden):
+            return None
+        with flint.ctx.workprec(_BITS_CLOCKROOT):
+            found = acb_poly(loop.balls()).roots(tol=arb(2) ** -100, maxprec=8 * _BITS_CLOCKROOT)
+            T = expression_ball(loop.T)
+            rows = [(-w.log() / T) for w in found if abs(w) > _TINY]  # w = 1/z
+    except (UndecidedError, ValueError):
+        return None
+    if not rows:
+        return None
+    rows.sort(key=lambda s: -float(s.real.mid()))
+    first = next(s for s in rows if not s.real < rows[0].real)
+    # an isolated root near the real axis is real, as its conjugate is a root too
+    upper = acb(first.real) if first.imag.contains(0) else acb(first.real, abs(first.imag))
+    apart = all(s.real < first.real or s.real.overlaps(first.real) for s in rows)
+    return Rightmost(complex(upper.mid()), upper, certified=apart, others=tuple(complex(s.mid()) for s in rows))
+
+
+_WINDOWS = 6
+_PER_TURN = 1.5  # radians between samples, at the most
+_MOST = 480
+_COUNT = 240  # samples of a window
+_RANK = 1e-9  # relative: smaller singular values are rounding
+_SHARE = 1e-3  # of the largest amplitude at the end of the window: less is no mode of the motion
+
+
+@dataclass(frozen=True)
+class Mode:
+    """x = a exp(rate t) cos(omega t + phase): 1/s and rad/s; ``samples`` how many it was read from."""
+
+    s: complex
+    samples: int
+
+    @property
+    def rate(self) -> float:
+        """Of growth, 1/s."""
+        return self.s.real
+
+    @property
+    def omega(self) -> float:
+        """At which it swings, rad/s."""
+        return self.s.imag
+
+
+def slowest(
+    record: Record, column: int, start: float, period: float, *, waving: bool = False, turn: float = 0.0
+) -> Mode | None:
+    """The mode that is left at the end of a record, read from what comes after that share of it; None where nothing moves.
+
+    ``waving`` : among those that oscillate, beside a creep that fades as a power of time. ``period`` : that of a clock, s, so
+    that every sample sees the clock alike; 0 without one. ``turn`` : a frequency, rad/s, that samples must still tell.
+    """
+    last = record.count - 1
+    end = float(record.times[last] + record.lengths[last])
+    first = start * end
+    if period:
+        most = int(_PER_TURN / (turn * period)) if turn else _COUNT
+        step = period * max(1, min(int((end - first) / (_COUNT * period)), most))
+        first = max(first, end - _MOST * step)
+    else:
+        step = (end - first) / _COUNT
+    times = np.arange(np.ceil(first / step), np.floor(end / step), dtype=np.float64) * np.float64(step)
+    if len(times) < 8:
+        return None
+    x = record.at(times, [column])[:, 0]
+    if not np.abs(x).max():
+        return None
+    s, weights = modes(x, step)
+    if not len(s):
+        return None
+    last_sizes = np.abs(weights) * np.exp(s.real * step * (len(x) - 1))
+    strong = last_sizes > _SHARE * last_sizes.max()
+    if waving:
+        strong = (np.abs(weights) > _SHARE * _SHARE * np.abs(weights).max()) & (np.abs(s.imag) > np.abs(s.real) / 10)
+    if not strong.any():
+        return None
+    found = max(s[strong], key=lambda y: y.real)
+    return Mode(complex(found.real, abs(found.imag)), len(x))
+
+
+def envelope(record: Record, column: int, start: float) -> tuple[Mode, float]:
+    """The rate at which the largest values rise or fall after that share of a record, and how far it varies, of many modes."""
+    values = np.abs(record.values[: record.count, :, column])
+    times = record.times[: record.count]
+    end = float(times[-1])
+    edges = np.linspace(start * end, end, _WINDOWS + 1)
+    places = np.searchsorted(times, edges)
+    sizes = [float(values[a : max(b, a + 1)].max()) for a, b in pairwise(places)]
+    steps = np.diff(np.log(np.maximum(sizes, 1e-300))) / (edges[1] - edges[0])
+    return Mode(complex(float(steps.mean()), 0), _WINDOWS), float(np.abs(steps - steps.mean()).max())
+
+
+def modes(x: Array, step: float) -> tuple[Array, Array]:
+    """Exponents, 1/s, and amplitudes of a sum of exponentials, sampled every ``step`` seconds.
+
+    >>> t = 0.01 * np.arange(200)
+    >>> s, _ = modes(np.exp(-0.5 * t) * np.cos(7 * t), 0.01)
+    >>> sorted(round(float(y.imag), 6) for y in s), round(float(s[0].real), 6)
+    ([-7.0, 7.0], -0.5)
+    """
+    n = len(x)
+    width = n // 3
+    hankel = np.lib.stride_tricks.sliding_window_view(x, width + 1)
+    _, sizes, v = np.linalg.svd(hankel, full_matrices=False)
+    rank = max(1, int((sizes > _RANK * sizes[0]).sum()))
+    basis = v[:rank].T
+    z = np.linalg.eigvals(np.linalg.lstsq(basis[:-1], basis[1:], rcond=None)[0])
+    z = z[np.abs(z) > 0]
+    powers = np.vander(z, n, increasing=True).T
+    scale = np.abs(powers).max(axis=0)
+    weights = np.linalg.lstsq(powers / scale, x.astype(complex), rcond=None)[0] / scale
+    return np.log(z) / step, weights
+
+
+_FAST = 1e3  # rad/s
+_NEAR = 1e-6  # relative: how well a mode is read at best
+
+
+@dataclass(frozen=True)
+class Closed:
+    """The rightmost root of H_perc(s) + m s^2 + b s + k, as far as it is proven (``root.certified``).
+
+    With a clock: ln z/T of the largest root z of the loop through controller, hold and what moves.
+    """
+
+    root: Rightmost
+
+    @property
+    def s(self) -> complex:
+        """The root."""
+        return self.root.s
+
+    @property
+    def rate(self) -> float:
+        """1/s: > 0 grows."""
+        return self.root.s.real
+
+    @property
+    def omega(self) -> float:
+        """rad/s."""
+        return self.root.s.imag
+
+    @property
+    def chain(self) -> float | None:
+        """To which rate infinitely many roots tend, of a neutral system."""
+        return self.root.function.chain if self.root.function else None
+
+    @property
+    def is_endless(self) -> bool:
+        """Whether infinitely many roots lie, or end, right of all that are not fast: no one of them lasts longest."""
+        chain = self.chain
+        slow = [x.real for x in self.root.others if abs(x) < _FAST]
+        return chain is not None and chain > max(slow, default=-inf) - _NEAR
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Release(Answer):
+    """A display that a hand held at ``displacement`` and let go. ``hand_motion`` and ``force`` over ``time``, s.
+
+    ``fitted`` : what lasts longest in the motion, None where nothing is left to read; ``error`` its estimated error, 1/s.
+    ``closed`` : the closed form's, None where it has no root, or that of a loop with a clock is not known. ``stopped`` : why the
+    run ended early.
+    ``approximate`` : why the closed form is not what was simulated; empty where it is. ``held`` : the certified verdict.
+    """
+
+    _schema: ClassVar[str] = "haptisym.release/1"
+    _page: ClassVar[str] = "haptisym.pages.release:page"
+    _figure: ClassVar[str] = "haptisym.figures.simulate:release_figure"
+
+    scene: Scene
+    hand: Hand
+    displacement: float
+    time: Array
+    hand_motion: Array
+    force: Array
+    fitted: Mode | None
+    error: float
+    closed: Closed | None
+    stopped: str
+    built: tuple[str, ...]
+    approximate: str
+    held: Held
+
+    def _line(self) -> str:
+        told = {True: "grows", False: "dies away", None: "is left open"}[self.grows]
+        return f"{titled(self.scene.title)} in {self.hand.name}, let go: {told}"
+
+    @property
+    def certified(self) -> bool:
+        """False: what is read from a simulation is estimated."""
+        return False
+
+    @property
+    def sign_agrees(self) -> bool | None:
+        """Whether the motion grows exactly if the display is not stable in this hand; None where either is open."""
+        near = (
+            self.held.roots is not None and self.held.roots.chain is RootChain.NEAR
+        )  # far beyond what a release moves
+        return None if self.grows is None or self.held.stable is None or near else self.grows is not self.held.stable
+
+    @property
+    def unit(self) -> str:
+        """Of the displacement."""
+        return "rad" if self.scene.motion is Kind.ROTATION else "m"
+
+    @property
+    def grows(self) -> bool | None:
+        """Whether the simulated motion grows; None where it neither grows nor dies away for certain."""
+        if self.fitted is None:
+            return False if self.stopped == "come to rest" else None
+        return None if abs(self.fitted.rate) <= self.error else self.fitted.rate > 0
+
+    @property
+    def is_envelope(self) -> bool:
+        """Whether what was read is the rate of the largest values: of a chain of infinitely many roots none lasts longest."""
+        return self.closed is not None and self.closed.is_endless
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether rate and frequency are the closed form's; None where there is none to compare with, or nothing to read.
+
+        Of a chain of infinitely many roots it is the sign of the rate that is compared, where it is clear of 0.
+        """
+        if self.closed is None or self.fitted is None or self.approximate:
+            return None
+        if self.is_envelope:
+            chain = self.closed.chain or 0.0
+            return self.grows == (chain > 0) if abs(chain) > _NEAR and self.grows is not None else None
+        return bool(abs(self.closed.s - self.fitted.s) <= 3 * self.error + _NEAR * abs(self.closed.s))
+
+    def to_csv(self) -> str:
+        """The run in time as a table, units in its header."""
+        force = "N m" if self.unit == "rad" else "N"
+        rows = (
+            ",".join(map(repr, map(float, row))) for row in zip(self.time, self.hand_motion, self.force, strict=True)
+        )
+        return "\n".join([f"time [s],displacement [{self.unit}],force [{force}]", *rows]) + "\n"
+
+    def _body(self) -> dict[str, Any]:
+        fitted = self.fitted and {"rate": self.fitted.rate, "omega": self.fitted.omega, "error": self.error}
+        return {
+            "hand": {"name": self.hand.name, **{p.key: float(p.value) for p in self.hand.parameters}},
+            "displacement": self.displacement,
+            "time": [0.0, float(self.time[-1])],
+            "samples": len(self.time),
+            "built": list(self.built),
+            "stopped": self.stopped or None,
+            "grows": self.grows,
+            "simulated": fitted,
+            "closed": self._closed(),
+            "held": self.held.stable,
+            "agrees": self.agrees,
+            **({"approximate": self.approximate} if self.approximate else {}),
+        }
+
+    def _closed(self) -> dict[str, Any] | None:
+        if self.closed is None:
+            return None
+        rate, omega = self.closed.root.digits()
+        found = {"rate": self.closed.rate, "omega": self.closed.omega, "digits": [rate, omega]}
+        return {**found, "chain": self.closed.chain, "certified": self.closed.root.certified}
+
 
 _SETTLED = 16.0  # powers of e by which a motion falls or grows in a run
 _PERIODS = (6, 80)  # of the closed form's oscillation: the shortest and the longest run

@@ -9,14 +9,14 @@ from math import exp, inf, log, pi
 import numpy as np
 
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.stability import is_stable
+from haptisym.kernel.rootcount import is_stable
 from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.scene import Scene
 from haptisym.verbs.simulate.blocks import Port, build_controller, build_effect, build_environment
+from haptisym.verbs.simulate.descriptor import Reading
 from haptisym.verbs.simulate.engine import Engine
 from haptisym.verbs.simulate.frictions import join_frictions
-from haptisym.verbs.simulate.linear import Reading
 from haptisym.verbs.simulate.lockin import Lock, lock
 from haptisym.verbs.simulate.motions import Motion, Sines, positive
 from haptisym.verbs.simulate.network import MOTION, Network, SignalSum, Step, Switch, name_of
@@ -220,7 +220,7 @@ def _check_poles(scene: Scene, engine: Engine) -> None:
     poles = system.poles()
     worst = max(poles, key=lambda p: p.real, default=complex(-inf))
     if is_stable(scene.distortion().perc) is False:
-        from haptisym.verbs.simulate.rightmost import rightmost_pole
+        from haptisym.verbs.simulate.release import rightmost_pole
 
         transcendental = fed_back or bool(engine.net.holds)
         pole = rightmost_pole(scene.distortion().perc) if transcendental else worst

@@ -42,10 +42,9 @@ from haptisym.kernel.nearone import about_one, at_minus_one, at_one, circle_test
 from haptisym.kernel.pulse import Numbers, Plant, SampledLoop
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
-from haptisym.kernel.rootcount import Roots, count_roots
+from haptisym.kernel.rootcount import Roots, count_roots, is_stable
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.schurcohn import count_on_circle
-from haptisym.kernel.stability import is_stable
 from haptisym.model.catalogue import Effect
 from haptisym.model.devices import device
 from haptisym.model.hand import Hand
@@ -227,7 +226,7 @@ class OnCircle:
             tick(looked, _MOST_CELLS, "cells of ranges")
             cell, looked = waiting.pop(0), looked + 1
             if not self.is_clear(cell):
-                waiting += halves(cell, range(len(cell)))
+                waiting += cell_halves(cell, range(len(cell)))
         return waiting
 
     def is_clear(self, cell: Cell) -> bool:
@@ -286,7 +285,7 @@ class OnCircle:
         return found
 
 
-def halves(cell: Cell, sides: Sequence[int]) -> list[Cell]:
+def cell_halves(cell: Cell, sides: Sequence[int]) -> list[Cell]:
     """A cell cut in two along the widest of some sides."""
     i = max(sides, key=lambda n: cell[n][1] - cell[n][0])
     low, high = cell[i]

@@ -33,7 +33,7 @@ import flint
 from flint import acb, arb, fmpq
 from sympy import Expr, Integer, Poly, Rational, Symbol, factorial
 
-from haptisym.judge.passiveparts import rests
+from haptisym.judge.passivity import rests
 from haptisym.judge.peaks import ValueAt
 from haptisym.kernel.alike import ordered
 from haptisym.kernel.axis import Axis
@@ -44,11 +44,9 @@ from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
-from haptisym.kernel.rootcount import Roots
+from haptisym.kernel.rootcount import Roots, Row, late_turns, squares, terms_of
 from haptisym.kernel.roots import Point, chart, sign_of_number
-from haptisym.kernel.squares import Row, late_turns, squares
 from haptisym.kernel.symbols import omega
-from haptisym.kernel.terms import terms_of
 from haptisym.model.hand import Hand
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import Rule, values

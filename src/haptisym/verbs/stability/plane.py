@@ -17,8 +17,8 @@ from haptisym.kernel.symbols import s
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
-from haptisym.verbs.stability.answer import WALL
 from haptisym.verbs.stability.clocked import clocked_roots, loop_of
+from haptisym.verbs.stability.entry import WALL
 from haptisym.verbs.stability.held import characteristic, ring_of, zeros_of
 
 _PIXELS = 200  # along each axis, that find the cells

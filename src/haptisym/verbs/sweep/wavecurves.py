@@ -13,8 +13,7 @@ from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.sweep.curves import ClosedForms, Curves, Reader, closed_forms
 from haptisym.verbs.sweep.families import Family, Monomial
-from haptisym.verbs.sweep.libm import is_trusted
-from haptisym.verbs.sweep.waves import WaveFamily, WaveReader, is_readable
+from haptisym.verbs.sweep.waves import WaveFamily, WaveReader, is_readable, is_trusted
 
 
 def wave_curves(scene: Scene, swept: Sequence[Knob]) -> Curves | None:

@@ -10,10 +10,7 @@ from haptisym.verbs.sweep.combined import Found
 from haptisym.verbs.sweep.curves import Curves, FamilyProduct
 from haptisym.verbs.sweep.families import Family
 from haptisym.verbs.sweep.passes import NARROWER, TOLERANCE, Band, Pass
-from haptisym.verbs.sweep.waveroots import refine
-from haptisym.verbs.sweep.waves import WaveFamily
-from haptisym.verbs.sweep.wavevalues import Factor, WaveFunction
-from haptisym.verbs.sweep.wavezeros import isolate
+from haptisym.verbs.sweep.waves import Factor, WaveFamily, WaveFunction, isolate, refine
 
 
 class WavePass(Pass):

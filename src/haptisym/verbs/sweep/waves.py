@@ -1,24 +1,77 @@
 """Families of functions made of powers of omega, sines and cosines, for many values of the parameters at once.
 
+Families of functions made of powers of omega, sines and cosines, for many values of the parameters at once.
+
 On x = omega/(high end of the band), 0 <= x <= 1, each is a polynomial in x, in C = cos(k x) and S = sin(k x)/(k x) of some
 half angles k x (k = rate of the angle times high end/2) and in z = x^alpha, whose coefficients are a ``Family`` in the
 parameters. All of these lie between -1 and 1, so that sizes (``batch``) are had with 1 for each wave, and grow with x.
+
+Analytic functions on segments as polynomials, with a bound on what is left out.
+
+Let f be analytic, and |f| <= M, in the ellipse with foci at the ends of a segment whose half axes are (r + 1/r)/2 and
+(r - 1/r)/2 times its half width, r > 1. Then its Chebyshev coefficients a_k are at most 2 M r^-k, and the polynomial p of
+degree n through its values at the points (1 - cos(i pi/n))/2 of the segment, i = 0 ... n, has f - p = the sum over k > n of
+a_k (T_k - T_m), m <= n (Trefethen, Approximation Theory and Approximation Practice, chapters 4 and 8). With |T_k| <= 1 and
+|T_k'| <= k^2 on [-1, 1],
+
+    |f - p| <= 4 M r^-n/(r - 1),      |f' - p'| <= 4 M sum over k > n of k^2 r^-k <= 4 M (n + 1)^2 r^-(n + 1)/(1 - q),
+
+q = (1 + 1/(n + 1))^2/r, the slope being that on [-1, 1]. p's Bernstein coefficients are a fixed matrix times the values.
+
+What is assumed of NumPy's sin, cos, exp and log, and whether it holds here: all other bounds of a sweep are proven.
+
+Assumed: for a double x the value returned is within ``ULPS`` units in the last place of the true one, for |x| <= ``MOST_ANGLE``
+(sin, cos), -40 <= x <= 1 (exp), 0 < x <= 1 (log). IEEE 754 does not say so, and no library proves it. So it is tested where a
+sweep runs, once in a process, against balls: at random numbers, and at those nearest to multiples of pi/2. If the test
+fails, floats are not used for scenes that need these functions, and every set is answered exactly.
+
+Values of products of wave families for many sets at once, and bounds on what rounding, libm and interpolation did to them.
+
+All errors are counted in units u = 2^-53 of the size (``batch``), the sum of the absolute values of all terms with 1 for
+each wave:
+
+- x is given to within 3 u of itself, an angle k x to within n u of itself, n the roundings behind k plus 4; libm's part of a
+  sine, a cosine, an exponential or a logarithm is 8 u of it (``libm``). So C and S, each at most 1, are known to within
+  n max(2, k x) + 12 units, as abs(x d sinc(x)/dx) <= 2, and z = exp(alpha log x) to within 12 alpha abs(log x) + 20. A term
+  of degree d in them has d times that;
+- a term of degree d in x has 3 d for x itself, and what its own operations make (``WaveFamily.roundings``).
+
+What underflows on the way is smaller than ``TINY`` in total, as all variables are at most 1, and coefficients do not underflow.
+
+Certified zeros of many analytic functions at once: counts that are proven, or an explicit "undecided".
+
+On a segment a function f is a polynomial p and a remainder (``chebyshev``). No zero, if p's Bernstein coefficients have one
+sign and exceed the remainder. At most one, a simple one, if their differences have one sign and exceed the slope of the
+remainder, for then f is monotone; the signs at the ends tell whether there is one. All else is cut in two: p a few times, by
+de Casteljau's weights, then the segment, where f is computed anew. A sign counts only beyond all errors.
+
+Powers x^alpha are not what polynomials come near to at x = 0. On a first segment [0, e] they are therefore variables of
+their own between 0 and e^alpha, in which f is a polynomial: if its coefficients in both of Bernstein's bases have one sign, f
+has no zero there.
+
+Zeros of many functions at once, each alone on a segment where its function is monotone, to a proven accuracy.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property, lru_cache, reduce
+from itertools import pairwise
+from math import comb, pi
+from operator import add, mul
 from typing import Any, TypeAlias
 
 import flint
-from flint import arb
+import numpy as np
+from flint import arb, arb_mat
 from sympy import Expr, Symbol
 
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
+from haptisym.verbs.sweep.batch import Array, Batch, error, product
+from haptisym.verbs.sweep.bernstein import Zeros
 from haptisym.verbs.sweep.families import BITS, Family, Monomial, monomial
 
 Exponents: TypeAlias = tuple[int, ...]
@@ -149,3 +202,605 @@ class WaveReader:
                     ball, exponents = self._half_rate(angle.rate)
                     rates.append(monomial(0, exponents, ball * scale))
         return Variables(tuple(rates), tuple(float(x) for x in self.orders))
+
+
+LEAST_RATIO = 2.0
+"""Of the ellipses that are used: q < 1 for degrees from 2 on."""
+_BITS = 400
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """The points of a degree as weights of a segment's two ends, and what takes values there to Bernstein coefficients.
+
+    ``amplified``: for each coefficient, how much larger than an error of all values its own may be.
+    """
+
+    degree: int
+    low: Array
+    high: Array
+    matrix: Array
+    amplified: Array
+
+
+@lru_cache(maxsize=16)
+def nodes(degree: int) -> Nodes:
+    """Weights and matrix correctly rounded.
+
+    >>> nodes(2).matrix.round(12).tolist()
+    [[1.0, 0.0, 0.0], [-0.5, 2.0, -0.5], [0.0, 0.0, 1.0]]
+    """
+    with flint.ctx.workprec(_BITS):
+        high = [(1 - (arb.pi() * i / degree).cos()) / 2 for i in range(degree + 1)]
+        high[0], high[-1] = arb(0), arb(1)
+        low = [1 - x for x in high]
+        basis = [
+            [comb(degree, i) * b**i * a ** (degree - i) for i in range(degree + 1)]
+            for a, b in zip(low, high, strict=True)
+        ]
+        inverse = arb_mat(basis).inv().tolist()
+        sums = [sum((abs(x) for x in row), arb(0)) for row in inverse]
+        rounded = [np.array([[float(x) for x in row] for row in rows]) for rows in ([low, high], inverse, [sums])]
+    (low_row, high_row), matrix, [amplified] = rounded
+    matrix[0], matrix[-1] = np.eye(degree + 1)[[0, -1]]
+    return Nodes(degree, low_row, high_row, matrix, amplified * (1 + 1e-12))
+
+
+@lru_cache(maxsize=16)
+def halving(degree: int) -> tuple[Array, Array]:
+    """What takes Bernstein coefficients on a segment to those on its first and on its second half: exact, not negative.
+
+    >>> halving(1)[1].tolist()
+    [[0.5, 0.5], [0.0, 1.0]]
+    """
+    first = np.array([[comb(j, i) / 2**j for i in range(degree + 1)] for j in range(degree + 1)])
+    return first, first[::-1, ::-1].copy()
+
+
+def left_out(bound: Array, ratio: Array, degree: int) -> tuple[Array, Array]:
+    """Bounds of |f - p| and, on [-1, 1], of |f' - p'|: ``bound`` is M, ``ratio`` is r >= 2."""
+    n = degree + 1
+    value = 4 * bound * ratio**-degree / (ratio - 1)
+    slope = 4 * bound * n**2 * ratio**-n / (1 - (1 + 1 / n) ** 2 / ratio)
+    return value * _SLACK, slope * _SLACK
+
+
+_SLACK = 1.001
+
+
+ULPS = 4.0
+MOST_ANGLE = 1e4
+"""Radians: beyond it floats are not asked for a sine or a cosine."""
+_POINTS = 600
+_BITS_LIBM = 160
+
+
+def ulp_errors() -> dict[str, float]:
+    """The largest error found of each function, in units in the last place of the true value.
+
+    >>> sorted(ulp_errors()), max(ulp_errors().values()) < ULPS
+    (['cos', 'exp', 'log', 'sin'], True)
+    """
+    return {name: _worst(function, points, exact) for name, (function, points, exact) in _tested().items()}
+
+
+@cache
+def is_trusted() -> bool:
+    """Whether the assumption holds at all points tested, in this process."""
+    return all(error <= ULPS for error in ulp_errors().values())
+
+
+def _tested() -> dict[str, tuple[Callable[[Array], Array], Array, Callable[[Any], Any]]]:
+    rng = np.random.default_rng(2019)
+    angles = np.exp(rng.uniform(np.log(1e-9), np.log(MOST_ANGLE), _POINTS))
+    hard = np.arange(1, 200) * (pi / 2)
+    angles = np.concatenate([angles, hard, -angles[::3]])
+    small = np.exp(rng.uniform(np.log(1e-16), 0.0, _POINTS))
+    near = 1.0 - np.exp(rng.uniform(np.log(1e-15), 0.0, _POINTS))
+    return {
+        "sin": (np.sin, angles, arb.sin),
+        "cos": (np.cos, angles, arb.cos),
+        "exp": (np.exp, np.concatenate([rng.uniform(-40.0, 1.0, _POINTS), -small]), arb.exp),
+        "log": (np.log, np.concatenate([small, near]), arb.log),
+    }
+
+
+def _worst(function: Callable[[Array], Array], points: Array, exact: Callable[[Any], Any]) -> float:
+    """Of an array, whose values may come from other code than those of single numbers, and of single numbers."""
+    found = 0.0
+    singles = np.array([function(x) for x in points[::7]])
+    with flint.ctx.workprec(_BITS_LIBM):
+        for x, y in [*zip(points, function(points), strict=True), *zip(points[::7], singles, strict=True)]:
+            truth = exact(arb(float(x)))
+            apart = abs(arb(float(y)) - truth) / arb(float(np.spacing(abs(float(truth)))))
+            found = max(found, float(apart.upper()))
+    return found
+
+
+TINY = 1e-280
+_OF_X, _OF_LIBM = 3, 2 * ULPS
+_FIRST_RATIO, _RATIOS = 8.0, (3.0, 1000.0)
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A family and its coefficients for each set."""
+
+    family: WaveFamily
+    rows: Batch
+
+    def of(self, sets: Array) -> Factor:
+        """For some of the sets."""
+        return Factor(self.family, self.rows.of(sets))
+
+    @property
+    def roundings(self) -> int:
+        """How many a value of it suffers at most."""
+        return self.rows.roundings + self.family.roundings + _OF_X * self.family.degrees[0] + 1
+
+    @property
+    def polynomial(self) -> Batch:
+        """The same as a polynomial in x, where no wave occurs in it."""
+        places = [row[0] for row in self.family.rows]
+        values, sizes = np.zeros((2, max(places) + 1, self.rows.values.shape[1]))
+        values[places], sizes[places] = self.rows.values, self.rows.sizes
+        return Batch(values, sizes, self.rows.roundings)
+
+    def at(self, points: Points, rows: Array) -> Array:
+        """The value with these coefficients: a sum over the products of waves, each times a polynomial in x."""
+        total: Array | None = None
+        for waves, powers in self.family.groups.items():
+            term, wave = points.horner(rows, powers), points.product(waves)
+            term = term if wave is None else term * wave
+            total = term if total is None else total + term
+        assert total is not None
+        return total
+
+
+@dataclass(frozen=True)
+class WaveFunction:
+    """The product of the factors ``above`` minus that of those ``below`` (none: 0); ``rates``: k of each angle and set."""
+
+    variables: Variables
+    rates: Array
+    above: tuple[Factor, ...]
+    below: tuple[Factor, ...] = ()
+
+    def __sub__(self, other: WaveFunction) -> WaveFunction:
+        return replace(self, below=other.above)
+
+    @property
+    def sets(self) -> int:
+        """How many sets there are."""
+        return int(self.above[0].rows.values.shape[1])
+
+    def of(self, sets: Array) -> WaveFunction:
+        """Those of some of the sets, which may be repeated."""
+        above, below = (tuple(f.of(sets) for f in side) for side in (self.above, self.below))
+        return WaveFunction(self.variables, self.rates[:, sets], above, below)
+
+    def _degree(self, i: int) -> int:
+        """Of x (0), of an angle or of a power, in the order of ``WaveFamily.degrees``."""
+        return max(sum(f.family.degrees[i] for f in side) for side in (self.above, self.below))
+
+    @property
+    def _sides(self) -> list[tuple[Factor, ...]]:
+        return [side for side in (self.above, self.below) if side]
+
+    @property
+    def is_polynomial(self) -> bool:
+        """Whether no wave occurs in it."""
+        return not any(any(f.family.degrees[1:]) for side in (self.above, self.below) for f in side)
+
+    @property
+    def polynomial(self) -> Batch:
+        """The same where no wave occurs in it."""
+        above, *below = (product([f.polynomial for f in side]) for side in self._sides)
+        return above - below[0] if below else above
+
+    @property
+    def power_degrees(self) -> list[int]:
+        """The degrees of the powers of x that are not whole."""
+        first = 1 + len(self.variables.rates)
+        return [self._degree(first + i) for i in range(len(self.variables.orders))]
+
+    def values(self, x: Array, powers: Array | None = None) -> Array:
+        """At points of each set: points x sets. ``powers``: instead of x^alpha, if that is to be a variable of its own.
+
+        They may have more dimensions in front, and then so do the values.
+        """
+        points = Points.of(self.variables, x, self.rates, powers)
+        found = [reduce(mul, [f.at(points, f.rows.values) for f in side]) for side in self._sides]
+        shape = x.shape if powers is None else np.broadcast_shapes(x.shape, powers.shape[1:])
+        return np.broadcast_to(found[0] - found[1] if len(found) > 1 else found[0], shape)
+
+    def sizes(self, x: Array, growth: Array | None = None, powers: Array | None = None) -> Array:
+        """The sums of the absolute values of all terms at one x >= 0 of each set, and so for all smaller ones.
+
+        ``growth``: bounds of C and S of each angle and set, 1 if not given.
+        """
+        growth = np.ones_like(self.rates) if growth is None else growth
+        waves = [w for row in growth for w in (row, row)]
+        points = Points(x, [*waves, *(self._powers(x) if powers is None else powers)])
+        return reduce(add, [reduce(mul, [f.at(points, f.rows.sizes) for f in side]) for side in self._sides])
+
+    def _powers(self, x: Array) -> list[Array]:
+        return [np.exp(alpha * np.log(x)) for alpha in self.variables.orders]
+
+    def error(self, sizes: Array, low: Array, high: Array, *, own_powers: bool = False) -> Array:
+        """The bound on the error of values between two x, whose sizes are at most these."""
+        count = max(sum(f.roundings for f in side) for side in (self.above, self.below)) + 1
+        units = np.full(sizes.shape, float(count))
+        for i, (rate, term) in enumerate(zip(self.rates, self.variables.rates, strict=True)):
+            angle = np.abs(rate) * high
+            roundings = 2 + sum(term.exponents) + _OF_X + 1
+            units += self._degree(1 + i) * (roundings * np.maximum(angle, 2.0) + _OF_LIBM + 4)
+            units[~(angle < MOST_ANGLE)] = np.inf
+        for alpha, degree in zip(self.variables.orders, self.power_degrees, strict=True):
+            steep = 0.0 if own_powers or not degree else (_OF_LIBM + 4) * alpha * np.abs(np.log(low))
+            units += degree * (steep + _OF_LIBM + 12)
+        bound: Array = error(sizes, 1) * units + TINY
+        return bound
+
+    def left_out(self, low: Array, high: Array, degree: int, powers: Array | None = None) -> tuple[Array, Array]:
+        """Bounds on value and slope of what interpolation of that degree leaves out on segments."""
+        middle, half = (low + high) / 2, (high - low) / 2
+        turned = sum((self._degree(1 + i) * np.abs(k) for i, k in enumerate(self.rates)), np.zeros_like(low))
+        ratio = np.full_like(low, _FIRST_RATIO)
+        for _ in range(2):  # to where M r^-degree is least, as M grows like exp(turned half r/2) (middle + half r/2)^n
+            steep = turned * half / 2 + self._degree(0) * half / (2 * middle + half * ratio)
+            ratio = np.clip(degree / (steep + 1e-9), *_RATIOS)
+        if powers is None and any(self.power_degrees):
+            t = middle / half  # the ellipse must stay right of 0, where powers are analytic
+            ratio = np.minimum(ratio, (t + np.sqrt((t - 1) * (t + 1))) * (1 - 1e-9))
+        ratio = np.where(ratio >= LEAST_RATIO, ratio, np.nan)
+        reach = (middle + half * (ratio + 1 / ratio) / 2) * _SLACK
+        growth = np.exp(np.abs(self.rates) * (half * (ratio - 1 / ratio) / 2 * _SLACK)) * _SLACK
+        return left_out(self.sizes(reach, growth, powers) * _SLACK, ratio, degree)
+
+
+class Points:
+    """The variables at points of each set. ``waves``: C, S, C, S, ..., z, ...; their products are computed once."""
+
+    def __init__(self, x: Array, waves: Sequence[Array]) -> None:
+        self._x, self._waves = x, waves
+        self._gaps: dict[int, Array] = {1: x}
+        self._products: dict[Exponents, Array] = {}
+
+    @classmethod
+    def of(cls, variables: Variables, x: Array, rates: Array, powers: Array | None) -> Points:
+        """Those at points x sets."""
+        waves: list[Array] = []
+        for rate in rates:
+            angle = rate * x
+            still = angle == 0
+            waves += [np.cos(angle), np.where(still, 1.0, np.sin(angle) / np.where(still, 1.0, angle))]
+        if powers is None and variables.orders:
+            log = np.log(x)
+            powers = np.array([np.exp(alpha * log) for alpha in variables.orders])
+        return cls(x, [*waves, *(() if powers is None else powers)])
+
+    def horner(self, rows: Array, powers: Sequence[tuple[int, int]]) -> Array:
+        """The sum of rows times powers of x, which descend."""
+        (above, row), *others = powers
+        total: Array = rows[row]
+        for power, row in [*others, (0, -1)]:
+            if above > power:
+                total = total * self._gap(above - power)
+            if row >= 0:
+                total = total + rows[row]
+            above = power
+        return total
+
+    def _gap(self, power: int) -> Array:
+        """x to a whole power, one rounding less than it."""
+        if power not in self._gaps:
+            self._gaps[power] = self._gap(power - power // 2) * self._gap(power // 2)
+        return self._gaps[power]
+
+    def product(self, exponents: Exponents) -> Array | None:
+        """A product of waves; None if it is empty."""
+        if not any(exponents):
+            return None
+        if exponents not in self._products:
+            last = max(i for i, n in enumerate(exponents) if n)
+            rest = self.product((*exponents[:last], exponents[last] - 1, *exponents[last + 1 :]))
+            self._products[exponents] = self._waves[last] if rest is None else rest * self._waves[last]
+        return self._products[exponents]
+
+
+Segments: TypeAlias = tuple[Array, Array, Array]
+"""Sets, which may be repeated, low ends, high ends."""
+_DEGREES, _DEGREE_AT_0 = (5, 14), 6
+"""Of polynomials: the lower one, for narrow segments, feels less of rounding errors."""
+_NARROW = 2.0**-6
+_READY, _READY_AT_0 = 1e-6, 1e-4
+"""How much of the size a remainder may be: else a segment is cut before anything is computed on it."""
+_MOST_CUTS, _MOST_CUTS_AT_0, _MOST_HALVINGS = 40, 9, 5
+_AT_ONCE = 8192
+_MOST_OPEN = 200  # segments of a set: rounding hides what is to be found
+
+
+def isolate(f: WaveFunction, edges: Sequence[float], *, first_is_doubt: bool = False) -> Zeros:
+    """All zeros between the first and the last edge (0 <= edges <= 1, exact), each alone where f is monotone.
+
+    ``first_is_doubt``: the first segment only encloses the true low end, so that a zero on it leaves the set undecided.
+    """
+    with np.errstate(all="ignore"):  # what is not finite has no certain sign
+        search = _Search(f, edges[0])
+        parts = [search.segment(a, b) for a, b in pairwise(edges)]
+        if first_is_doubt:
+            begin = parts.pop(0)
+            search.run(begin)
+            search.doubtful[np.concatenate([x[0] for x in search.found])] = True
+        elif edges[0] == 0 and any(f.power_degrees):
+            parts[0] = search.beyond_0(edges[1])
+        search.run(_joined(parts))
+        return search.zeros()
+
+
+class _Search:
+    """The zeros of a function for each set, while they are looked for."""
+
+    def __init__(self, f: WaveFunction, bottom: float) -> None:
+        self.f, self.bottom = f, bottom
+        self.doubtful = np.zeros(f.sets, dtype=bool)
+        self.first = np.zeros(f.sets, dtype=np.int8)
+        self.found: list[Segments] = [_chosen(self.segment(0, 0), np.zeros(f.sets, dtype=bool))]
+
+    def segment(self, low: float, high: float) -> Segments:
+        """One segment for each set."""
+        return np.arange(self.f.sets), np.full(self.f.sets, low), np.full(self.f.sets, high)
+
+    def run(self, left: Segments) -> None:
+        """Cut segments until each holds one zero or none; sets where that fails are marked as doubtful."""
+        for _ in range(_MOST_CUTS):
+            self.doubtful |= np.bincount(left[0], minlength=self.f.sets) > _MOST_OPEN
+            left = _chosen(left, ~self.doubtful[left[0]])
+            if not len(left[0]):
+                return
+            narrow = left[2] - left[1] < _NARROW
+            kinds = (_chosen(left, narrow), _DEGREES), (_chosen(left, ~narrow), _DEGREES[1:])
+            left = _joined([self.narrowed(some, degrees) for part, degrees in kinds for some in _pieces(part)])
+        self.doubtful[left[0]] = True
+
+    def narrowed(self, segments: Segments, degrees: Sequence[int]) -> Segments:
+        """What is left of segments to be looked at anew, after those that are near enough to polynomials were."""
+        if not degrees or not len(segments[0]):
+            return _halves(segments, by_ratio=any(self.f.power_degrees))
+        degree, *others = degrees
+        sets, low, high = segments
+        f = self.f.of(sets)
+        left_out, sizes = f.left_out(low, high, degree), f.sizes(high)
+        ready = left_out[1] <= _READY * sizes
+        rest, some = self.narrowed(_chosen(segments, ~ready), others), ready.nonzero()[0]
+        if len(some) < len(sets):
+            f, sizes, left_out = f.of(some), sizes[some], (left_out[0][some], left_out[1][some])
+        segments = _chosen(segments, ready)
+        ends, curves = _interpolated(f, segments, sizes, left_out, degree)
+        self._told(segments, ends)
+        return _joined([rest, *self._searched(segments, curves, ends)])
+
+    def _told(self, segments: Segments, ends: Array) -> None:
+        """Take note of the signs at the ends of segments: sets with one that is not certain become doubtful."""
+        sets, low, high = segments
+        self.doubtful[sets[(ends == 0).any(axis=0) | ~(low < high)]] = True
+        at_bottom = low == self.bottom
+        self.first[sets[at_bottom]] = ends[0][at_bottom]
+
+    def _searched(self, segments: Segments, curves: Curves, ends: Array) -> list[Segments]:
+        """Cut polynomials, as long as they tell enough; the segments on which they do not."""
+        for _ in range(_MOST_HALVINGS):
+            none, one = curves.judged(ends)
+            self.found.append(_chosen(segments, one))
+            open_ = ~(none | one) & ~self.doubtful[segments[0]]
+            if not open_.any():
+                return []
+            curves, segments = curves.of(open_.nonzero()[0]).halves(), _halves(_chosen(segments, open_))
+            ends = curves.ends()
+        none, one = curves.judged(ends)
+        self.found.append(_chosen(segments, one))
+        sets, low, high = _chosen(segments, ~(none | one))
+        # children end where floats round to: the next ones outside leave no gap
+        return [(sets, np.maximum(np.nextafter(low, 0), self.bottom), np.minimum(np.nextafter(high, 1), 1.0))]
+
+    def zeros(self) -> Zeros:
+        found = _joined(self.found)
+        sets, low, high = _chosen(found, ~self.doubtful[found[0]])
+        order = np.lexsort((low, sets))
+        return Zeros(sets[order], low[order], high[order], ~self.doubtful, self.first)
+
+    def beyond_0(self, end: float) -> Segments:
+        """What is left between a first segment without a zero, on which powers are variables of their own, and the end.
+
+        That first segment is as long as it can be, in steps of 4.
+        """
+        left = self.segment(0.0, end)
+        rest = [_chosen(left, np.zeros(self.f.sets, dtype=bool))]
+        if sum(n > 0 for n in self.f.power_degrees) > 1:
+            self.doubtful[:] = True
+            return left
+        for _ in range(_MOST_CUTS_AT_0):
+            sets, low, high = left
+            sign = _sign_from_0(self.f.of(sets), high)
+            self.first[sets] = sign
+            sets, high = sets[sign == 0], high[sign == 0]
+            if not len(sets):
+                break
+            rest.append((sets, high / 4, high))
+            left = sets, low[: len(sets)], high / 4
+        self.doubtful[sets] = True
+        return _joined(rest)
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Polynomials by their Bernstein coefficients, sets in columns; ``wrong``: a bound on the errors of all of them.
+
+    ``left_out``: how much the function may differ from the polynomial, and its slope over the degree from that of this one.
+    """
+
+    coefficients: Array
+    wrong: Array
+    left_out: tuple[Array, Array]
+
+    def of(self, some: Array) -> Curves:
+        """For some of the sets."""
+        value, slope = self.left_out
+        return Curves(self.coefficients[:, some], self.wrong[some], (value[some], slope[some]))
+
+    def ends(self) -> Array:
+        """The certain signs at both ends."""
+        return _certain(self.coefficients[[0, -1]], self.wrong + self.left_out[0])
+
+    def judged(self, ends: Array) -> tuple[Array, Array]:
+        """Whether there is no zero for certain, and whether there is one, given the signs at the ends."""
+        value, slope = self.left_out
+        none = _one_sign(self.coefficients, self.wrong + value)
+        monotone = _one_sign(np.diff(self.coefficients, axis=0), (2 * self.wrong + slope) * _SLACK)
+        known = monotone & (ends != 0).all(axis=0)
+        return none | (known & (ends[0] == ends[1])), known & (ends[0] != ends[1])
+
+    def halves(self) -> Curves:
+        """Those on the first halves of the segments, then those on the second, by de Casteljau's weights."""
+        halves = [np.einsum("ji,ib->jb", w, self.coefficients) for w in halving(len(self.coefficients) - 1)]
+        value, slope = self.left_out
+        both = np.concatenate(halves, axis=1)
+        return Curves(both, np.tile(self.wrong, 2), (np.tile(value, 2), np.tile(slope / 2, 2)))
+
+
+def _interpolated(
+    f: WaveFunction, segments: Segments, sizes: Array, left_out: tuple[Array, Array], degree: int
+) -> tuple[Array, Curves]:
+    """Signs at the ends of segments, and what functions are there."""
+    _, low, high = segments
+    n = nodes(degree)
+    values = f.values(low * n.low[:, None] + high * n.high[:, None])
+    wrong = f.error(sizes, low, high)
+    coefficients = np.einsum("ji,ib->jb", n.matrix, values)  # not a library's product: its order may depend on the sets
+    # the sum here, and those of all halvings
+    bound = n.amplified.max() * (wrong + error(sizes, (degree + 3) * (1 + _MOST_HALVINGS)))
+    value, slope = left_out
+    at_ends = np.array([f.error(f.sizes(low), low, low), wrong])  # at the low end sizes may be much smaller
+    return _certain(values[[0, -1]], at_ends), Curves(coefficients, bound, (value, 2 * slope / degree))
+
+
+def _one_sign(values: Array, bounds: Array) -> Array:
+    found: Array = np.logical_or((values > bounds).all(axis=0), (values < -bounds).all(axis=0))
+    return found
+
+
+def _certain(values: Array, bounds: Array) -> Array:
+    return (values > bounds).astype(np.int8) - (values < -bounds).astype(np.int8)
+
+
+def _sign_from_0(f: WaveFunction, high: Array) -> Array:
+    """The sign of each function on [0, high], if it is one: with its power as a variable of its own; else 0."""
+    low = np.zeros_like(high)
+    place = next(i for i, n in enumerate(f.power_degrees) if n)
+    m, n = nodes(_DEGREE_AT_0), nodes(f.power_degrees[place])
+    powers = np.zeros((len(f.power_degrees), len(high)))
+    powers[place] = np.exp(f.variables.orders[place] * np.log(high)) * _SLACK
+    value, _ = f.left_out(low, high, _DEGREE_AT_0, powers)
+    sizes = f.sizes(high, powers=powers)
+    x = high * m.high[:, None]
+    coefficients, roundings = _in_both(n, m, f.values(x, powers[:, None, None] * n.high[:, None, None]))
+    wrong = f.error(sizes, low, high, own_powers=True) + error(sizes, roundings)
+    bounds = n.amplified[:, None, None] * (m.amplified[:, None] * wrong + value)
+    same = _one_sign(coefficients.reshape(-1, len(high)), bounds.reshape(-1, len(high)))
+    found: Array = np.where(same & (value < _READY_AT_0 * sizes), np.sign(coefficients[0, 0]), 0.0)
+    return found
+
+
+def _in_both(n: Nodes, m: Nodes, values: Array) -> tuple[Array, int]:
+    """From values at nodes of the power and of x to coefficients in both of Bernstein's bases, and how often a term is rounded.
+
+    One variable after the other: in a sum over both at once each term would be rounded with every one that follows it.
+    """
+    of_x = np.einsum("mj,ijb->imb", m.matrix, values)
+    # each time the weight, the product, and with all terms but its own the sum
+    return np.einsum("ki,imb->kmb", n.matrix, of_x), (m.degree + 2) + (n.degree + 2)
+
+
+def _pieces(segments: Segments) -> Iterator[Segments]:
+    """So many at a time that memory is no matter."""
+    sets, low, high = segments
+    for i in range(0, len(sets), _AT_ONCE):
+        yield sets[i : i + _AT_ONCE], low[i : i + _AT_ONCE], high[i : i + _AT_ONCE]
+
+
+def _chosen(segments: Segments, kept: Array) -> Segments:
+    sets, low, high = segments
+    return sets[kept], low[kept], high[kept]
+
+
+def _joined(parts: Sequence[Segments]) -> Segments:
+    sets, low, high = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return sets, low, high
+
+
+def _halves(segments: Segments, *, by_ratio: bool = False) -> Segments:
+    sets, low, high = segments
+    middle = np.sqrt(low * high) if by_ratio else (low + high) / 2
+    return np.tile(sets, 2), np.concatenate([low, middle]), np.concatenate([middle, high])
+
+
+_MOST_ROUNDS = 60
+_FINE = 2e-13
+_INSIDE = 2.0**-49
+
+
+def refine(f: WaveFunction, low: Array, high: Array, tolerance: float) -> tuple[Array, Array]:
+    """The zero of each function between low and high, where it is monotone, and whether it is proven to that accuracy.
+
+    Proven: f has certain and opposite signs at x (1 - tolerance) and x (1 + tolerance), or at the segment's end if that is
+    nearer.
+    """
+    with np.errstate(all="ignore"):
+        x = _approached(f, low, high)
+        low, high = low * (1 + _INSIDE), high * (1 - _INSIDE)  # a segment ends where floats round to, or beside it
+        below, above = np.maximum(low, x * (1 - tolerance)), np.minimum(high, x * (1 + tolerance))
+        return x, _signs(f, below) * _signs(f, above) < 0
+
+
+def _signs(f: WaveFunction, x: Array) -> Array:
+    value, bound = f.values(x[None])[0], f.error(f.sizes(x), x, x)
+    signs: Array = (value > bound).astype(np.int8) - (value < -bound).astype(np.int8)
+    return signs
+
+
+def _approached(f: WaveFunction, low: Array, high: Array) -> Array:
+    """By inverse quadratic interpolation where that is safe, and bisection elsewhere (Chandrupatla 1997)."""
+    found, open_ = (low + high) / 2, np.arange(len(low))
+    a, b = low.copy(), high.copy()
+    at_a, at_b = f.values(a[None])[0], f.values(b[None])[0]
+    share = at_a / (at_a - at_b)
+    c, at_c = a, at_a
+    for _ in range(_MOST_ROUNDS):
+        if not len(open_):
+            break
+        x = a + share * (b - a)
+        at_x = f.values(x[None])[0]
+        alike = (at_x > 0) == (at_a > 0)
+        c, at_c = np.where(alike, a, b), np.where(alike, at_a, at_b)
+        b, at_b = np.where(alike, b, a), np.where(alike, at_b, at_a)
+        a, at_a = x, at_x
+        best = np.where(np.abs(at_a) < np.abs(at_b), a, b)
+        found[open_] = best
+        least = _FINE * np.abs(best) / np.abs(b - a)
+        left = (least < 0.5) & (at_a != 0) & (at_b != 0)
+        share = np.clip(_next(a, b, c, at_a, at_b, at_c), least, 1 - least)
+        if not left.all():
+            a, b, at_a, at_b, share, open_ = (x[left] for x in (a, b, at_a, at_b, share, open_))
+            f = f.of(left.nonzero()[0])
+    return found
+
+
+def _next(a: Array, b: Array, c: Array, at_a: Array, at_b: Array, at_c: Array) -> Array:
+    """The part of the way from a to b that is tried next."""
+    xi, phi = (a - b) / (c - b), (at_a - at_b) / (at_c - at_b)
+    safe = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
+    by_inverse = at_a / (at_b - at_a) * at_c / (at_b - at_c) + (c - a) / (b - a) * at_a / (at_c - at_a) * at_b / (
+        at_c - at_b
+    )
+    return np.where(safe & np.isfinite(by_inverse), by_inverse, 0.5)

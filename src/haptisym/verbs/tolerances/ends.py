@@ -20,9 +20,7 @@ from haptisym.judge.criteria import Criterion, noticed
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.verbs.tolerances.box import Box
-from haptisym.verbs.tolerances.excess import Excess
-from haptisym.verbs.tolerances.regional import excess_of
-from haptisym.verbs.tolerances.search import OVERLAP, Cluster, beyond, clusters
+from haptisym.verbs.tolerances.search import OVERLAP, Cluster, Excess, beyond, clusters, excess_of
 from haptisym.verbs.tolerances.single import One, in_time
 
 TOLERANCE = Fraction(1, 1000)

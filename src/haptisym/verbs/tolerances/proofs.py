@@ -25,11 +25,9 @@ from haptisym.kernel.shown import counted, titled
 from haptisym.model.scene import Scene
 from haptisym.verbs.tolerances.box import Box
 from haptisym.verbs.tolerances.ends import MOST_CORNERS, end_of, within
-from haptisym.verbs.tolerances.excess import Excess
 from haptisym.verbs.tolerances.heldbox import HeldInBox
 from haptisym.verbs.tolerances.quantiles import quantiles
-from haptisym.verbs.tolerances.regional import excess_of
-from haptisym.verbs.tolerances.search import Cluster, clusters
+from haptisym.verbs.tolerances.search import Cluster, Excess, clusters, excess_of
 from haptisym.verbs.tolerances.single import One, in_time, one
 from haptisym.verbs.tolerances.verdicts import Enclosure, Verdict
 

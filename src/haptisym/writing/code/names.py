@@ -10,7 +10,7 @@ from enum import Enum
 from itertools import chain, count
 
 from haptisym.kernel.errors import SceneError, quoted
-from haptisym.writing.names import greek
+from haptisym.writing.layout import greek
 
 
 class Language(Enum):
