@@ -18,8 +18,8 @@ from timing import machine
 import haptisym as hs
 from haptisym.kernel.errors import SceneError
 from haptisym.model.measured import Complexes, Measurement
+from haptisym.verbs.identify.entry import estimates, verdict
 from haptisym.verbs.identify.fitting import fit
-from haptisym.verbs.identify.judging import estimates, verdict
 from haptisym.verbs.identify.wanted import Wanted, wanted
 
 DRAWS = 1000

@@ -17,9 +17,8 @@ from timing import machine
 
 import haptisym as hs
 from haptisym.verbs.sweep.axes import axes
-from haptisym.verbs.sweep.batch import Array
-from haptisym.verbs.sweep.exactly import exact_answers
-from haptisym.verbs.sweep.kernel import Kernel
+from haptisym.verbs.sweep.bernstein import Array
+from haptisym.verbs.sweep.passes import Kernel, exact_answers
 from haptisym.verbs.sweep.waves import ulp_errors
 
 SWEPT = {

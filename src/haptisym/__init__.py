@@ -91,7 +91,7 @@ _ON_DEMAND = {
     "stability": "verbs.stability.entry",
     "sweep": "verbs.sweep.entry",
     "sweep_cost": "verbs.cost.entry",
-    "tolerances": "verbs.tolerances.entry",
+    "tolerances": "verbs.tolerances.proofs",
     "verify": "verbs.derive.verify",
 }
 """What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start.

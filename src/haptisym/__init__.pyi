@@ -43,8 +43,7 @@ from haptisym.verbs.simulate.release import Release, release
 from haptisym.verbs.simulate.results import EncoderQuantisation, ForceSaturation, Simulation
 from haptisym.verbs.stability.entry import Stability, stability
 from haptisym.verbs.sweep.entry import sweep
-from haptisym.verbs.tolerances.entry import tolerances
-from haptisym.verbs.tolerances.proofs import Tolerances
+from haptisym.verbs.tolerances.proofs import Tolerances, tolerances
 from haptisym.writing.code.entry import Language, distortion_code, scene_code
 from haptisym.writing.mathml import mathml
 from haptisym.writing.schemas import json_schema

@@ -14,7 +14,7 @@ from typing import Any
 import click
 
 from haptisym import __version__
-from haptisym.commands.streams import ReaderLeft, interrupts, note, prepare, to_standard_output
+from haptisym.commands.options import ReaderLeft, interrupts, note, prepare, to_standard_output
 from haptisym.kernel.errors import HaptisymError, UndecidedError
 
 VERBS = (

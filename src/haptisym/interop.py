@@ -28,7 +28,7 @@ from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.measured import Measurement
 from haptisym.model.quantities import Dimension, decimal, in_laplace, quantity
-from haptisym.model.uff import write_uff
+from haptisym.model.responsefile import write_uff
 
 System: TypeAlias = Any
 """A dynamics in some form: see ``dynamics``."""

@@ -12,7 +12,7 @@ from schemas import IS_THERE, faults
 from sympy import Symbol
 
 import haptisym as hs
-from haptisym.verbs.require.wishes import WISHES
+from haptisym.verbs.require.required import WISHES
 from haptisym.writing import document as model
 from haptisym.writing import html, latex, plain
 from haptisym.writing.layout import named

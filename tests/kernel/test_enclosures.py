@@ -20,11 +20,10 @@ from marks import examples
 from sympy import Integer, Rational, Symbol, pi
 
 from haptisym.kernel.analytic import AnalyticFactor
-from haptisym.kernel.bernstein import range_of
+from haptisym.kernel.bernstein import Stretch, range_of
 from haptisym.kernel.jets import Jet, coefficients, narrowest, over_cell, parts, polynomial
 from haptisym.kernel.jets import value as value_of
 from haptisym.kernel.reals import bounds, dyadic, expression_ball
-from haptisym.kernel.stretches import Stretch
 from haptisym.kernel.waves import (
     WaveSum,
     WaveTerm,

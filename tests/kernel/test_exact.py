@@ -48,11 +48,9 @@ import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import kelvin_voigt, mass_spring_damper
 from haptisym.kernel.alike import ALIKE_BITS, ascending, each_once, ordered
-from haptisym.kernel.decimals import outward, rounded
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.eliminants import discriminant, resultant
-from haptisym.kernel.exponentials import Exponentials
-from haptisym.kernel.irreducible import irreducible
+from haptisym.kernel.factoring import discriminant, resultant
+from haptisym.kernel.pulse import Exponentials
 from haptisym.kernel.reals import (
     ExactNumber,
     Negative,
@@ -63,11 +61,13 @@ from haptisym.kernel.reals import (
     dyadic,
     expression_ball,
     is_in_pi,
+    outward,
     rational_between,
+    rounded,
     short,
 )
 from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
-from haptisym.kernel.rings import Polynomial, PolynomialRing, degree_in
+from haptisym.kernel.rings import Polynomial, PolynomialRing, degree_in, irreducible
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.kernel.symbols import omega, s
 from haptisym.kernel.turns import is_zero as is_zero_turn

@@ -25,21 +25,19 @@ from sympy import Expr, Integer, Poly, Rational, Symbol, acos, asin, exp, expand
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.criteria import noticed, opened
+from haptisym.kernel.alike import in_order
 from haptisym.kernel.analytic import AnalyticFactor
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.far import Sense, far
-from haptisym.kernel.isolation import clear_of, isolated
 from haptisym.kernel.lattices import Lattice
-from haptisym.kernel.levels import Level, algebraic
-from haptisym.kernel.ordering import in_order
-from haptisym.kernel.polynomials import PolynomialFactor
+from haptisym.kernel.polynomials import Level, PolynomialFactor, algebraic
 from haptisym.kernel.reals import ExactNumber, bounds, dyadic
 from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.roots import Chart, chart
 from haptisym.kernel.solutions import solve
 from haptisym.kernel.symbols import c, omega, s
 from haptisym.kernel.waves import WaveTerm
-from haptisym.kernel.zeros import Undecided, Zero, is_clear, sign_of, tightened
+from haptisym.kernel.zeros import Undecided, Zero, clear_of, is_clear, isolated, sign_of, tightened
 from haptisym.model import catalogue
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part

@@ -22,9 +22,7 @@ from sympy import Expr, Integer, Rational, Symbol, pi
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.jets import Line
 from haptisym.kernel.nearone import about_axis, about_one, at_one, circle_tests, has_no_pair, hurwitz, in_v, is_clear
-from haptisym.kernel.pulse import Plant, SampledLoop
-from haptisym.kernel.schurcohn import Circle, count_on_circle
-from haptisym.kernel.states import States, opposite_response
+from haptisym.kernel.pulse import Circle, Plant, SampledLoop, States, count_on_circle, opposite_response
 
 k = Symbol("k", positive=True)
 ONE = (Integer(1),)

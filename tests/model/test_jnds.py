@@ -21,7 +21,7 @@ import haptisym as hs
 from haptisym.cli import app
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part, positive, read_threshold
-from haptisym.model.proportions import DIGITS, Conversion
+from haptisym.model.published import DIGITS, Conversion
 
 PAPER = hs.load_scene("fu2019")
 FRACTIONS = st.fractions(-50, 50, max_denominator=20)

@@ -31,9 +31,8 @@ import haptisym as hs
 from haptisym.model.estimating import WINDOWS
 from haptisym.model.measured import averages_for, coherence_for, disc_radius
 from haptisym.model.measuring import write_sampled
-from haptisym.model.plainrows import plain_rows
 from haptisym.model.quantities import MotionKind
-from haptisym.model.recordfile import read_record
+from haptisym.model.responsefile import plain_rows, read_record
 from haptisym.model.slope import Slope, read_slope
 from haptisym.model.welch import Welch
 

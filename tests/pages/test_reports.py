@@ -25,7 +25,7 @@ from haptisym.judge.answers import Answer
 from haptisym.kernel.symbols import s
 from haptisym.model.parameters import Rule
 from haptisym.pages import report
-from haptisym.writing.htmltext import Html, element, script
+from haptisym.writing.html import Html, element, script
 from haptisym.writing.layout import named
 
 E, F = hs.environments, hs.effects

@@ -41,9 +41,9 @@ from haptisym.programs.program import Operation, Program, Writer, sincm1
 from haptisym.programs.series import BALL_SERIES, FLOATS, InSteps, along_axis, series_arithmetic
 from haptisym.programs.steps import Steps, page_steps
 from haptisym.programs.values import Values
+from haptisym.writing.code.code import DIALECTS, CodeReader
 from haptisym.writing.code.computed import closed
-from haptisym.writing.code.expressions import DIALECTS, CodeReader
-from haptisym.writing.code.names import Language
+from haptisym.writing.code.languages import Language
 
 a, b, x0 = symbols("a b x0")
 X, Y, Z = Symbol("X"), Symbol("Y"), Symbol("Z")

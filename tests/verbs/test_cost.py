@@ -32,8 +32,7 @@ from haptisym.kernel.errors import LimitError, SceneError
 from haptisym.model.jnd import Threshold
 from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.hardcosts import hard_cases
-from haptisym.verbs.cost.margins import margin
-from haptisym.verbs.cost.measurement import Measurement
+from haptisym.verbs.cost.measurement import Measurement, margin
 from haptisym.verbs.cost.stopwatch import interleaved
 from haptisym.verbs.cost.sweeps import Answers, SweepQuestion, certified_way
 from haptisym.verbs.cost.sweeps import grid_way as grid_of_sets

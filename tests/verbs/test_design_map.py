@@ -20,11 +20,10 @@ from haptisym.cli import app
 from haptisym.figures.designmap import draw_wishes
 from haptisym.judge.criteria import noticed
 from haptisym.kernel.budget import timed_by
-from haptisym.verbs.require.asking import Asked
 from haptisym.verbs.require.classical import Encoder, lines
+from haptisym.verbs.require.designmap import Asked, Slice
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.plane import Rectangles, common, held_rectangles, rectangles
-from haptisym.verbs.require.slices import Slice
 from haptisym.verbs.stability.plane import plane
 
 E, F = hs.environments, hs.effects

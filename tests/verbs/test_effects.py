@@ -24,11 +24,8 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import s
 from haptisym.model.jnd import read_threshold
 from haptisym.programs.series import series_arithmetic
-from haptisym.verbs.effects.ballchain import BallChain, BandPiece, Kept
-from haptisym.verbs.effects.differences import Difference
-from haptisym.verbs.effects.enclosing import levels
+from haptisym.verbs.effects.differences import WIDTH, BallChain, BandPiece, Difference, Kept, levels
 from haptisym.verbs.effects.relevance import CrossingEnclosure, Relevance
-from haptisym.verbs.effects.suprema import WIDTH
 
 MP = mpmath.MPContext()
 MP.dps = 40

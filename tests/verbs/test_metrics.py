@@ -19,10 +19,8 @@ from sympy import Rational, lambdify
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.verbs.metrics.forms import MeasureForms
 from haptisym.verbs.metrics.freeresponse import FreeResponse, free_response
-from haptisym.verbs.metrics.measured import Measured
-from haptisym.verbs.metrics.metric import Metric, Metrics, Value
+from haptisym.verbs.metrics.metric import Measured, MeasureForms, Metric, Metrics, Value
 
 STICK = environments.mass_spring_damper("1.8", 15, 100)
 

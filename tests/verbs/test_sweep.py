@@ -32,16 +32,25 @@ from sympy import Integer, Rational, Symbol, pi, sympify
 import haptisym as hs
 from haptisym.kernel.errors import UndecidedError
 from haptisym.verbs.sweep.axes import axes, spaced
-from haptisym.verbs.sweep.batch import MOST_TERMS, Batch, error, nearest
-from haptisym.verbs.sweep.batch import product as multiplied
-from haptisym.verbs.sweep.bernstein import isolate, refine
+from haptisym.verbs.sweep.bernstein import (
+    MOST_TERMS,
+    Batch,
+    Family,
+    Monomial,
+    Powers,
+    count_right,
+    error,
+    isolate,
+    monomial,
+    nearest,
+    refine,
+    within_reach,
+)
+from haptisym.verbs.sweep.bernstein import product as multiplied
 from haptisym.verbs.sweep.blocks import SweepGrid, compute
-from haptisym.verbs.sweep.combined import Found, changes
 from haptisym.verbs.sweep.curves import FamilyLattice, SignedProduct
 from haptisym.verbs.sweep.entry import Swept
-from haptisym.verbs.sweep.families import Family, Monomial, Powers, monomial, within_reach
-from haptisym.verbs.sweep.passes import Band
-from haptisym.verbs.sweep.routh import count_right
+from haptisym.verbs.sweep.passes import Band, Found, changes
 from haptisym.verbs.sweep.told import INFINITE
 
 PAPER = hs.load_scene("fu2019")

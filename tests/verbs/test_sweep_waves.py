@@ -20,10 +20,8 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.verbs.sweep import waves as libm
 from haptisym.verbs.sweep.axes import axes
-from haptisym.verbs.sweep.batch import Array, Batch
-from haptisym.verbs.sweep.curves import ThresholdPolynomial
-from haptisym.verbs.sweep.families import Monomial, Powers
-from haptisym.verbs.sweep.wavecurves import wave_curves
+from haptisym.verbs.sweep.bernstein import Array, Batch, Monomial, Powers
+from haptisym.verbs.sweep.curves import ThresholdPolynomial, wave_curves
 from haptisym.verbs.sweep.waves import (
     Curves,
     Factor,

@@ -11,9 +11,7 @@ from sympy import Expr, Rational, Symbol
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.symbols import s
-from haptisym.verbs.require.clusters import Strips
-from haptisym.verbs.require.places import Strip
-from haptisym.verbs.require.strips import Shape
+from haptisym.verbs.require.places import Shape, Strip, Strips
 
 q = Symbol("q", positive=True)
 """The parameter of all of them."""

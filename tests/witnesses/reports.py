@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 
 from haptisym.judge.answers import Answer
-from haptisym.writing.html import html
-from haptisym.writing.htmltext import Html
+from haptisym.writing.html import Html, html
 
 
 def undrawn(answer: Answer) -> str:

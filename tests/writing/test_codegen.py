@@ -33,11 +33,10 @@ from haptisym.kernel.errors import SceneError
 from haptisym.programs.program import Writer
 from haptisym.programs.steps import page_steps
 from haptisym.programs.values import Values
-from haptisym.writing.code.code import Argument, Source
+from haptisym.writing.code.code import DIALECTS, Argument, CodeReader, Source, nearest_double
 from haptisym.writing.code.computed import closed
 from haptisym.writing.code.entry import distortion_code, scene_code, scene_program
-from haptisym.writing.code.expressions import DIALECTS, CodeReader, nearest_double
-from haptisym.writing.code.names import RESERVED, Language, comment, function_name, identifiers
+from haptisym.writing.code.languages import RESERVED, Language, comment, function_name, identifiers
 
 MP = mpmath.mp.clone()
 

@@ -37,15 +37,13 @@ from haptisym.writing.document import (
     chosen,
     is_empty,
 )
+from haptisym.writing.html import Html, data, display, element, html, joined, script
 from haptisym.writing.html import fragment as html_fragment
-from haptisym.writing.html import html
 from haptisym.writing.html import phrase as html_phrase
-from haptisym.writing.htmltext import Html, data, element, joined, script
 from haptisym.writing.latex import align, broken, piece, tables
 from haptisym.writing.latex import fragment as tex_fragment
 from haptisym.writing.latex import phrase as tex_phrase
 from haptisym.writing.layout import named
-from haptisym.writing.mathematics import display
 from haptisym.writing.mathml import markup
 from haptisym.writing.plain import plain
 

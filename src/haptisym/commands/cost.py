@@ -7,10 +7,17 @@ from pathlib import Path
 
 import click
 
-from haptisym.commands.limit import limit_option
-from haptisym.commands.options import drawn, environment_option, figure_option, json_option, show
-from haptisym.commands.progress import progress
-from haptisym.commands.verb import given, verb
+from haptisym.commands.options import (
+    drawn,
+    environment_option,
+    figure_option,
+    given,
+    json_option,
+    limit_option,
+    progress,
+    show,
+    verb,
+)
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene

@@ -7,10 +7,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from haptisym.commands.limit import within_limit
-from haptisym.commands.options import json_option, keep_pages, scene_argument
-from haptisym.commands.streams import say, say_document, write
-from haptisym.commands.verb import given, verb
+from haptisym.commands.options import (
+    given,
+    json_option,
+    keep_pages,
+    say,
+    say_document,
+    scene_argument,
+    verb,
+    within_limit,
+    write,
+)
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 

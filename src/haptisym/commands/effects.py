@@ -6,9 +6,7 @@ from pathlib import Path
 
 import click
 
-from haptisym.commands.limit import within_limit
-from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument
-from haptisym.commands.verb import verb
+from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument, verb, within_limit
 from haptisym.model.scene import Scene
 
 

@@ -6,20 +6,23 @@ from pathlib import Path
 
 import click
 
-from haptisym.commands.limit import limit_option
 from haptisym.commands.options import (
+    PAGES,
     certificate_option,
     environment_option,
     figures_option,
     file_option,
+    given,
     hand_over,
     json_option,
     keep,
     keep_figures,
+    limit_option,
+    not_over,
+    progress,
     show,
+    verb,
 )
-from haptisym.commands.progress import progress
-from haptisym.commands.verb import PAGES, given, not_over, verb
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError

@@ -7,9 +7,18 @@ from typing import Any
 
 import click
 
-from haptisym.commands.limit import within_limit
-from haptisym.commands.options import drawn, figure_option, file_option, json_option, keep, show
-from haptisym.commands.verb import PAGES, not_over, verb
+from haptisym.commands.options import (
+    PAGES,
+    drawn,
+    figure_option,
+    file_option,
+    json_option,
+    keep,
+    not_over,
+    show,
+    verb,
+    within_limit,
+)
 from haptisym.kernel.errors import SceneError
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS
 from haptisym.verbs.identify import entry as identification

@@ -8,8 +8,7 @@ from pathlib import Path
 import click
 from click.core import ParameterSource
 
-from haptisym.commands.options import drawn, figure_option, json_option, show
-from haptisym.commands.verb import verb
+from haptisym.commands.options import drawn, figure_option, json_option, show, verb
 from haptisym.kernel.errors import SceneError
 from haptisym.model.quantities import decimal
 

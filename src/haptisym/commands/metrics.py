@@ -6,10 +6,18 @@ from pathlib import Path
 
 import click
 
-from haptisym.commands.limit import within_limit
-from haptisym.commands.options import drawn, end, figure_option, json_option, keep_pages, scene_argument, show
-from haptisym.commands.streams import write
-from haptisym.commands.verb import verb
+from haptisym.commands.options import (
+    drawn,
+    end,
+    figure_option,
+    json_option,
+    keep_pages,
+    scene_argument,
+    show,
+    verb,
+    within_limit,
+    write,
+)
 from haptisym.model.scene import Scene
 
 

@@ -7,18 +7,19 @@ from typing import Any
 
 import click
 
-from haptisym.commands.limit import limit_option
 from haptisym.commands.options import (
     certificate_option,
     drawn,
     figure_option,
+    given,
     hand_over,
     json_option,
+    limit_option,
+    progress,
     proven,
     scene_argument,
+    verb,
 )
-from haptisym.commands.progress import progress
-from haptisym.commands.verb import given, verb
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene

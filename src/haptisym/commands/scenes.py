@@ -6,9 +6,7 @@ from json import dumps
 
 import click
 
-from haptisym.commands.options import json_option
-from haptisym.commands.streams import say, say_document, write
-from haptisym.commands.verb import verb
+from haptisym.commands.options import json_option, say, say_document, verb, write
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scenefile import family_names, load_scenes, scene_names, scene_text
 

@@ -6,9 +6,7 @@ from json import dumps
 
 import click
 
-from haptisym.commands.options import json_option
-from haptisym.commands.streams import say, say_document
-from haptisym.commands.verb import verb
+from haptisym.commands.options import json_option, say, say_document, verb
 from haptisym.kernel.errors import SceneError
 from haptisym.writing.schemas import json_schema, schema_names, schema_text
 

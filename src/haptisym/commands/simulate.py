@@ -8,10 +8,18 @@ from pathlib import Path
 
 import click
 
-from haptisym.commands.limit import within_limit
-from haptisym.commands.options import figures_option, file_option, json_option, keep, keep_figures, scene_argument, show
-from haptisym.commands.progress import progress
-from haptisym.commands.verb import verb
+from haptisym.commands.options import (
+    figures_option,
+    file_option,
+    json_option,
+    keep,
+    keep_figures,
+    progress,
+    scene_argument,
+    show,
+    verb,
+    within_limit,
+)
 from haptisym.model.scene import Scene
 
 _MOVED = ("--motion", "--amplitude", "--omega", "--check", "--quantise", "--saturate", "--lowpass")
@@ -70,7 +78,7 @@ def simulate(
     if options.get("release"):
         _let_go(scene, options, as_json, figures, force)
         return
-    from haptisym.verbs.simulate.command import run  # SciPy is loaded for this verb alone
+    from haptisym.verbs.simulate.entry import run  # SciPy is loaded for this verb alone
 
     with progress("s simulated") as told:
         runs = run(scene, check, options, told)

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from haptisym.commands.limit import within_limit
 from haptisym.commands.options import (
     certificate_option,
     drawn,
@@ -15,8 +14,9 @@ from haptisym.commands.options import (
     json_option,
     proven,
     scene_argument,
+    verb,
+    within_limit,
 )
-from haptisym.commands.verb import verb
 from haptisym.model.scene import Scene
 
 

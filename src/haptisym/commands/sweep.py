@@ -14,9 +14,7 @@ from typing import Any
 
 import click
 
-from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument
-from haptisym.commands.progress import progress
-from haptisym.commands.verb import verb
+from haptisym.commands.options import drawn, figure_option, hand_over, json_option, progress, scene_argument, verb
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 

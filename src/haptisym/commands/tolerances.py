@@ -6,10 +6,17 @@ from pathlib import Path
 
 import click
 
-from haptisym.commands.limit import limit_option
-from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument
-from haptisym.commands.progress import progress
-from haptisym.commands.verb import given, verb
+from haptisym.commands.options import (
+    drawn,
+    figure_option,
+    given,
+    hand_over,
+    json_option,
+    limit_option,
+    progress,
+    scene_argument,
+    verb,
+)
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 
@@ -54,7 +61,7 @@ def tolerances(
       haptisym tolerances fu2019-tolerances --hand light-touch
       haptisym tolerances my-device.toml --json
     """
-    from haptisym.verbs.tolerances.entry import tolerances as of
+    from haptisym.verbs.tolerances.proofs import tolerances as of
 
     if samples == 0 and given(click.get_current_context(), "--seed"):
         raise SceneError(

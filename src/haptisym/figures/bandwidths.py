@@ -13,7 +13,7 @@ from haptisym.figures import pen
 from haptisym.figures.judged import columns, limit_of
 from haptisym.figures.sampling import sampled
 from haptisym.figures.style import Scale, dress, entries, handle, legend, number, scale_of
-from haptisym.judge.climb import Bandwidths
+from haptisym.judge.bandwidths import Bandwidths
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.programs.values import Array

@@ -24,10 +24,9 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from haptisym.figures import pen
 from haptisym.figures.style import dots, number, raised, thin
-from haptisym.verbs.cost.entry import Cost
+from haptisym.verbs.cost.entry import Cost, duration, summary, worst_verdict, wrong
 from haptisym.verbs.cost.hardcosts import HardCosts
 from haptisym.verbs.cost.measurement import HardRow, Measurement, front
-from haptisym.verbs.cost.summary import duration, summary, worst_verdict, wrong
 
 _PANEL, _ALONE = (3.5, 2.7), (6.8, 3.6)
 """Inches: a panel among others, and one alone."""

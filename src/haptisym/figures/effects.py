@@ -17,7 +17,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.model.jnd import Part
 from haptisym.programs.series import series_arithmetic
 from haptisym.programs.values import Array
-from haptisym.verbs.effects.ballchain import BandPiece
+from haptisym.verbs.effects.differences import BandPiece
 from haptisym.verbs.effects.relevance import Relevance
 
 _DEPTH = 8  # 2^8 samples along the band

@@ -14,8 +14,7 @@ from haptisym.figures.judged import is_share, limit_of
 from haptisym.figures.sampling import band_of, ends_of, sampled
 from haptisym.figures.sheet import stacked
 from haptisym.figures.style import Look, dress, entries, legend, limit, name_frequency, scale_of
-from haptisym.verbs.metrics.measured import Bands
-from haptisym.verbs.metrics.metric import Metrics
+from haptisym.verbs.metrics.metric import Bands, Metrics
 
 _DOTS_AND_DASHES: Any = (0, (5, 1.5, 1, 1.5))
 _FINE: Any = (0, (1, 1))

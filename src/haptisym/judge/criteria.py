@@ -10,7 +10,7 @@ from sympy import Expr, Integer
 
 from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon, Region, Sided
 from haptisym.kernel.lattices import Signed
-from haptisym.kernel.levels import Level, algebraic
+from haptisym.kernel.polynomials import Level, algebraic
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Chart, Interval

@@ -17,9 +17,8 @@ from typing import Any, ClassVar, NamedTuple, Protocol
 from sympy import Expr
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.bandwidths import bandwidths
+from haptisym.judge.bandwidths import Bandwidths, bandwidths
 from haptisym.judge.bounds import AnyEnvironment, any_environment
-from haptisym.judge.climb import Bandwidths
 from haptisym.judge.criteria import JOINT, Criterion, judged, kept, noticed
 from haptisym.judge.crossings import Crossing, Curve, curves, find_crossings, unbounded_points
 from haptisym.judge.passivity import Passivity, force_is_stable, passivity
@@ -36,12 +35,10 @@ from haptisym.judge.percepts import (
     without_friction,
 )
 from haptisym.judge.spread import Compared, compared
-from haptisym.kernel.counts import whole
-from haptisym.kernel.decimals import bits_for
+from haptisym.kernel.analytic import Turned
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.periodic import Turned
 from haptisym.kernel.polynomials import PolynomialFactor, Root
-from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.reals import ExactNumber, RealNumber, bits_for, whole
 from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.kernel.shown import counted, titled
 from haptisym.kernel.zeros import Zero

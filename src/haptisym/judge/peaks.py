@@ -1,12 +1,23 @@
-"""Where a distortion is largest, and how large: the local maxima of the ratios, exact."""
+"""Where a distortion is largest, and how large: peaks of the ratios, and of how many times a region must be enlarged.
+
+Local maxima of how many times a region must be enlarged: of the square that counts, which changes along the band.
+
+Where a distortion is largest, and how large: the local maxima of the ratios, exact.
+
+JND regions that grow together with one number: how large that number must be so that a change is not noticed.
+
+A change is outside at frequencies at which all ``where`` of a term are positive, as soon as all its squares exceed the square
+of the number, relative to its nominal value. What of a term does not depend on the number belongs to its ``where``.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
+from itertools import combinations
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 import flint
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
@@ -14,18 +25,118 @@ from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion, Judged, noticed
-from haptisym.judge.envelopes import Envelope
+from haptisym.judge.regions import Change, Term
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.levels import the_one
-from haptisym.kernel.polynomials import PolynomialFactor, Root
+from haptisym.kernel.polynomials import PolynomialFactor, Root, the_one
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.roots import Key, chart
+from haptisym.kernel.roots import Key, Point, Signs, chart
 from haptisym.kernel.shown import Shown, counted, titled
 from haptisym.kernel.zeros import Zero
+from haptisym.model.distortion import Distortion, part_of
+from haptisym.model.jnd import Part, Shape, Threshold
+from haptisym.model.parameters import ExactRange
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
+
+_Place: TypeAlias = tuple[int, int]
+"""Of a square: its term, and its place there."""
+
+
+class Maximum(NamedTuple):
+    """The square that has a local maximum; ``jump`` : whether to one side of it another limit holds at once.
+
+    ``after`` : whether that is the side before it.
+    """
+
+    square: RealFunction
+    jump: bool
+    after: bool = False
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """What a criterion judges: the largest, over the terms that hold at a frequency, of their least squares."""
+
+    criterion: Criterion
+    terms: tuple[Term, ...]
+
+    @classmethod
+    def of(cls, x: Criterion, d: Distortion) -> Envelope:
+        """Of a criterion: the terms of its region, or the square that it measures."""
+        return cls(x, x.region.terms(d) if x.region else (Term((), (x.measure(d),)),))
+
+    @cached_property
+    def squares(self) -> dict[_Place, RealFunction]:
+        """All squares, by their places."""
+        return {(i, j): f for i, term in enumerate(self.terms) for j, f in enumerate(term.squares)}
+
+    def functions(self) -> dict[Key, RealFunction]:
+        """All functions whose signs tell where there is a maximum."""
+        found: dict[Key, RealFunction] = {(self, "slope", x): f.derivative() for x, f in self.squares.items()}
+        found |= {(self, "over", x, y): self.squares[x] - self.squares[y] for x, y in combinations(self.squares, 2)}
+        return found | {(self, "where", i, k): f for i, term in enumerate(self.terms) for k, f in enumerate(term.where)}
+
+    def __hash__(self) -> int:
+        return hash(self.criterion)
+
+    def top(self, point: Point) -> Maximum | None:
+        """The maximum at a point inside of the band; None where there is none, or no bound."""
+        before, after = self._counts(point.before), self._counts(point.after)
+        rises = before is not None and point.before[self, "slope", before] > 0 and self._is_finite(point, before)
+        falls = after is not None and point.after[self, "slope", after] < 0 and self._is_finite(point, after)
+        if before is None or after is None:
+            over = (before is not None) - (after is not None)
+        else:
+            over = self._over(point.at, before, after)
+        if before is not None and rises and (over > 0 or (not over and falls)):
+            return Maximum(self.squares[before], jump=over > 0)
+        if after is not None and falls and over < 0:
+            return Maximum(self.squares[after], jump=True, after=True)
+        return None
+
+    def plateau(self, point: Point) -> Maximum | None:
+        """What counts behind a point if it is a number there, and less before it: as of ``top``, though no maximum."""
+        before, after = self._counts(point.before), self._counts(point.after)
+        if after is None or point.after[self, "slope", after]:
+            return None
+        over = -1 if before is None else self._over(point.at, before, after)
+        if over < 0:
+            return Maximum(self.squares[after], jump=True, after=True)
+        rises = before is not None and point.before[self, "slope", before] > 0
+        return Maximum(self.squares[after], jump=False) if not over and rises else None
+
+    def holds(self, i: int, signs: Signs) -> int:
+        """Whether a term holds (1), does not (-1), or is about to (0)."""
+        return min((signs[self, "where", i, k] for k in range(len(self.terms[i].where))), default=1)
+
+    def counting(self, signs: Signs) -> tuple[RealFunction, int]:
+        """The square that counts between two points at which a term holds, and the sign of its slope."""
+        own = self._counts(signs)
+        assert own is not None
+        return self.squares[own], signs[self, "slope", own]
+
+    def _is_finite(self, point: Point, x: _Place) -> bool:
+        return point.orders.get((self, "slope", x), 0) >= 0
+
+    def _counts(self, signs: Signs) -> _Place | None:
+        """The square that counts between two points."""
+        best: _Place | None = None
+        for i, term in enumerate(self.terms):
+            if self.holds(i, signs) <= 0:
+                continue
+            own = [(i, j) for j in range(len(term.squares))]
+            least = next(x for x in own if all(self._over(signs, x, y) <= 0 for y in own))
+            if best is None or self._over(signs, least, best) > 0:
+                best = least
+        return best
+
+    def _over(self, signs: Signs, x: _Place, y: _Place) -> int:
+        """The sign of the difference of two squares."""
+        if x == y:
+            return 0
+        return signs[self, "over", x, y] if x < y else -signs[self, "over", y, x]
 
 
 @dataclass(frozen=True, repr=False)
@@ -257,3 +368,100 @@ def _algebraic(polynomial: list[fmpq], near: Callable[[int], Ball]) -> Expr:
     root = the_one([x for f in factors for x in f.positive_roots()], near)
     minimal = Poly([c for (c,) in root.factor.coefficients[::-1]], Symbol("x"))
     return CRootOf(minimal, root.index + minimal.count_roots(None, 0))
+
+
+Group: TypeAlias = frozenset[str]
+"""Numbers of a JND, by name, that grow together; empty: none of a term does."""
+
+SCALE: Group = frozenset({"scale"})
+
+
+def moved(threshold: Threshold) -> dict[Group, ExactRange]:
+    """What moves apart, with the range of its size relative to the nominal one."""
+    alike = threshold.real == threshold.imag and threshold.region.lower == (None, None)
+    found: dict[Group, ExactRange] = {}
+    for name, (low, high) in threshold.ranges.items():
+        nominal = nominal_of(threshold, name)
+        found[frozenset({name})] = low / nominal, high / nominal
+    real, imag = frozenset({"real"}), frozenset({"imag"})
+    if alike and real in found and found[real] == found.get(imag):
+        own = found.pop(real)
+        del found[imag]
+        found[real | imag] = own
+    return found
+
+
+def nominal_of(threshold: Threshold, name: str) -> Expr:
+    """The nominal value of what has a range."""
+    named = {
+        "scale": threshold.region.size,
+        "real": threshold.real,
+        "imag": threshold.imag,
+        "floor": threshold.region.floor,
+    }
+    named |= dict(zip(("real.lower", "imag.lower"), threshold.region.lower, strict=True))
+    found = named[name]
+    assert found is not None
+    return found
+
+
+def split(d: Distortion, threshold: Threshold) -> dict[Group, tuple[Term, ...]] | None:
+    """The terms by what moves them; None where one is moved by two ranges, or a region of several parts by one of its numbers."""
+    groups = moved(threshold)
+    if groups.keys() == {SCALE}:
+        return {SCALE: tuple(t for x in noticed(threshold) for t in _scaled(d, threshold, x))}
+    if threshold.region.shape is not Shape.SQUARE:
+        return None
+    found: dict[Group, list[Term]] = {}
+    for part in Part:
+        for where, limits in _sides(d, threshold, part):
+            own = [group for group in groups if not group.isdisjoint(limits)]
+            if len(own) > 1:
+                return None
+            group = own[0] if own else Group()
+            squares = tuple(square for name, square in limits.items() if name in group)
+            fixed = tuple(above_one(square) for name, square in limits.items() if name not in group)
+            found.setdefault(group, []).append(Term((*where, *fixed), squares))
+    return {group: tuple(terms) for group, terms in found.items()}
+
+
+def _scaled(d: Distortion, threshold: Threshold, x: Criterion) -> Iterator[Term]:
+    if x.part is None:
+        assert x.region
+        yield from x.region.terms(d)
+        return
+    for where, limits in _sides(d, threshold, x.part):
+        yield Term(where, tuple(limits.values()))
+
+
+def _sides(
+    d: Distortion, threshold: Threshold, part: Part
+) -> Iterator[tuple[tuple[RealFunction, ...], Mapping[str, RealFunction]]]:
+    """Of one part, each way in which it changes: where it does, and the square of the change in each limit, by its name.
+
+    Where a part is exactly as large as it was, at single frequencies, nothing is said: what is noticed is so beside it.
+    """
+    w = Change(d)
+    square = w.part(part) * w.part(part)
+    own, lower, floor = threshold[part], threshold.lower(part), threshold.region.floor
+    least = {} if floor is None else {"floor": RealFunction((square / w.number(floor) ** 2).reduced())}
+
+    def within(name: str, limit: Expr) -> dict[str, RealFunction]:
+        return {name: w.over(square / w.number(limit) ** 2), **least}
+
+    if lower is None:
+        yield (), within(part.value, own)
+        return
+    env, perc = (part_of(x, part).function for x in (d.env_response, d.perc_response))
+    growth = RealFunction((perc * perc - env * env).reduced())
+    if growth.is_zero:  # the larger limit holds throughout
+        yield (), within(part.value, own) | within(f"{part.value}.lower", lower)
+        return
+    yield (growth,), within(part.value, own)
+    yield (RealFunction(-growth.function),), within(f"{part.value}.lower", lower)
+
+
+def above_one(square: RealFunction) -> RealFunction:
+    """Positive where a square is above 1."""
+    f = square.function
+    return RealFunction(f.ring.function(f.numerator - f.denominator, f.denominator))

@@ -16,8 +16,7 @@ from flint import fmpq
 from sympy import Expr, Symbol, cos, pi, sin, sinc
 
 from haptisym.kernel.budget import afford
-from haptisym.kernel.monomials import monomials
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in, monomials
 from haptisym.kernel.symbols import omega
 
 ComplexPolynomial: TypeAlias = tuple[Polynomial, Polynomial]

@@ -21,10 +21,9 @@ from sympy import Integer, Rational, tan
 
 from haptisym.kernel.axis import CONSTANT, Axis, harmonics
 from haptisym.kernel.budget import tick
-from haptisym.kernel.monomials import monomials
 from haptisym.kernel.polynomials import polynomial_factors
 from haptisym.kernel.reals import Ball, expression_ball
-from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.kernel.zeros import sign_of
 
 _BITS = 128

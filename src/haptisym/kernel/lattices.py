@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple, TypeAlias
 
-from haptisym.kernel.levels import Level
+from haptisym.kernel.polynomials import Level
 from haptisym.kernel.response import RealFunction
 
 

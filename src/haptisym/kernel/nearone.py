@@ -18,9 +18,8 @@ from flint import arb, arb_mat, arb_poly
 from sympy import Add, Expr, Integer
 
 from haptisym.kernel.jets import Line, Value, coefficients, narrowest, over_cell, polynomial
-from haptisym.kernel.pulse import Plant, SampledLoop
+from haptisym.kernel.pulse import Plant, SampledLoop, States, column, matrix, opposite_response
 from haptisym.kernel.reals import Ball, expression_ball
-from haptisym.kernel.states import States, column, matrix, opposite_response
 
 _ORDER, _FEW = 3, 3  # of Taylor's polynomials over a cell; one less where more numbers than these move
 _MOST_PIECES = 200  # of the axis, that are looked at for one polynomial

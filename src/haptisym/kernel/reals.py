@@ -1,26 +1,118 @@
-"""Real numbers that know themselves to any precision: certified enclosures, correct digits, nearest floats."""
+"""Real numbers that know themselves to any precision, and the digits that are known of them.
+
+Whole numbers that a caller gives: of digits, of sets, of slices.
+
+Decimal digits of numbers that are known between two bounds.
+
+How precision is raised, and where it ends: a question about balls is asked with twice as many bits until it has an answer.
+
+Real numbers that know themselves to any precision: certified enclosures, correct digits, nearest floats.
+"""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from functools import reduce
 from math import ceil, floor, isfinite
-from operator import add, mul
+from operator import add, index, mul
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any, SupportsIndex, TypeAlias, TypeVar
 
 import flint
 from flint import arb, fmpq
 from sympy import Expr, Integer, Pow, Rational, cos, log, pi, sin, sinc, tan
 
-from haptisym.kernel.counts import whole
-from haptisym.kernel.decimals import bits_for, outward, rounded
-from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.precision import SURE_BITS, at_rising_precision
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.shown import Viewed
+
+
+def whole(name: str, given: SupportsIndex, least: int = 1, most: int | None = None, *, of: str = "") -> int:
+    """A whole number of whatever kind, in its limits; SceneError with its ``name`` and the rule. ``of`` : what it counts.
+
+    >>> from sympy import Integer
+    >>> whole("digits", 3), whole("digits", Integer(3))
+    (3, 3)
+    >>> whole("every", 0, 1, 100)
+    Traceback (most recent call last):
+      ...
+    haptisym.kernel.errors.SceneError: every: 0 must be a whole number from 1 to 100
+    """
+    try:
+        number = None if isinstance(given, bool) else index(given)
+    except TypeError:
+        number = None
+    if number is None or number < least or (most is not None and number > most):
+        limits = f", at least {least}" if most is None else f" from {least} to {most}"
+        raise SceneError(f"{name}: {given} must be a whole number{of}{limits}")
+    return number
+
+
+def bits_for(count: int) -> int:
+    """Relative accuracy in bits with which ``count`` decimal digits are tried first."""
+    return int(count * 3.33) + 16
+
+
+def rounded(low: Fraction, high: Fraction, count: int) -> str | None:
+    """What all numbers between two bounds are, rounded to ``count`` significant decimal digits; None if that differs.
+
+    >>> rounded(Fraction(1, 8), Fraction(129, 1024), 2), rounded(Fraction(1, 8), Fraction(1, 7), 2)
+    (None, None)
+    >>> rounded(Fraction(1, 3), Fraction(334, 1000), 2)
+    '0.33'
+    """
+    rounding = Context(prec=count, rounding=ROUND_HALF_EVEN)
+    first, last = (_decimal(x, rounding) for x in (low, high))
+    return _plain(first, count) if first == last else None
+
+
+def outward(low: Fraction, high: Fraction, count: int) -> tuple[str, str]:
+    """Two bounds with ``count`` significant decimal digits, rounded away from each other."""
+    down, up = (Context(prec=count, rounding=rounding) for rounding in (ROUND_FLOOR, ROUND_CEILING))
+    return _plain(_decimal(low, down)), _plain(_decimal(high, up))
+
+
+def _decimal(x: Fraction, context: Context) -> Decimal:
+    return context.divide(Decimal(x.numerator), Decimal(x.denominator))
+
+
+def _plain(x: Decimal, count: int | None = None) -> str:
+    """Positional notation where that is readable; with ``count``, trailing zeros up to that many digits."""
+    if x.is_zero():
+        return "0"
+    if count is not None:
+        x = x.quantize(Decimal(1).scaleb(x.adjusted() - count + 1), context=Context(prec=count + 2))
+    return f"{x:f}" if -6 < x.adjusted() < 21 else str(x)
+
+
+T = TypeVar("T")
+
+MOST_BITS = 1 << 13
+"""Where a question that may have no answer is given up as undecided: whether a number or an analytic function is 0."""
+SURE_BITS = 1 << 20
+"""Where a question that has an answer for certain is: algebraic numbers always show that they differ; it bounds our mistakes."""
+
+
+def at_rising_precision(ask: Callable[[int], T | None], first: int = 128, most: int = MOST_BITS) -> T | None:
+    """The first answer there is, asked at working precisions of ``first``, twice that, ... bits; None if none up to ``most``.
+
+    >>> at_rising_precision(lambda bits: None if bits < 1000 else bits)
+    1024
+    """
+    bits = first
+    while bits <= most:
+        with flint.ctx.workprec(bits):
+            answer = ask(bits)
+        if answer is not None:
+            return answer
+        bits *= 2
+        tick()
+    return None
+
 
 Ball: TypeAlias = Any  # flint.arb, which ships no types
 _FEW_BITS = 128  # with which a number is shown to lie between others, or is not

@@ -16,9 +16,8 @@ from sympy import Expr, Integer
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import Ball, expression_ball
-from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.kernel.symbols import omega
 
 

@@ -38,10 +38,9 @@ from sympy import Expr, I, Integer, Rational, factorial, pi
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in, monomials
 from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
 from haptisym.kernel.subdivision import Waiting
 from haptisym.kernel.symbols import s

@@ -15,16 +15,22 @@ import flint
 from flint import arb
 from sympy import Expr, Rational
 
+from haptisym.kernel.alike import in_order
 from haptisym.kernel.analytic import AnalyticFactor
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.factoring import Known, Product, factored_function, is_even_or_odd
 from haptisym.kernel.lattices import Lattice, Signed, met
-from haptisym.kernel.levels import Level
-from haptisym.kernel.ordering import in_order
-from haptisym.kernel.polynomials import PolynomialFactor
-from haptisym.kernel.precision import SURE_BITS, at_rising_precision
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball, is_in_pi
+from haptisym.kernel.polynomials import Level, PolynomialFactor
+from haptisym.kernel.reals import (
+    SURE_BITS,
+    Ball,
+    ExactNumber,
+    RealNumber,
+    at_rising_precision,
+    expression_ball,
+    is_in_pi,
+)
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import PolynomialRing
 from haptisym.kernel.shown import Viewed

@@ -36,10 +36,9 @@ from sympy import (
 )
 
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing
+from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.symbols import omega
 

@@ -31,10 +31,8 @@ from sympy import Expr, Integer, Symbol, pi
 from haptisym.kernel.bernstein import range_of
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.monomials import monomials
-from haptisym.kernel.precision import at_rising_precision
-from haptisym.kernel.reals import Ball, expression_ball
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
+from haptisym.kernel.reals import Ball, at_rising_precision, expression_ball
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, monomials
 from haptisym.kernel.symbols import omega
 from haptisym.kernel.turns import is_zero
 from haptisym.kernel.zeros import is_clear

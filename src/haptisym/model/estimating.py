@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from sympy import pi
 
-from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError, meant
+from haptisym.kernel.reals import whole
 from haptisym.model.measured import CONFIDENCE, Complexes, Measurement, Reals, one_row
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
 from haptisym.model.welch import Estimator, Welch

@@ -26,8 +26,7 @@ from haptisym.kernel.shown import Viewed
 from haptisym.kernel.symbols import omega
 from haptisym.model import expressions
 from haptisym.model.parameters import ExactRange, ranged, read_confidence
-from haptisym.model.proportions import Conversion, read_proportion
-from haptisym.model.published import like
+from haptisym.model.published import Conversion, like, read_proportion
 from haptisym.model.quantities import Dimension, MotionKind, Number, decimal, number, require_number
 
 Corner: TypeAlias = tuple[Expr, Expr]

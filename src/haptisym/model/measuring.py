@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import whole
 from haptisym.model.measured import CONFIDENCE, Measurement, one_row
-from haptisym.model.responsefile import read_file
+from haptisym.model.responsefile import read_file, shown_hertz, write_uff
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.model.uff import shown_hertz, write_uff
 
 
 def measured(

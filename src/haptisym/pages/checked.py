@@ -12,7 +12,7 @@ from haptisym.kernel.errors import HaptisymError
 from haptisym.model.scene import Scene
 from haptisym.verbs.evaluate.certificate import named_in_file
 from haptisym.verbs.stability.held import ring_of
-from haptisym.writing.htmltext import Html, data, element, joined, script
+from haptisym.writing.html import Html, data, element, joined, script
 
 
 def is_provable(e: Evaluation) -> bool:

@@ -8,10 +8,9 @@ from statistics import median
 
 from haptisym.model.jnd import Part
 from haptisym.pages.words import RATIOS, lead, title
-from haptisym.verbs.cost.entry import Cost
+from haptisym.verbs.cost.entry import Cost, duration, not_reached, share_wrong, worst_verdict, wrong
 from haptisym.verbs.cost.hardcosts import FAMILIES, HardCosts
 from haptisym.verbs.cost.measurement import HardRow, Measurement
-from haptisym.verbs.cost.summary import duration, not_reached, share_wrong, worst_verdict, wrong
 from haptisym.writing.document import Block, Column, Document, Figure, Notes, Number, Paragraph, Phrase, Section, Table
 from haptisym.writing.layout import named
 

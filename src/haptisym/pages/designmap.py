@@ -8,8 +8,7 @@ from math import ceil
 from haptisym.pages.require import heading, sets, unit_of
 from haptisym.pages.words import certainty, page_about, rounded, rounded_up, rule, short
 from haptisym.verbs.require.designmap import DesignMap
-from haptisym.verbs.require.required import Requirement
-from haptisym.verbs.require.wishes import STABLE
+from haptisym.verbs.require.required import STABLE, Requirement
 from haptisym.writing.document import (
     Block,
     Column,

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 
 from sympy import Add, Expr, Symbol
 
-from haptisym.judge.climb import Bandwidths, Jump
+from haptisym.judge.bandwidths import Bandwidths, Jump
 from haptisym.judge.criteria import JOINT, Criterion
 from haptisym.judge.crossings import Crossing, CrossingKind
 from haptisym.judge.evaluation import Evaluation

@@ -18,14 +18,12 @@ from haptisym.pages.scene import SceneForms
 from haptisym.pages.sliders import Slider, limit_sliders, region_record
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, RATIOS, unit
 from haptisym.verbs.evaluate.certificate import named_in_file
+from haptisym.writing.code.code import nearest_double
 from haptisym.writing.code.entry import scene_program
-from haptisym.writing.code.expressions import nearest_double
-from haptisym.writing.code.names import Language
+from haptisym.writing.code.languages import Language
 from haptisym.writing.document import Phrase
-from haptisym.writing.html import phrase
-from haptisym.writing.htmltext import Html, data, element, joined, script
+from haptisym.writing.html import Html, data, element, inline, joined, phrase, script
 from haptisym.writing.layout import named
-from haptisym.writing.mathematics import inline
 
 
 def explorer(e: Evaluation, forms: SceneForms) -> Html:

@@ -14,8 +14,7 @@ from haptisym.model.distortion import distort
 from haptisym.model.quantities import unit_text
 from haptisym.pages.measured import linearity, measured_words
 from haptisym.pages.words import noted, rounded
-from haptisym.verbs.identify.entry import Identification, correlation
-from haptisym.verbs.identify.judging import Estimate
+from haptisym.verbs.identify.entry import Estimate, Identification, correlation
 from haptisym.writing.document import (
     Block,
     Code,

@@ -10,8 +10,7 @@ from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.quantities import unit_text
 from haptisym.pages.words import caveats, certainty, noted, page_about, percent, region, short, spans
-from haptisym.verbs.metrics.forms import Form
-from haptisym.verbs.metrics.metric import Metric, Metrics, Value
+from haptisym.verbs.metrics.metric import Form, Metric, Metrics, Value
 from haptisym.writing.boxes import (
     Absolute,
     Applied,

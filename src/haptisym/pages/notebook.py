@@ -32,11 +32,9 @@ from haptisym.pages.words import PART_NAMES, ends, exactly, region, short
 from haptisym.writing.boxes import Box, Equation, Grid
 from haptisym.writing.document import Line
 from haptisym.writing.equations import function
-from haptisym.writing.html import fragment, phrase
-from haptisym.writing.htmltext import element
+from haptisym.writing.html import display, element, fragment, phrase
 from haptisym.writing.latex import align, is_long, tex
 from haptisym.writing.layout import layout, named, rounded
-from haptisym.writing.mathematics import display
 from haptisym.writing.plain import said
 
 _PER_SECOND = r"\,\mathrm{rad/s}"

@@ -22,8 +22,7 @@ from haptisym.figures.sheet import save_as
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.writing.document import Document, Figure, figures_of
-from haptisym.writing.html import html, phrase
-from haptisym.writing.htmltext import Html, element
+from haptisym.writing.html import Html, element, html, phrase
 from haptisym.writing.latex import latex
 from haptisym.writing.plain import said
 

@@ -7,8 +7,7 @@ from collections.abc import Collection, Iterator
 from sympy import Expr
 
 from haptisym.judge.criteria import Criterion
-from haptisym.kernel.decimals import outward
-from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver
+from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, outward
 from haptisym.model.caveats import clocks
 from haptisym.model.knobs import Knob
 from haptisym.model.quantities import unit_text

@@ -12,7 +12,7 @@ from sympy.printing.str import StrPrinter
 from haptisym.kernel.symbols import omega, s
 from haptisym.programs.steps import DISTORTION
 from haptisym.verbs.derive.derivation import Derivation
-from haptisym.writing.code.names import Language, comment, identifiers
+from haptisym.writing.code.languages import Language, comment, identifiers
 
 _FUNCTIONS = frozenset(dir(sympy)) - {"s"}
 _ALWAYS = ("Abs", "I", "Rational", "Symbol", "exp", "pi", "sqrt")  # what a script may call, whatever its names

@@ -14,10 +14,9 @@ from haptisym.model.parameters import Rule
 from haptisym.model.quantities import Dimension
 from haptisym.model.scene import Scene
 from haptisym.pages.words import PART_NAMES, unit
-from haptisym.writing.code.expressions import nearest_double
-from haptisym.writing.htmltext import Html, element, joined
+from haptisym.writing.code.code import nearest_double
+from haptisym.writing.html import Html, element, inline, joined
 from haptisym.writing.layout import named
-from haptisym.writing.mathematics import inline
 
 
 @dataclass(frozen=True)

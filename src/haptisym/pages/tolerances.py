@@ -15,9 +15,7 @@ from haptisym.pages.evaluation import joint, nothing_meets
 from haptisym.pages.late import drawing
 from haptisym.pages.words import CHANGE, both, noted, page_about, region_of_fit, rounded, symbol
 from haptisym.verbs.stability.held import Share
-from haptisym.verbs.tolerances.proofs import Tolerances
-from haptisym.verbs.tolerances.quantiles import LEVELS, quantiles
-from haptisym.verbs.tolerances.verdicts import Enclosure, Verdict
+from haptisym.verbs.tolerances.proofs import LEVELS, Enclosure, Tolerances, Verdict, quantiles
 from haptisym.writing.document import Block, Column, Document, Number, Paragraph, Phrase, Section, Strong, Table, listed
 from haptisym.writing.layout import named
 

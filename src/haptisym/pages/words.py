@@ -20,7 +20,7 @@ from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.symbols import omega
 from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Part, Shape, Threshold
-from haptisym.model.proportions import DIGITS
+from haptisym.model.published import DIGITS
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.scene import Scene
 from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled
@@ -29,7 +29,7 @@ from haptisym.writing.layout import layout, named
 
 if TYPE_CHECKING:
     from haptisym.model.measuredscene import MeasuredScene
-    from haptisym.verbs.effects.suprema import Supremum
+    from haptisym.verbs.effects.differences import Supremum
 
 RATIOS: dict[Part, Box] = {Part.REAL: named("r_r"), Part.IMAG: named("r_i")}
 PART_NAMES = {Part.REAL: "real", Part.IMAG: "imaginary"}

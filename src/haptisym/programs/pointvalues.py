@@ -13,8 +13,7 @@ from flint import arb, arb_series, fmpq, fmpq_poly
 from sympy import Expr, Pow, Rational, Symbol, cos
 
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.precision import MOST_BITS, at_rising_precision
-from haptisym.kernel.reals import Ball, RealNumber, expression_ball
+from haptisym.kernel.reals import MOST_BITS, Ball, RealNumber, at_rising_precision, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 from haptisym.kernel.symbols import omega

@@ -14,9 +14,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from haptisym.kernel.counts import whole
-from haptisym.kernel.decimals import rounded
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import rounded, whole
 from haptisym.kernel.shown import Shown
 from haptisym.programs.accuracy import Accuracy, Engine
 from haptisym.programs.certified import Certified, Doubles, FormsAt

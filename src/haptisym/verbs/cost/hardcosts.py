@@ -25,9 +25,9 @@ from haptisym.model.catalogue import Effect
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Number
+from haptisym.verbs.cost.entry import hard_summary
 from haptisym.verbs.cost.measurement import HardRow
 from haptisym.verbs.cost.stopwatch import interleaved, machine
-from haptisym.verbs.cost.summary import hard_summary
 from haptisym.verbs.cost.tasks import CROSSINGS, RATIO_METHODS, Crossings, Method, Question, RatioQuestion
 
 PAPER = (Rational(9, 5), 15, 100)

@@ -27,13 +27,11 @@ from haptisym.model.parameters import Rule
 from haptisym.model.scene import Scene
 from haptisym.verbs.cost.tasks import DOUBLE, Attempt, Method, RefusedError, Score, Task, naive, prepared, right_digits
 from haptisym.verbs.simulate.entry import STEP, band_frequencies, default_amplitude
-from haptisym.verbs.simulate.lockin import lock
 from haptisym.verbs.simulate.motions import Sines, multisine
 from haptisym.verbs.simulate.network import name_of
-from haptisym.verbs.simulate.run import Run, period_of
-from haptisym.verbs.sweep.batch import Array
-from haptisym.verbs.sweep.exactly import AnswerRow, exact_answers
-from haptisym.verbs.sweep.kernel import Kernel
+from haptisym.verbs.simulate.run import Run, lock, period_of
+from haptisym.verbs.sweep.bernstein import Array
+from haptisym.verbs.sweep.passes import AnswerRow, Kernel, exact_answers
 from haptisym.verbs.sweep.told import OPEN
 
 _POINTS = 1 << 16

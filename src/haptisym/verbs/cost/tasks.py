@@ -51,8 +51,7 @@ from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part, Threshold, is_irrational_algebraic
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
-from haptisym.verbs.cost.margins import margin
-from haptisym.verbs.cost.measurement import Omission
+from haptisym.verbs.cost.measurement import Omission, margin
 
 DOUBLE = 53 * log10(2)
 """Decimal digits that a double holds."""

@@ -20,8 +20,8 @@ from flint import fmpq
 from sympy import Rational, Symbol, lambdify
 
 from haptisym.kernel.budget import SECONDS, limited, tick
-from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import whole
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion

@@ -36,11 +36,8 @@ from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.series import series_arithmetic
-from haptisym.verbs.effects.ballchain import BallChain, BandPiece
-from haptisym.verbs.effects.differences import Difference, SupremumBounds
-from haptisym.verbs.effects.enclosing import levels
+from haptisym.verbs.effects.differences import BallChain, BandPiece, Difference, Supremum, SupremumBounds, levels
 from haptisym.verbs.effects.subsets import SubsetSearch
-from haptisym.verbs.effects.suprema import Supremum
 
 _FINEST = 10  # halvings of the band until two effects count as alike
 

@@ -15,9 +15,7 @@ from sympy import Expr, Rational
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.programs.series import FLOATS, InSteps, series_arithmetic
-from haptisym.verbs.effects.ballchain import BallChain, BandPiece, Kept
-from haptisym.verbs.effects.differences import Difference
-from haptisym.verbs.effects.suprema import Supremum
+from haptisym.verbs.effects.differences import BallChain, BandPiece, Difference, Kept, Supremum
 
 _DEPTH = 7  # of the pieces in whose middles ratios are sampled
 _MOST_SUBSETS = 1 << 12  # that are gone through: all of 12 effects

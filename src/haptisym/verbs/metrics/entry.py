@@ -1,10 +1,15 @@
 """The measures of transparency that the field uses, side by side with the JND verdict.
 
+Where measures of transparency and the JND verdict disagree, in sentences.
+
+The measures of transparency that the field uses, side by side with the JND verdict.
+
 Each with its closed form, proven numbers, its source and how well that is known. Derivation: 15_metrics.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from sympy import Integer
@@ -19,13 +24,59 @@ from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Point, chart
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.metrics.disagreements import disagreements
-from haptisym.verbs.metrics.forms import MeasureForms
 from haptisym.verbs.metrics.freeresponse import FreeResponse
-from haptisym.verbs.metrics.judging import TOO_LARGE, WITHIN_3_DB, relative_square
-from haptisym.verbs.metrics.measured import FAR, Measured, value_at
-from haptisym.verbs.metrics.metric import Metric, Metrics, Value
-from haptisym.verbs.metrics.passivehands import absolute_stability_measure, passivity_measure
+from haptisym.verbs.metrics.metric import (
+    FAR,
+    TOO_LARGE,
+    WITHIN_3_DB,
+    Bands,
+    Measured,
+    MeasureForms,
+    Metric,
+    Metrics,
+    Value,
+    absolute_stability_measure,
+    covers,
+    passivity_measure,
+    relative_square,
+    value_at,
+)
+
+_BLIND = (
+    "A force filter or delay in series leaves the zeros of the dynamics where they are: a free-response test sees of it only how "
+    "the motion begins, while the JND test sees all."
+)
+_SLACK = "The free response keeps its tolerances although a moving hand notices the distortion on this band."
+_STRICT = "The free response breaks its tolerances although no moving hand notices anything on this band."
+_COARSE = (
+    "The transmitted impedance stays within 3 dB on the whole band on which the JND is exceeded: 3 dB is 29 to 41 % of the "
+    "modulus, far more than the threshold, and does not see the phase."
+)
+_ACTIVE = (
+    "Transparent is not absolutely stable: the conditions on the axis fail on all of the band but single frequencies, so that "
+    "some passive hand or environment could draw energy from this display where nothing is noticed."
+)
+
+
+def disagreements(m: Measured) -> Iterable[str]:
+    """What one measure says and another does not, in sentences."""
+    e = m.evaluation
+    noticed = e.bandwidth is not e.chart.points[-1].omega
+    if noticed and m.free.blind:
+        yield _BLIND
+    elif noticed and m.free.passes:
+        yield _SLACK
+    elif not noticed and m.free.passes is False:
+        yield _STRICT
+    if noticed and covers(m.inside, e.chart):
+        yield _COARSE
+    if e.transparent and m.llewellyn is not None and _only_points(m.llewellyn):
+        yield _ACTIVE
+
+
+def _only_points(bands: Bands) -> bool:
+    """Whether a set holds single frequencies at most."""
+    return all(x.low is x.high for x in bands)
 
 
 def metrics(scene: Scene | str | Path, *, absolute_stability: bool = False, limit: float | None = SECONDS) -> Metrics:

@@ -30,8 +30,7 @@ from sympy import Expr, Rational
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.precision import SURE_BITS, at_rising_precision
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
+from haptisym.kernel.reals import SURE_BITS, Ball, ExactNumber, RealNumber, at_rising_precision, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.zeros import sign_of
 from haptisym.model.distortion import Distortion

@@ -1,19 +1,480 @@
-"""One measure of transparency: its closed forms, its proven numbers, its source, and what it says."""
+"""One measure of transparency: closed forms, functions, criteria, two-ports, and every passive hand.
+
+A chain of effects as one two-port: what it does to every environment, and to none in particular.
+
+The closed forms of the measures of transparency, in the scene's symbols where these are few, and in its numbers.
+
+The criteria of the field's measures: the 3 dB edges, relative distortion, and Llewellyn's conditions on the axis.
+
+Llewellyn's criterion as a whole: its conditions on the axis at all frequencies, and those on the poles of the two-port.
+
+The exact functions that measures of transparency are read off, and their charts.
+
+One measure of transparency: its closed forms, its proven numbers, its source, and what it says.
+
+Whether every passive hand may hold a display, and with every passive environment: two of the field's measures.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property, partial
 from pkgutil import resolve_name
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
+
+from sympy import Expr, Integer, Rational, sqrt
 
 from haptisym.judge.answers import Answer
+from haptisym.judge.bounds import around
+from haptisym.judge.criteria import PASSIVE, Criterion, kept
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.errors import SceneError
-from haptisym.kernel.reals import RealNumber
+from haptisym.judge.passivity import Beyond, Passivity, has_no_pole_right, most_charted, poles_allow
+from haptisym.judge.peaks import ValueAt
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import SceneError, UndecidedError
+from haptisym.kernel.far import Sense, far
+from haptisym.kernel.reals import ExactNumber, RealNumber, short
+from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
+from haptisym.kernel.rings import Polynomial, RationalFunction, cleared
+from haptisym.kernel.roots import Chart, Interval, Point, chart, sign_of_number
 from haptisym.kernel.shown import Shown, counted, titled
+from haptisym.kernel.symbols import omega
+from haptisym.model.caveats import clocks
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion
+from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Scene
-from haptisym.verbs.metrics.forms import Form
-from haptisym.verbs.metrics.measured import Bands, Measured
+from haptisym.verbs.metrics.freeresponse import FreeResponse, Rule, free_response
+
+
+@dataclass(frozen=True)
+class TwoPort:
+    """The chain matrix ``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]`` of all effects, up to a common factor.
+
+    What is read off it does not see that factor: quotients of entries, and det over a product of two entries.
+    """
+
+    ring: Ring
+    A: Polynomial
+    B: Polynomial
+    C: Polynomial
+    D: Polynomial
+
+    @classmethod
+    def of(cls, chain: Chain, ring: Ring | None = None) -> TwoPort:
+        """The product of a chain's matrices, the one nearest the environment applied first."""
+        ring = ring or chain.ring
+        a, b, c, d = ring.constant(1), ring.constant(0), ring.constant(0), ring.constant(1)
+        for matrix in chain.matrices:
+            p, q, r, t = cleared([ring.convert(entry) for entry in matrix])
+            a, b, c, d = p * a + q * c, p * b + q * d, r * a + t * c, r * b + t * d
+        return cls(ring, a, b, c, d)
+
+    @cached_property
+    def det(self) -> Polynomial:
+        """A D - B C."""
+        return self.A * self.D - self.B * self.C
+
+    def _over(self, top: Polynomial, bottom: Polynomial) -> RationalFunction | None:
+        return None if bottom.is_zero() else self.ring.function(top, bottom).reduced()
+
+    @property
+    def least(self) -> RationalFunction | None:
+        """Z_min = B/D, what is felt of no environment at all (H_env -> 0); None where that is infinite everywhere."""
+        return self._over(self.B, self.D)
+
+    @property
+    def most(self) -> RationalFunction | None:
+        """Z_max = A/C, what is felt of a rigid one (H_env -> infinity); None where nothing bounds it."""
+        return self._over(self.A, self.C)
+
+    @property
+    def width(self) -> RationalFunction | None:
+        """Z_width = Z_max - Z_min = det/(C D); None where nothing bounds it."""
+        return self._over(self.det, self.C * self.D)
+
+    @property
+    def gain(self) -> RationalFunction | None:
+        """g = det/D^2 = -h12 h21."""
+        return self._over(self.det, self.D * self.D)
+
+    @property
+    def leak(self) -> RationalFunction | None:
+        """C/D = h22."""
+        return self._over(self.C, self.D)
+
+    def sensitivity(self, H: RationalFunction) -> RationalFunction | None:
+        """dH_perc/dH_env = det/(C H + D)^2 of the Moebius map, at the environment (or what is rendered) H."""
+        below = self.C * H.numerator + self.D * H.denominator
+        return self._over(self.det * H.denominator**2, below**2)
+
+
+MOST_SYMBOLS = 8
+"""Parameters that a formula in symbols may have; with more it would fill pages."""
+
+
+@dataclass(frozen=True)
+class ChainSystem:
+    """The dynamics of a chain: distortion and two-port in one ring."""
+
+    chain: Chain
+
+    @cached_property
+    def d(self) -> Distortion:
+        """What is felt instead of the environment."""
+        return Distortion.of(self.chain)
+
+    @cached_property
+    def port(self) -> TwoPort:
+        """The chain as a two-port."""
+        return TwoPort.of(self.chain, self.chain.ring)
+
+    @property
+    def rendered(self) -> RationalFunction:
+        """The dynamics that is rendered, in the ring of the chain."""
+        return self.chain.ring.convert(self.chain.rendered).reduced()
+
+
+Function: TypeAlias = RationalFunction | RealFunction
+
+
+@dataclass(frozen=True, repr=False)
+class Form(Shown):
+    """A closed form by its name, of s or of omega."""
+
+    name: str
+    numbers: ChainSystem
+    symbols: ChainSystem | None
+
+    def _line(self) -> str:
+        return f"{self.name} = {self.value}"
+
+    @cached_property
+    def symbolic(self) -> Function | None:
+        """In the scene's symbols; None with too many of them, and where there is none (a division by 0)."""
+        return None if self.symbols is None else _FORMS[self.name](self.symbols)
+
+    @cached_property
+    def numeric(self) -> Function | None:
+        """In the scene's numbers; None where there is none."""
+        return _FORMS[self.name](self.numbers)
+
+    @property
+    def value(self) -> Expr | None:
+        """In symbols if it can be, else in numbers."""
+        found = self.symbolic or self.numeric
+        return None if found is None else found.factored()
+
+
+class MeasureForms:
+    """The closed forms of one scene, by their names."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.numeric = ChainSystem(scene.distortion().chain)
+        self.symbolic = ChainSystem(scene.chain) if len(scene.parameters) <= MOST_SYMBOLS else None
+
+    def __call__(self, *names: str) -> tuple[Form, ...]:
+        """Some of them."""
+        return tuple(Form(name, self.numeric, self.symbolic) for name in names)
+
+
+def _stiffness(x: ChainSystem) -> RealFunction:
+    return on_axis(x.d.perc).real
+
+
+def _mass(x: ChainSystem) -> RealFunction:
+    real = _stiffness(x)
+    return RealFunction((-real.function / real.axis.convert(omega**2)).reduced())
+
+
+def _damping(x: ChainSystem) -> RealFunction:
+    imag = on_axis(x.d.perc).imag
+    return RealFunction((imag.function / imag.axis.convert(omega)).reduced())
+
+
+_FORMS: dict[str, Callable[[ChainSystem], Function | None]] = {
+    "Gamma": lambda x: (x.d.perc / x.d.env).reduced(),
+    "Theta": lambda x: (x.d.difference / x.d.env).reduced(),
+    "Z_min": lambda x: x.port.least,
+    "Z_max": lambda x: x.port.most,
+    "Z_width": lambda x: x.port.width,
+    "dH_perc/dH_env": lambda x: x.port.sensitivity(x.rendered),
+    "g": lambda x: x.port.gain,
+    "k_perc": _stiffness,
+    "m_perc": _mass,
+    "b_perc": _damping,
+}
+
+
+def ratio_square(d: Distortion) -> RealFunction:
+    """|H_perc/H_env|^2."""
+    return squared_modulus((d.perc / d.env).reduced())
+
+
+def _below(d: Distortion) -> RealFunction:
+    square = ratio_square(d)
+    return RealFunction(square.axis.convert(Rational(1, 2))) - square
+
+
+TOO_SMALL = Criterion("-3 dB", "-3 dB", "|H_perc/H_env|", "|H_perc/H_env| >= 1/sqrt(2)", _below)
+TOO_LARGE = Criterion(
+    "+3 dB", "+3 dB", "|H_perc/H_env|", "|H_perc/H_env| <= sqrt(2)", ratio_square, threshold=sqrt(Integer(2))
+)
+WITHIN_3_DB = (TOO_SMALL, TOO_LARGE)
+
+
+def relative_square(d: Distortion) -> RealFunction:
+    """|dH/H_env|^2."""
+    return squared_modulus((d.difference / d.env).reduced())
+
+
+def relative(c: Expr) -> Criterion:
+    """|dH/H_env| <= c."""
+    return Criterion("relative", "relative distortion", "|dH/H_env|", "|dH/H_env| <= c", relative_square, threshold=c)
+
+
+_Hybrid: TypeAlias = Callable[[RealFunction, RealFunction, RealFunction, RealFunction], RealFunction]
+"""Of Im h11, Im h22, Re g and |g|^2, with g = -h12 h21."""
+
+
+def _read(rule: str, d: Distortion) -> RealFunction:
+    port = TwoPort.of(d.chain, d.env.ring)  # type: ignore[arg-type]
+    least, leak, gain = port.least, port.leak, port.gain
+    if least is None or leak is None or gain is None:
+        raise SceneError("D = 0: the hybrid matrix of this scene does not exist")
+    return _CONDITIONS[rule](on_axis(least).imag, on_axis(leak).imag, on_axis(gain).real, squared_modulus(gain))
+
+
+def _lack(own: RealFunction, other: RealFunction, real: RealFunction, _: RealFunction) -> RealFunction:
+    """-(Re g - 2 Im h11 Im h22)."""
+    return RealFunction((own * other).function + (own * other).function) - real
+
+
+_CONDITIONS: Mapping[str, _Hybrid] = {
+    "Im h11 >= 0": lambda own, *_: _nothing(own) - own,
+    "Im h22 <= 0": lambda _own, other, *_: other,
+    "Re g - 2 Im h11 Im h22 >= 0": _lack,
+    "(Re g - 2 Im h11 Im h22)^2 >= |g|^2": lambda *x: x[3] - _lack(*x) * _lack(*x),
+}
+LLEWELLYN = tuple(Criterion(rule, rule, rule.split(" ")[0], rule, partial(_read, rule)) for rule in _CONDITIONS)
+"""Conditions on the axis for absolute stability; those on the poles are others."""
+
+
+def _nothing(f: RealFunction) -> RealFunction:
+    return RealFunction(f.axis.zero)
+
+
+@dataclass(frozen=True)
+class Unconditional:
+    """``axis`` : whether the conditions hold at every frequency. ``poles`` : whether h11, h22 and h12 h21 have none in
+    Re s > 0, and h11 and h22 on the axis simple ones with positive residues alone. None where not decided."""
+
+    axis: bool | None
+    poles: bool | None
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether the two-port is absolutely stable: with every passive hand and every passive environment."""
+        if self.axis is False or self.poles is False:
+            return False
+        return True if self.axis and self.poles else None
+
+
+def unconditional(d: Distortion, port: TwoPort) -> Unconditional:
+    """Llewellyn's criterion for the chain of a display; nothing is decided where D = 0."""
+    return Unconditional(_on_axis(d, port), _poles(port))
+
+
+def _on_axis(d: Distortion, port: TwoPort) -> bool | None:
+    if port.least is None:
+        return None
+    functions = {x: x.function(d) for x in LLEWELLYN}
+    high: Expr = Integer(1)
+    try:
+        for f in functions.values():
+            assert isinstance(f, RealFunction)  # none is about a threshold
+            beyond = far(f.axis.function(f.function.numerator * f.function.denominator))
+            if beyond.sense is Sense.BOTH or (beyond.sense is Sense.POSITIVE and not f.is_zero):
+                return False
+            if beyond.sense is Sense.UNKNOWN:
+                return None
+            high = beyond.radius if sign_of_number(beyond.radius - high) > 0 else high
+        seen = most_charted(d, high)
+        points = chart(functions, Integer(0), seen).points
+    except UndecidedError:
+        return None
+    if any(sign > 0 for p in points for sign in p.after.values()):
+        return False
+    return None if seen != high or any(p.undecided for p in points) else True
+
+
+def _poles(port: TwoPort) -> bool | None:
+    """Of h11 = B/(D s), of h22 = s C/D, and of their product's partner g."""
+    least, leak, gain = port.least, port.leak, port.gain
+    if least is None or leak is None or gain is None:
+        return None
+    s = port.ring.function(port.ring.variable)
+    found = (poles_allow(least), poles_allow((leak * s * s).reduced()), has_no_pole_right(gain))
+    return False if False in found else None if None in found else True
+
+
+Bands: TypeAlias = tuple[Interval, ...]
+FAR = 100
+"""Times the band: how far edges at 3 dB are looked for where no delay makes them endless."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What the measures are read off: exact functions and their charts."""
+
+    evaluation: Evaluation
+
+    @property
+    def d(self) -> Distortion:
+        """What is felt instead of the environment."""
+        return self.evaluation.distortion
+
+    @property
+    def band(self) -> tuple[Expr, Expr]:
+        """Its ends, rad/s."""
+        low, high = self.evaluation.scene.band
+        return low, high
+
+    @cached_property
+    def port(self) -> TwoPort:
+        """The chain as a two-port."""
+        ring = self.d.env.ring
+        return TwoPort.of(self.d.chain, ring)  # type: ignore[arg-type]
+
+    @cached_property
+    def rendered(self) -> RationalFunction:
+        """The dynamics that is rendered, in the ring of the chain."""
+        return self.d.env.ring.convert(self.d.chain.rendered).reduced()
+
+    @cached_property
+    def relative(self) -> Criterion | None:
+        """|dH/H_env| against the smaller threshold; None where the JND is no number for each part."""
+        plain = self.evaluation.scene.threshold.is_plain
+        return relative(min(x.threshold for x in self.evaluation.criteria)) if plain else None
+
+    @cached_property
+    def sensitivity_square(self) -> RealFunction | None:
+        """|S|^2 of the change to that of the rendered dynamics; None where the port has none."""
+        found = self.port.sensitivity(self.rendered)
+        return None if found is None else squared_modulus(found)
+
+    @cached_property
+    def reach(self) -> Expr:
+        """How far edges are looked for, rad/s."""
+        return self.band[1] * (1 if self.d.env.ring.functions else FAR)
+
+    @cached_property
+    def edges(self) -> Chart:
+        """Where the transmitted impedance is 3 dB below and above the environment."""
+        return self._chart(WITHIN_3_DB, self.reach)
+
+    def _chart(self, criteria: Iterable[Criterion], high: Expr) -> Chart:
+        return chart({x: x.function(self.d) for x in criteria}, self.band[0], high)
+
+    @cached_property
+    def _inside(self) -> Chart:
+        return self._chart(WITHIN_3_DB, self.band[1])
+
+    @property
+    def inside(self) -> Bands:
+        """Where it is within 3 dB of the environment's, on the band."""
+        return kept(self._inside)
+
+    @cached_property
+    def _within(self) -> Chart:
+        if self.relative:
+            return self._chart([self.relative], self.band[1])
+        return chart({"": around(self.evaluation.scene.threshold, relative_square(self.d))[0]}, *self.band)
+
+    @property
+    def within(self) -> Bands:
+        """Where |dH/H_env| is at most the smaller threshold, or within the largest circle that the region holds."""
+        return self._within.where(lambda signs: all(sign <= 0 for sign in signs.values()))
+
+    @cached_property
+    def _passive(self) -> Chart:
+        return self._chart([PASSIVE], self.band[1])
+
+    @property
+    def passive(self) -> Bands:
+        """Where on the band Im H_perc >= 0."""
+        return kept(self._passive)
+
+    @cached_property
+    def _llewellyn(self) -> Chart | None:
+        return None if self.port.least is None else self._chart(LLEWELLYN, self.band[1])
+
+    @cached_property
+    def unconditional(self) -> Unconditional:
+        """What Llewellyn's criterion says at all frequencies, poles included."""
+        return unconditional(self.d, self.port) if not clocks(self.evaluation.scene) else Unconditional(None, None)
+
+    @property
+    def llewellyn(self) -> Bands | None:
+        """Where on the band Llewellyn's conditions on the axis hold; None where the hybrid matrix does not exist (D = 0)."""
+        return None if self._llewellyn is None else kept(self._llewellyn)
+
+    @property
+    def certified(self) -> bool:
+        """Whether nothing on any chart was left undecided."""
+        charts = (self.edges, self._inside, self._within, self._passive, self._llewellyn)
+        return self.evaluation.certified and not any(x.undecided for x in charts if x is not None)
+
+    @cached_property
+    def effective(self) -> tuple[tuple[RealNumber, dict[str, RealNumber | None]], ...]:
+        """Effective stiffness, mass and damping of H_perc at the band's ends and at the crossings; None where infinite."""
+        axis = self.d.perc_response.real.axis
+        w = RealFunction(axis.convert(omega))
+        real, imag = self.d.perc_response.real, self.d.perc_response.imag
+        minus = RealFunction(axis.convert(Integer(-1)))
+        own = {"k": real, "m": minus * real / (w * w), "b": imag / w}
+        excesses = {x: x.function(self.d) for x in self.evaluation.criteria}
+        points = chart({**own, **excesses}, *self.band).points
+        ends = (points[0], points[-1])
+        shown = [p for p in points if p in ends or any(p.orders.get(x, 0) > 0 for x in excesses)]
+        return tuple((p.omega, {key: value_at(f, p, key) for key, f in own.items()}) for p in shown)
+
+    @cached_property
+    def free(self) -> FreeResponse:
+        """What the display does when it is let go, as an aeroplane's is judged."""
+        return free_response(self.d)
+
+    @cached_property
+    def free_of_a_helicopter(self) -> FreeResponse:
+        """The same, as a helicopter's is judged."""
+        return free_response(self.d, Rule.HELICOPTER)
+
+    @property
+    def unit(self) -> str:
+        """Of a dynamic stiffness."""
+        return "N m/rad" if self.evaluation.scene.motion is MotionKind.ROTATION else "N/m"
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Of stiffness, mass and damping."""
+        if self.evaluation.scene.motion is MotionKind.ROTATION:
+            return {"k": "N m/rad", "m": "kg m^2", "b": "N m s/rad"}
+        return {"k": "N/m", "m": "kg", "b": "N s/m"}
+
+
+def value_at(f: RealFunction, point: Point, key: object) -> RealNumber | None:
+    """The value of a function of a chart at one of its points: 0 at a zero, None at a pole."""
+    order = point.orders.get(key, 0)
+    if order < 0:
+        return None
+    return ExactNumber(Integer(0)) if order > 0 or f.is_zero else ValueAt(f, point.omega)
+
+
+def covers(bands: Bands, table: Chart) -> bool:
+    """Whether a set is the whole band."""
+    ends = [table.points[i].omega for i in (0, -1)]
+    return len(bands) == 1 and [bands[0].low.omega, bands[0].high.omega] == ends
 
 
 @dataclass(frozen=True)
@@ -133,3 +594,108 @@ def _plain(value: RealNumber | int | str | Bands | None) -> Any:
 
 def _pairs(bands: Bands) -> list[list[float]]:
     return [[float(x.low.omega), float(x.high.omega)] for x in bands]
+
+
+_ANSWERS = {True: "holds", False: "does not hold", None: "not decided"}
+
+
+def passivity_measure(m: Measured, _: MeasureForms) -> Metric:
+    """Im H_perc >= 0 on the band and beside it; the damping of a hand that makes up for what is given away."""
+    found = m.evaluation.passivity
+    return Metric(
+        "passivity",
+        (),
+        (Value("Im H_perc >= 0 on the band", m.passive, "rad/s"), *(_values(m, found) if found else ())),
+        "a display is stable with every passive hand exactly if H_perc/s is positive real",
+        "per frequency derived (15_metrics); with a clock Colgate and Schenkel (1997), as quoted by Weir and Colgate: read",
+        _verdict(m, found),
+    )
+
+
+def _values(m: Measured, found: Passivity) -> list[Value]:
+    rows = [Value(f"Im H_perc < 0, looked at up to {short(ExactNumber(found.high))} rad/s", found.active, "rad/s")]
+    rows += [Value("Im H_perc beyond that", found.beyond.value)]
+    if (given := found.most_given) and found.active:
+        where = f" at {short(given.omega)} rad/s" if given.omega else ""
+        rows += [Value(f"most energy given per cycle, over π A²{where}", given.value, m.unit)]
+    rows += [Value("every passive hand", _answer(found))]
+    if found.is_active and found.damping:
+        where = f", set at {short(found.damping.omega)} rad/s" if found.damping.omega else ", approached far out"
+        rows += [Value(f"hand damping that makes up for it{where}", found.damping.value, m.units["b"])]
+    elif found.is_unbounded:
+        rows += [Value("hand damping that makes up for it", "none: what is given away grows without bound")]
+    return [*rows, Value("force stable under imposed motion", _decided(m.evaluation.stable))]
+
+
+def _decided(answer: bool | None) -> str:  # noqa: FBT001
+    return {True: "yes", False: "no", None: "not decided"}[answer]
+
+
+def _answer(found: Passivity) -> str:
+    return (
+        "not told by this with a clock"
+        if found.holds is None and found.beyond is Beyond.CLOCK
+        else _ANSWERS[found.holds]
+    )
+
+
+def _verdict(m: Measured, found: Passivity | None) -> str:
+    kept = covers(m.passive, m.evaluation.chart)
+    band = "Im H_perc >= 0 on the whole band" if kept else "Im H_perc < 0 somewhere on the band: active there"
+    if found is None:
+        return f"{band}; whether that is so at all frequencies was not decided"
+    if found.holds and found.sampled:
+        return f"{band}; every passive hand: holds, by Colgate and Schenkel's condition"
+    if found.holds:
+        return "every passive hand: holds, as Im H_perc >= 0 at all frequencies and no pole forbids it"
+    if found.is_active and found.holds is False:
+        above = (
+            f", but < 0 above it, first from {short(found.active[0].low.omega)} rad/s" if kept and found.active else ""
+        )
+        return f"{band}{above}; every passive hand: does not hold"
+    if found.beyond is Beyond.CLOCK and found.holds is False:
+        return f"{band}; every passive hand: does not hold, by Colgate and Schenkel's condition"
+    if found.beyond is Beyond.CLOCK:
+        return f"{band} and up to half the clock's rate; with a clock that does not tell of every passive hand"
+    if found.beyond is Beyond.NEVER and found.poles_allow is False:
+        return "Im H_perc >= 0 at all frequencies, but poles forbid it; every passive hand: does not hold"
+    return f"{band}; every passive hand: not decided"
+
+
+def absolute_stability_measure(m: Measured, forms: MeasureForms) -> Metric:
+    """Llewellyn's criterion: the band where its conditions on the axis hold, and all of it at all frequencies."""
+    bands, whole = m.llewellyn, m.unconditional
+    rows: tuple[Value, ...] = ()
+    if bands is None:
+        verdict = "not offered: D = 0, so that the hybrid matrix does not exist"
+    else:
+        rows = (
+            Value("conditions on the axis hold, on the band", bands, "rad/s"),
+            Value("conditions on the axis at all frequencies", _ANSWERS[whole.axis]),
+            Value("conditions on the poles", _ANSWERS[whole.poles]),
+        )
+        verdict = _absolutely(m, covers(bands, m.evaluation.chart))
+    return Metric(
+        "absolute stability",
+        forms("g"),
+        rows,
+        "Llewellyn's criterion, after Adams and Hannaford (1999)",
+        "verified (tutorial chapter 9.3.3)",
+        verdict,
+    )
+
+
+def _absolutely(m: Measured, kept: bool) -> str:  # noqa: FBT001
+    whole = m.unconditional
+    if whole.holds:
+        return "absolutely stable: with every passive hand and every passive environment"
+    if not kept:
+        return (
+            "not absolutely stable: the conditions on the axis fail somewhere on the band; energy can come out there, with some "
+            "passive hand or environment"
+        )
+    if whole.axis is False:
+        return "not absolutely stable: the conditions on the axis hold on the whole band, but fail above it"
+    if whole.poles is False:
+        return "not absolutely stable: the conditions on the axis hold on the whole band, but poles break those on the poles"
+    return "the conditions on the axis hold on the whole band; whether it is absolutely stable was not decided"

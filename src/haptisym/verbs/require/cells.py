@@ -26,14 +26,22 @@ from haptisym.kernel.reals import ExactNumber, RealNumber, dyadic
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Interval, chart
 from haptisym.kernel.subdivision import Waiting
-from haptisym.verbs.require.clusters import Strips, places
-from haptisym.verbs.require.corners import Corner, ZeroAt
 from haptisym.verbs.require.feasible import Binding, Kind
 from haptisym.verbs.require.floatcells import Told
 from haptisym.verbs.require.freeparameter import Conditions, pieces
 from haptisym.verbs.require.limits import Limit, long, short
-from haptisym.verbs.require.places import CellVerdict, CriticalPlace, Edge, MaximumAt, Summit
-from haptisym.verbs.require.strips import Shape
+from haptisym.verbs.require.places import (
+    CellVerdict,
+    Corner,
+    CriticalPlace,
+    Edge,
+    MaximumAt,
+    Shape,
+    Strips,
+    Summit,
+    ZeroAt,
+    places,
+)
 
 BITS = 128
 _NARROW = 1e-13

@@ -35,19 +35,25 @@ from flint import arb, fmpq
 from sympy import Expr, Integer, Poly, Rational, Symbol, pi
 
 from haptisym.judge.criteria import Criterion
-from haptisym.kernel.alike import ordered
+from haptisym.kernel.alike import in_order, ordered
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.eliminants import discriminant, resultant
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.monomials import monomials
-from haptisym.kernel.ordering import in_order
+from haptisym.kernel.factoring import discriminant, resultant
 from haptisym.kernel.polynomials import PolynomialFactor, Root
-from haptisym.kernel.precision import SURE_BITS, at_rising_precision
-from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, expression_ball, rational_between
+from haptisym.kernel.reals import (
+    SURE_BITS,
+    Ball,
+    ExactNumber,
+    Negative,
+    RealNumber,
+    at_rising_precision,
+    expression_ball,
+    rational_between,
+)
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, monomials
 from haptisym.kernel.roots import Interval, chart, sign_of_number
 from haptisym.kernel.symbols import omega
 from haptisym.kernel.zeros import rounded_up, sign_of, tightened

@@ -1,35 +1,465 @@
-"""Design charts: where in the plane of two parameters a display is transparent on its whole band, by exact slices."""
+"""Design charts: where in the plane of two parameters what is asked holds, by exact slices and what is proven between them.
+
+Slices of a map: the exact requirement on its second parameter at a value of the first; how far lines between may be off.
+
+Where the slices of a map go: few to begin with, more where the boundary bends, or where its kind changes.
+
+What is proven of a set between the slices of a map: how far from straight lines between them anything else may be.
+
+What is asked of a map: on each of its slices, how many of them there are and where, and all over its plane.
+
+Design charts: where in the plane of two parameters a display is transparent on its whole band, by exact slices.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
 from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion
-from haptisym.kernel.budget import SECONDS, Told, limited
-from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.shown import counted, titled
+from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, spared
+from haptisym.kernel.errors import SceneError, several
+from haptisym.kernel.reals import RealNumber, whole
+from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.shown import Shown, counted, titled
 from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import Knob
-from haptisym.model.quantities import Number
+from haptisym.model.knobs import THRESHOLD, Knob
+from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.require.asking import Asked, Plan, share_of
+from haptisym.programs.taylormodels import Array
 from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder
 from haptisym.verbs.require.criticalvalues import edge_polynomial, touch_polynomial
-from haptisym.verbs.require.feasible import Kind
-from haptisym.verbs.require.freeparameter import conditions, pieces
-from haptisym.verbs.require.held import with_hands
-from haptisym.verbs.require.proven import Proof
-from haptisym.verbs.require.slices import Gap, Slice, gaps
-from haptisym.verbs.require.wishes import STABLE, SUITS_ALL, TRANSPARENT, wishes
+from haptisym.verbs.require.entry import require
+from haptisym.verbs.require.feasible import End, Kind, Solved
+from haptisym.verbs.require.freeparameter import asked_of, conditions, domain, pieces
+from haptisym.verbs.require.plane import Rectangles, held_rectangles, rectangles
+from haptisym.verbs.require.required import STABLE, SUITS_ALL, TRANSPARENT, Requirement, further, wishes
+from haptisym.verbs.require.verdicts import together, with_hands
+
+
+@dataclass(frozen=True)
+class Slice:
+    """The exact requirement on the second parameter where the first one has a value; ``apart`` : on each thing asked, alone.
+
+    ``contours`` : the values for which nothing is noticed with each of the other thresholds that were asked about.
+    """
+
+    at: Expr
+    requirement: Requirement
+    apart: tuple[Requirement, ...] = ()
+    contours: tuple[Requirement, ...] = ()
+
+    @classmethod
+    def of(cls, at: Expr, apart: Sequence[Requirement], contours: Sequence[Requirement]) -> Slice:
+        """Of one or several things that were asked, from the values for each alone."""
+        one = apart[0]
+        if len(apart) == 1:
+            return cls(at, one, (), tuple(contours))
+        both = together(one.domain, [Solved(x.feasible, x.undecided, x.reason) for x in apart])
+        names = tuple(name for x in apart for name in x.that)
+        criteria = tuple(y for x in apart for y in x.criteria)
+        found = replace(
+            one, feasible=both.feasible, undecided=both.undecided, reason=both.reason, criteria=criteria, that=names
+        )
+        return cls(at, found, tuple(apart), tuple(contours))
+
+    @property
+    def sets(self) -> tuple[Requirement, ...]:
+        """All of its sets: what is asked together, each thing alone, each further threshold."""
+        return self.requirement, *self.apart, *self.contours
+
+    @cached_property
+    def place(self) -> float:
+        """Where it is."""
+        return float(self.at)
+
+    @cached_property
+    def ends(self) -> tuple[tuple[_End, ...] | None, ...]:
+        """Of each of its sets the ends of the intervals, both of each; None where something was left undecided."""
+        return tuple(None if r.undecided else tuple(_ends(r)) for r in self.sets)
+
+
+@dataclass(frozen=True)
+class _End:
+    """An end of an interval as a double, and what binds there."""
+
+    value: float
+    binds: frozenset[tuple[str, Kind]]
+
+
+def _ends(r: Requirement) -> Iterator[_End]:
+    for span in r.feasible:
+        for end in (span.low, span.high):
+            assert end.value is not None  # a map has a range
+            yield _End(float(end.value), frozenset((b.criterion.name, b.kind) for b in end.bindings))
+
+
+@dataclass(frozen=True)
+class Gap:
+    """What lies between two neighbouring slices; ``deviation`` : of the sets' boundaries from straight lines, estimated.
+
+    None where no lines join the slices, which differ in how many intervals their sets have, or where something is undecided.
+    """
+
+    low: float
+    high: float
+    deviation: float | None
+
+
+def gaps(slices: Sequence[Slice]) -> tuple[Gap, ...]:
+    """What lies between each two slices, in order.
+
+    A line between two points of a function is off by at most h^2/8 times its second derivative. That is estimated by the
+    divided differences with the next slices on either side: an estimate, which knows nothing of what slices do not show. Where
+    what binds changes, the boundary has a corner, and is taken to be off by what such a corner may be.
+    """
+    return tuple(Gap(a.place, b.place, _deviation(i, slices)) for i, (a, b) in enumerate(pairwise(slices)))
+
+
+def _deviation(i: int, slices: Sequence[Slice]) -> float | None:
+    """Of all sets between one slice and the next."""
+    found = [_of_set(i, k, slices) for k in range(len(slices[i].sets))]
+    known = [x for x in found if x is not None]
+    return max(known, default=0.0) if len(known) == len(found) else None
+
+
+def _of_set(i: int, k: int, slices: Sequence[Slice]) -> float | None:
+    here, there = slices[i].ends[k], slices[i + 1].ends[k]
+    if here is None or there is None or len(here) != len(there):
+        return None
+    most = 0.0
+    for j, (a, b) in enumerate(zip(here, there, strict=True)):
+        if not (a.binds or b.binds):
+            continue  # where the range ends
+        step = slices[i + 1].place - slices[i].place
+        bend = _bent(i, k, j, slices)
+        own = abs(b.value - a.value) if bend is None else bend * step**2 / (4 if a.binds == b.binds else 1)
+        most = max(most, own)
+    return most
+
+
+def _bent(i: int, k: int, j: int, slices: Sequence[Slice]) -> float | None:
+    """How much an end bends between one slice and the next; at an end of the map, as far as its bend goes on changing."""
+    before, after = (_bend(first, k, j, slices) for first in (i - 1, i))
+    if before is not None and after is not None:
+        return max(abs(before), abs(after))
+    known, beyond = (before, _bend(i - 2, k, j, slices)) if after is None else (after, _bend(i + 1, k, j, slices))
+    return None if known is None else abs(known) + (0.0 if beyond is None else abs(known - beyond))
+
+
+def _bend(first: int, k: int, j: int, slices: Sequence[Slice]) -> float | None:
+    """The second divided difference of one end over three slices; None where there are none, or they differ in kind."""
+    if first < 0 or first + 2 >= len(slices):
+        return None
+    rows = [slices[first + n].ends[k] for n in range(3)]
+    if any(row is None or len(row) != len(rows[0] or ()) for row in rows):
+        return None
+    (x, y, z), (u, v, w) = (
+        [slices[first + n].place for n in range(3)],
+        [row[j].value for row in rows if row is not None],
+    )
+    return ((w - v) / (z - y) - (v - u) / (y - x)) / (z - x)
+
+
+_FIRST = 9
+"""Slices to begin with: what lies between two of them and shows on none is not seen."""
+_WORST = 8
+"""Gaps that are so many times better than the worst one wait: with more slices they may prove to be good."""
+
+
+def even(low: Expr, high: Expr, count: int) -> list[Expr]:
+    """That many places, as far from each other."""
+    return [low + (high - low) * i / (count - 1) for i in range(count)]
+
+
+def first_places(low: Expr, high: Expr, most: int) -> list[Expr]:
+    """The places to begin with."""
+    return even(low, high, min(_FIRST, most))
+
+
+def refined(
+    found: list[Slice],
+    cut: Callable[[Expr, int], Slice],
+    budget: Budget,
+    most: int,
+    size: tuple[float, float],
+    share: float,
+) -> list[Slice]:
+    """More slices, halfway between two, until lines between them are off by no more than a share of the range, as estimated.
+
+    Slices that differ in kind are to be no further from each other than that share of the first range. ``size`` : of both
+    ranges. It ends at ``most`` slices, and where the time is over.
+    """
+    while len(found) < most and not budget.reached:
+        with spared():
+            worst = _worst(found, size, share)[: most - len(found)]
+        if not worst:
+            break
+        more = list[Slice]()
+        for i in worst:
+            more.append(cut((found[i].at + found[i + 1].at) / 2, len(found) + len(more)))
+            if budget.reached:  # what could be told apart is
+                break
+        found = sorted([*found, *more], key=lambda x: x.place)
+    return found
+
+
+def _worst(found: Sequence[Slice], size: tuple[float, float], share: float) -> list[int]:
+    """The gaps that are worth a slice, the worst first."""
+    scores = [
+        (gap.high - gap.low) / size[0] if gap.deviation is None else gap.deviation / size[1] for gap in gaps(found)
+    ]
+    for i, (a, b) in enumerate(pairwise(found)):
+        if None in (*a.ends, *b.ends):
+            scores[i] = 0.0  # another slice would stay undecided too
+    limit = max(share, max(scores, default=0.0) / _WORST)
+    return sorted((i for i, x in enumerate(scores) if x > share and x >= limit), key=lambda i: -scores[i])
+
+
+_ROUNDING, _SAME = 1e-9, 1e-12
+"""Of a bound, and of a range."""
+
+
+@dataclass(frozen=True, repr=False)
+class Proof(Shown):
+    """What is proven of one set of a map, all over its plane: rectangles inside and outside of it, and those left open.
+
+    ``of`` : what was asked; ``set`` : its number among the sets of a slice; ``jnd`` : the threshold, where it is not the scene's;
+    ``window`` : the range of the second parameter.
+    """
+
+    of: str
+    set: int
+    jnd: Expr | None
+    rectangles: Rectangles
+    window: tuple[Expr, Expr]
+
+    def _line(self) -> str:
+        return f"{self.of}: {self.rectangles}"
+
+    def bounds(self, slices: Sequence[Slice]) -> tuple[float | None, ...]:
+        """Between each two slices, how far from the lines that join them the set may differ from what these enclose.
+
+        In units of the second parameter. Of what stays open it is told from the ends of the range too, where the set reaches
+        there. None where slices differ in kind, or where something else is possible that no line is near.
+        """
+        rows = [(x.place, x.sets[self.set]) for x in slices]
+        return tuple(self._bound((a, b), x, y) for (a, x), (b, y) in pairwise(rows))
+
+    def _bound(self, at: tuple[float, float], one: Requirement, other: Requirement) -> float | None:
+        if one.undecided or other.undecided or len(one.feasible) != len(other.feasible):
+            return None
+        edges = float(self.window[0]), float(self.window[1])
+        low, high = (_ends_in_proven(one, other, name) for name in ("low", "high"))
+        lines = _unbounded(low, edges[0], -np.inf), _unbounded(high, edges[1], np.inf)
+        kept, broken = (_Between(*_within(x, *at), *lines, (-np.inf, np.inf)) for x in self.rectangles.parts[:2])
+        left = _Between(*_within(self.rectangles.left, *at), low, high, edges)
+        found = max(kept.distance, broken.depth, left.distance, left.depth)
+        return found * (1 + _ROUNDING) if np.isfinite(found) else None
+
+
+@dataclass(frozen=True, eq=False)
+class _Between:
+    """Rectangles between two slices, cut off there, and the lines that join the ends of intervals on these.
+
+    ``shares`` : (rectangles, 2), of the way from slice to slice; ``values`` : (rectangles, 2), of the second parameter.
+    """
+
+    shares: Array
+    values: Array
+    lows: Array
+    highs: Array
+    edges: tuple[float, float]
+
+    def _most(self, found: Array) -> float:
+        """The largest; of rectangles at an end of the range no more than what they reach to from there."""
+        is_there = (self.values <= self.edges[0]).any(-1) | (self.values >= self.edges[1]).any(-1)
+        reached = np.where(is_there, self.values[:, 1] - self.values[:, 0], np.inf)
+        return float(np.minimum(found, reached).max(initial=0.0))
+
+    @property
+    def distance(self) -> float:
+        """How far from all intervals some of their points may be."""
+        below, above = (
+            self._at(self.lows).max(-1) - self.values[:, :1],
+            self.values[:, 1:] - self._at(self.highs).min(-1),
+        )
+        return self._most(np.maximum(np.maximum(below, above), 0.0).min(-1, initial=np.inf))
+
+    @property
+    def depth(self) -> float:
+        """How far inside of an interval some of their points may be, from its nearer end."""
+        over, under = (
+            self.values[:, 1:] - self._at(self.lows).min(-1),
+            self._at(self.highs).max(-1) - self.values[:, :1],
+        )
+        return self._most(np.maximum(np.minimum(over, under), 0.0).max(-1, initial=0.0))
+
+    def _at(self, lines: Array) -> Array:
+        """The lines where the rectangles begin and end, (rectangles, lines, 2)."""
+        start, end = lines[None, :, :1], lines[None, :, 1:]
+        with np.errstate(invalid="ignore"):
+            found = start + (end - start) * self.shares[:, None]
+        return np.where(np.isinf(start) & np.isinf(end), start, found)
+
+
+def _within(cells: Array, a: float, b: float) -> tuple[Array, Array]:
+    """Of the rectangles those between two values of the first parameter: shares of the way, and values of the second one."""
+    own = cells[(cells[:, 0, 0] < b) & (cells[:, 0, 1] > a)]
+    return (np.clip(own[:, 0], a, b) - a) / (b - a), own[:, 1]
+
+
+def _ends_in_proven(one: Requirement, other: Requirement, name: str) -> Array:
+    """One end of each interval on both slices, (intervals, 2)."""
+    return np.array([[_place(getattr(x, name)) for x in own.feasible] for own in (one, other)]).reshape(2, -1).T
+
+
+def _unbounded(ends: Array, edge: float, beyond: float) -> Array:
+    """The same, infinite where it is the end of the range on both slices."""
+    return np.where((np.abs(ends - edge) <= _SAME * abs(edge)).all(-1, keepdims=True), beyond, ends)
+
+
+def _place(end: End) -> float:
+    assert end.value is not None  # a map has a range
+    return float(end.value)
+
+
+_RANGES = "give one for each of the two, as [(60, 200), (0.1, 1)]"
+_FOR_PROOFS = 0.3
+"""Of the time, at most."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """At most that many slices, lines between them to be off by a share of the second range; evenly placed if it is None."""
+
+    most: int
+    within: Expr | None
+
+    def __post_init__(self) -> None:
+        whole("slices", self.most, 2)
+
+
+def share_of(given: Number) -> Expr:
+    """The exact number; SceneError unless it is one, and positive."""
+    found = number(given, Dimension.RATIO).value
+    if sign_of_number(found) <= 0:
+        raise SceneError(f"within: {given} must be > 0, a share of the range of the second parameter")
+    return found
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked on every slice of a map."""
+
+    scene: Scene
+    free: tuple[Knob, Knob]
+    ranges: tuple[tuple[Expr, Expr], tuple[Expr, Expr]]
+    wanted: tuple[str, ...]
+    criteria: tuple[Criterion, ...]
+    thresholds: tuple[Expr, ...]
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls, scene: Scene, paths: Sequence[str], ranges: Sequence[tuple[Number, Number]], options: Mapping[str, Any],
+        wanted: tuple[str, ...], jnd: Sequence[Number],
+    ) -> Asked:  # fmt: skip
+        """SceneError where paths, ranges or thresholds are not fit."""
+        first, second = scene.knobs.chosen(paths)
+        scene.knobs.need_numbers((first, second))
+        judged = asked_of(scene, (first, second), **options) if TRANSPARENT in wanted else ()
+        if len(several("ranges", ranges, _RANGES)) != 2:
+            raise SceneError(f"ranges: {len(ranges)} will not do: {_RANGES}")
+        across, along = ((free.number(a), free.number(b)) for free, (a, b) in zip((first, second), ranges, strict=True))
+        for free, pair in zip((first, second), (across, along), strict=True):
+            domain(free, pair)
+        thresholds = _thresholds(scene, (first, second), jnd, wanted)
+        criteria = (*judged, *further(scene, wanted))
+        return cls(scene, (first, second), (across, along), wanted, criteria, thresholds, options)
+
+    def cut(self, at: Expr) -> Slice:
+        """The slice at a value of the first parameter."""
+        here, path, along = self.free[0].put(self.scene, at), self.free[1].path, self.ranges[1]
+        apart = [require(here, path, along, that=[x], limit=None, **self.options) for x in self.wanted]
+        others = (here.with_values({THRESHOLD: x}) for x in self.thresholds)
+        return Slice.of(at, apart, [require(x, path, along, limit=None, **self.options) for x in others])
+
+    def proofs(self) -> tuple[Proof, ...]:
+        """What is proven all over the plane: of what is transparent, with each threshold, and of what is stable."""
+        with share(_FOR_PROOFS):
+            found = [*self._of_transparent(), *self._of_stable()]
+        return tuple(x for x in found if x.rectangles.share_left < 1)
+
+    def _of_transparent(self) -> Iterator[Proof]:
+        if TRANSPARENT not in self.wanted:
+            return
+        first = 1 + len(self.wanted) if len(self.wanted) > 1 else 1
+        asked: list[tuple[int, Expr | None, Scene]] = [(self._set(TRANSPARENT), None, self.scene)]
+        asked += [(first + i, c, self.scene.with_values({THRESHOLD: c})) for i, c in enumerate(self.thresholds)]
+        for i, jnd, scene in asked:
+            plane = rectangles(scene, self.free, self._window, asked_of(scene, self.free, **self.options))
+            if plane:
+                yield Proof(TRANSPARENT, i, jnd, plane, self._window[1])
+
+    def _of_stable(self) -> Iterator[Proof]:
+        if STABLE in self.wanted and (plane := held_rectangles(self.scene, self.free, self._window)):
+            yield Proof(STABLE, self._set(STABLE), None, plane, self._window[1])
+
+    def _set(self, name: str) -> int:
+        """The number of what is asked among the sets of a slice."""
+        return 1 + self.wanted.index(name) if len(self.wanted) > 1 else 0
+
+    @property
+    def _window(self) -> tuple[tuple[Expr, Expr], tuple[Expr, Expr]]:
+        """Both ranges, as far as the rules of the parameters allow."""
+        one, other = (domain(x, pair) for x, pair in zip(self.free, self.ranges, strict=True))
+        ends = one.low, one.high, other.low, other.high
+        a, b, c, d = (x for x in ends if x is not None)  # a map has ranges
+        return (a, b), (c, d)
+
+    def cut_all(self, plan: Plan, budget: Budget) -> tuple[Slice, ...]:
+        """All slices; one that is slow leaves time to the others."""
+        low, high = self.ranges[0]
+
+        def cut(at: Expr, n: int) -> Slice:
+            budget.say(n, plan.most, "slices")
+            with share(1 / min(len(start) - n, 2) if n < len(start) else 1 / 2):
+                return self.cut(at)
+
+        places = even(low, high, plan.most) if plan.within is None else first_places(low, high, plan.most)
+        start = [at for at in places if self.free[0].rule.allows(at)]
+        found = [cut(at, n) for n, at in enumerate(start)]
+        if plan.within is not None:
+            one, other = (float(b - a) for a, b in self.ranges)
+            found = refined(found, cut, budget, plan.most, (one, other), float(plan.within))
+        return tuple(found)
+
+
+def _thresholds(scene: Scene, free: Sequence[Knob], jnd: Sequence[Number], wanted: Sequence[str]) -> tuple[Expr, ...]:
+    """The further thresholds, each once. SceneError where nothing is asked of what is noticed, or the threshold is free."""
+    if not jnd:
+        return ()
+    if TRANSPARENT not in wanted:
+        raise SceneError("jnd: further thresholds are of what is noticed: ask for transparent too, or leave them out")
+    for x in (x for x in free if x.parts):
+        raise SceneError(f"jnd: further thresholds and {x.path}, which is free, say the same: leave out one of them")
+    if scene.threshold.region.corners:
+        raise SceneError("jnd: the scene's threshold is a polygon, which is given by its corners and not by one number")
+    knob = scene.knobs[THRESHOLD]
+    for c in jnd:
+        knob.check(c)
+    return tuple(dict.fromkeys(knob.number(c) for c in jnd))
 
 
 @dataclass(frozen=True, repr=False)

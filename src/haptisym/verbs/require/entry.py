@@ -7,7 +7,7 @@ from pathlib import Path
 
 from haptisym.judge.criteria import noticed
 from haptisym.kernel.budget import SECONDS, Told, limited
-from haptisym.kernel.counts import whole
+from haptisym.kernel.reals import whole
 from haptisym.kernel.response import RealFunction
 from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part
@@ -15,9 +15,8 @@ from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.require.freeparameter import asked_of, domain
-from haptisym.verbs.require.held import with_hands
-from haptisym.verbs.require.required import Requirement
-from haptisym.verbs.require.wishes import STABLE, TRANSPARENT, further, solve_all, wishes
+from haptisym.verbs.require.required import STABLE, TRANSPARENT, Requirement, further, solve_all, wishes
+from haptisym.verbs.require.verdicts import with_hands
 
 
 def require(

@@ -13,9 +13,8 @@ from haptisym.judge.bounds import for_any_environment
 from haptisym.judge.criteria import Criterion, noticed, opened
 from haptisym.kernel.errors import SceneError, several
 from haptisym.kernel.lattices import Lattice
-from haptisym.kernel.monomials import monomials
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial
+from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part

@@ -44,13 +44,10 @@ from sympy import Expr, Rational, Symbol
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import Ball, dyadic, expression_ball
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial
-from haptisym.verbs.require.clusters import Strips, places
-from haptisym.verbs.require.places import CellVerdict, Strip
-from haptisym.verbs.require.strips import Shape
+from haptisym.kernel.rings import Polynomial, monomials
+from haptisym.verbs.require.places import CellVerdict, Shape, Strip, Strips, places
 
 Key: TypeAlias = tuple[int, ...]
 """The name of a number: the exponents of what it is a product of; without any, that of 1."""

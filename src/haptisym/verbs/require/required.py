@@ -1,32 +1,166 @@
-"""What a parameter must be: the values that were found, with a formula where there is one, and as a document."""
+"""What a parameter must be: what is asked, the values that were found, formulas, and the document.
+
+What a parameter must be, as a formula: the condition at the band's edge, solved for the parameter.
+
+What is asked of a display, alone or together: to be transparent, stable in a hand, fit for every passive hand.
+
+What a parameter must be: the values that were found, with a formula where there is one, and as a document.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache, partial
 from typing import Any, ClassVar
 
-from sympy import Expr, Symbol
+from sympy import Abs, Expr, Float, Symbol
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.bounds import ANY_ENVIRONMENT
-from haptisym.judge.criteria import Criterion, opened
+from haptisym.judge.criteria import PASSIVE, Criterion, opened
+from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import limited
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
 from haptisym.kernel.reals import RealNumber, Sliver
 from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.shown import titled
+from haptisym.kernel.solutions import Solution
+from haptisym.kernel.solutions import solve as formulas_of
 from haptisym.kernel.symbols import c, omega
+from haptisym.model.caveats import clocks
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
-from haptisym.verbs.require.closedforms import closed_form
-from haptisym.verbs.require.feasible import Binding, End, Kind, Span, bound_ends, spanned
+from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, bound_ends, spanned
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.nearest import Nearest, nearest
-from haptisym.verbs.require.wishes import STABLE, SUITS_ALL, solve_all
+from haptisym.verbs.require.passive import solve_passive, solve_sampled
+from haptisym.verbs.require.solving import solve
+from haptisym.verbs.require.verdicts import all_open, solve_stable, stable_in, together
+
+_DIGITS = 60
+_MOST_TERMS, _MOST_OPERATIONS = 600, 80
+
+
+def closed_form(
+    condition: RealFunction, free: Symbol, place: Symbol, known: Mapping[Symbol, Expr], value: str
+) -> Expr | None:
+    """The formula for a parameter at which a condition binds at a frequency; None where there is no readable one.
+
+    ``condition``: with symbols for all parameters; ``place``: the name of the frequency; ``known``: what all of them are
+    worth; ``value``: decimal digits of the one solution that is meant, at least 60.
+    """
+    turned = _turned(condition, free, place)
+    if turned is None:
+        return None
+    for solution in _solved(_Posed.of(turned)):
+        form = solution.omega
+        if form is not None and form.count_ops() <= _MOST_OPERATIONS and _is(form.xreplace(dict(known)), value):
+            return form
+    return None
+
+
+@dataclass(frozen=True)
+class _Posed:
+    """A function whose zeros are asked for, with what tells it from others: the slices of a map all pose the same one."""
+
+    told: tuple[object, ...]
+    function: RealFunction = field(compare=False)
+
+    @classmethod
+    def of(cls, function: RealFunction) -> _Posed:
+        axis, parts = function.axis, (function.function.numerator, function.function.denominator)
+        terms = (frozenset((tuple(map(int, e)), x) for e, x in monomials(p)) for p in parts)
+        return cls((axis.meanings, tuple(axis.angles), tuple(axis.orders), *terms), function)
+
+
+@lru_cache(maxsize=32)
+def _solved(posed: _Posed) -> tuple[Solution, ...]:
+    return formulas_of(posed.function)
+
+
+def _is(number: Expr, value: str) -> bool:
+    found = number.evalf(_DIGITS)
+    return bool(found.is_real and Abs(found - Float(value, _DIGITS)) <= Abs(found) * Float(10) ** (8 - _DIGITS))
+
+
+def _turned(condition: RealFunction, free: Symbol, place: Symbol) -> RealFunction | None:
+    """The condition as a function of the parameter, which takes the place of omega; None where it is no such function."""
+    axis, numerator = condition.axis, condition.function.numerator
+    rates = [(angle.rate / free).cancel() * place for angle in axis.angles]
+    if axis.orders or any(rate.has(free) for rate in rates) or len(numerator.to_dict()) > _MOST_TERMS:
+        return None
+    target = Ring([*(x for x in axis.symbols if x != free), place], rates).axis
+    return RealFunction(target.function(_exchanged(numerator, axis, target, free, place)))
+
+
+def _exchanged(polynomial: Polynomial, axis: Axis, target: Axis, free: Symbol, place: Symbol) -> Polynomial:
+    """The polynomial with omega called ``place`` and the parameter called omega."""
+    names = {omega: place, free: omega}
+    where = [target.meanings.index(names.get(x, x)) for x in axis.meanings[: axis.size]]
+    where += [target.size + i for i in range(len(axis.angles))]
+    terms = {}
+    for exponents, value in monomials(polynomial):
+        own = [0] * len(target.meanings)
+        for i, n in zip(where, exponents, strict=True):
+            own[i] = int(n)
+        terms[tuple(own)] = value
+    return target.context.from_dict(terms)
+
+
+TRANSPARENT, STABLE, SUITS_ALL = "transparent", "stable", "passive"
+WISHES = (TRANSPARENT, STABLE, SUITS_ALL)
+EVERY_PASSIVE_HAND = replace(
+    PASSIVE, words="every passive hand", rule="every passive hand may hold it", kept="fit for every passive hand"
+)
+
+
+def wishes(that: Sequence[str]) -> tuple[str, ...]:
+    """What is asked, each thing once, in their order. SceneError names what is none of them."""
+    listed = [that] if isinstance(that, str) else list(that)
+    for x in listed:
+        if x not in WISHES:
+            raise SceneError(
+                f'that: "{str(x)[:60]}" is none of {", ".join(WISHES)}; {meant(str(x), WISHES)}'.rstrip("; ")
+            )
+    if not listed:
+        raise SceneError(f"that: nothing is asked: one or more of {', '.join(WISHES)}")
+    return tuple(x for x in WISHES if x in listed)
+
+
+def further(scene: Scene, wanted: Sequence[str]) -> tuple[Criterion, ...]:
+    """The criteria beside those of the JND: a hand each, and every passive hand."""
+    held = tuple(map(stable_in, scene.hands)) if STABLE in wanted else ()
+    return (*held, EVERY_PASSIVE_HAND) if SUITS_ALL in wanted else held
+
+
+def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> Solved:
+    """All values with which every criterion is kept."""
+    found, judged = list[Solved](), [x for x in criteria if x.name not in (STABLE, SUITS_ALL)]
+    if judged:
+        found.append(solve(scene, free, asked, judged))
+    others: list[Callable[[], Solved]] = []
+    held = [hand for hand in scene.hands if stable_in(hand) in criteria]
+    others += [partial(solve_stable, scene, hand, free, asked) for hand in held]
+    if any(x.name == SUITS_ALL for x in criteria):
+        others.append(partial(solve_sampled if clocks(scene) else solve_passive, scene, free, asked))
+    return together(asked, [*found, *(_or_open(x, asked) for x in others)])
+
+
+def _or_open(solved: Callable[[], Solved], asked: Domain) -> Solved:
+    """The values; all of them undecided where that is not known, or the time does not last."""
+    try:
+        return solved()
+    except LimitError:
+        return all_open(asked)
+    except UndecidedError as error:
+        return all_open(asked, str(error))
+
 
 _NAMES = {Kind.EDGE: Symbol("omega_max", positive=True), Kind.START: Symbol("omega_min", positive=True)}
 

@@ -1,20 +1,40 @@
-"""The values of one parameter for which a verdict is yes: one exact verdict between each two values at which it may change."""
+"""The values of one parameter with which conditions hold: verdicts between critical values, and counts in a hand.
+
+The values of one parameter for which a verdict is yes: one exact verdict between each two values at which it may change.
+
+For which values of one parameter a display is stable in a hand: exact counts of unstable roots between critical values.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from fractions import Fraction
+from itertools import islice, pairwise
+from typing import Any
 
-from sympy import Expr, Rational
+import flint
+from flint import acb, arb
+from sympy import Expr, Rational, exp, pi
 
+from haptisym.judge.criteria import Criterion
 from haptisym.kernel.alike import ascending, is_told, ordered
 from haptisym.kernel.budget import spared, tick
-from haptisym.kernel.errors import LimitError, UndecidedError
-from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
-from haptisym.verbs.require.feasible import Binding, End, Solved, Span, runs
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
+from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball, rational_between
+from haptisym.kernel.symbols import s
+from haptisym.model.caveats import clocks
+from haptisym.model.hand import Hand, how_to_give
+from haptisym.model.knobs import Knob
+from haptisym.model.scene import Scene
+from haptisym.verbs.require.criticalvalues import allowed, missing
+from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, runs
 from haptisym.verbs.require.freeparameter import Domain
-from haptisym.verbs.stability.loops import Gap
+from haptisym.verbs.stability.chains import RightRoots, Tendency
+from haptisym.verbs.stability.clocked import clocked_roots, passages_in
+from haptisym.verbs.stability.critical import Tally, meetings
+from haptisym.verbs.stability.entry import chosen
+from haptisym.verbs.stability.loops import Gap, Loop, Meetings
 
 _BEYOND = "further out was not looked at"
 
@@ -222,3 +242,144 @@ def _answer(x: Solved, value: RealNumber) -> bool | None:
         if (start is None or ordered(start, value) >= 0) and (end is None or ordered(value, end) >= 0):
             return None
     return False
+
+
+_MOST_WINDOWS = 8
+"""Of values about the scene's own, each about four times as wide as the one before it."""
+_BITS = 256
+
+
+def stable_in(hand: Hand) -> Criterion:
+    """The display is stable in this hand: a criterion without a function of frequency."""
+    name = f"stable in {hand.name}"
+    return Criterion("stable", name, "H_perc + Z_hand", name, _none, kept=name)
+
+
+def _none(_: object) -> Any:
+    raise SceneError("whether a display is stable in a hand is no condition at one frequency")
+
+
+def with_hands(scene: Scene, given: str | Hand | None) -> Scene:
+    """The scene in the hand that is asked about; its own if none is."""
+    found = scene if given is None else scene.with_hands(chosen(scene, given))
+    if not found.hands:
+        raise SceneError(f"whether a display is stable is asked of it in a hand: {how_to_give()}")
+    return found
+
+
+def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
+    """All values with which no root of H_perc + m s^2 + b s + k lies in Re s >= 0. UndecidedError where none is known."""
+    if clocks(scene):
+        return _with_a_clock(scene, hand, free, asked)
+    loop = Loop.of(scene, hand, free)
+    window = window_of(loop, free, asked)
+    one_by_one, one_way, tally = RightRoots(loop), Tendency(loop), Tally(loop, window)
+    criterion = stable_in(hand)
+    turns = [
+        Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS if x.omega is not None else Kind.FAR),))
+        for x in window.found
+    ]
+
+    def verdict(value: Expr) -> bool | None:
+        return loop.exists(Rational(value)) and tally.at(value)[0] == 0
+
+    return Question(
+        turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x),
+        exists=lambda x: allowed(scene, free, x), gone=missing(scene, free), gaps=window.gaps,
+        fails=lambda low, high: one_by_one.everywhere(low, high) or one_way.everywhere(low, high), own=free.value,
+    ).solve()  # fmt: skip
+
+
+def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
+    """By Schur and Cohn's count between the values at which roots of the sampled loop reach the unit circle."""
+    loop, found = passages_in(scene, hand, free, (asked.low, asked.high))
+    criterion = stable_in(hand)
+    turns = [Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found.found]
+    beyond = (_rational(found.low), _rational(found.high))
+    alone = {x.value.value for x in found.found if isinstance(x.value, ExactNumber)} | {asked.low, asked.high}
+
+    def verdict(value: Expr) -> bool | None:
+        count, on = loop.count(Rational(value))
+        is_outside = count > on + loop.always
+        return count == 0 or (value in alone and not is_outside and _is_stable_at(scene, hand, free, value))
+
+    return Question(
+        turns, verdict, asked, closed=False, beyond=beyond, gone=missing(scene, free), own=free.value
+    ).solve()
+
+
+def _is_stable_at(scene: Scene, hand: Hand, free: Knob, value: Expr) -> bool:
+    """Whether it is at one value, where a root on the circle may cancel: a filter whose corner is 0 leaves nothing that stays."""
+    try:
+        if free.is_of_hand:
+            hand = hand.with_values({free.symbol.name: value})
+        else:
+            scene = free.put(scene, value)
+        return clocked_roots(scene, hand).number == 0
+    except SceneError:
+        return False
+
+
+def _rational(x: Fraction | None) -> Rational | None:
+    return None if x is None else Rational(x.numerator, x.denominator)
+
+
+def _is_clear(loop: Loop, turn: Turn) -> bool:
+    """Whether no root lies on the axis at a value after all: as where all but the hand's damping vanish at omega = 0."""
+    places = [b.omega for b in turn.bindings]
+    return loop.turns is False and all(x is not None and not _on_axis(loop, turn.value, x).contains(0) for x in places)
+
+
+def _on_axis(loop: Loop, value: RealNumber, omega: RealNumber) -> Any:
+    """A ball around the characteristic function at a frequency."""
+    with flint.ctx.workprec(_BITS):
+        at = acb(0, omega.ball(_BITS))
+        known: dict[Expr, Any] = {s: at, pi: acb(arb.pi()), loop.symbol: acb(value.ball(_BITS))}
+        known |= {exp(-s * lag): (-at * expression_ball(lag)).exp() for lag in loop.ring.lags}
+        known |= {s**order: at ** acb(expression_ball(order)) for order in loop.ring.orders}
+        return acb(loop.ring.ball(loop.top, known))
+
+
+def window_of(loop: Loop, free: Knob, asked: Domain) -> Meetings:
+    """The values with roots on the axis, as far as the domain goes where that is known."""
+    last: Meetings | None = None
+    try:
+        for found in islice(meetings(loop, free.value), _MOST_WINDOWS):
+            last = found if last is None else _wider(last, found)
+            if any(_meets(gap, asked) for gap in last.gaps):
+                continue
+            low = last.above is None or (asked.low is not None and bool(last.above <= asked.low))
+            high = last.below is None or (asked.high is not None and bool(last.below >= asked.high))
+            if low and high:
+                break
+    except UndecidedError as error:
+        if last is None:
+            raise
+        return _cut(last, str(error))
+    if last is None:
+        raise UndecidedError("where roots meet the imaginary axis")
+    return last
+
+
+def _cut(window: Meetings, reason: str) -> Meetings:
+    """What is beyond a window is left open for a reason."""
+    below = [] if window.above is None else [Gap(None, ExactNumber(window.above), reason)]
+    beyond = [] if window.below is None else [Gap(ExactNumber(window.below), None, reason)]
+    return Meetings(window.found, gaps=(*window.gaps, *below, *beyond))
+
+
+def _meets(gap: Gap, asked: Domain) -> bool:
+    """Whether a gap holds values that are asked about."""
+    low, high = (None if x is None else ExactNumber(x) for x in (asked.low, asked.high))
+    below = low is not None and gap.high is not None and ordered(gap.high, low) >= 0
+    return not below and not (high is not None and gap.low is not None and ordered(high, gap.low) >= 0)
+
+
+def _wider(one: Meetings, other: Meetings) -> Meetings:
+    """Two windows that both hold the scene's own value, as one."""
+    above = None if one.above is None or other.above is None else min(one.above, other.above)
+    below = None if one.below is None or other.below is None else max(one.below, other.below)
+    if (above, below) == (other.above, other.below):  # all of the first is in the second
+        return other
+    new = [x for x in other.found if not any(x.is_like(y) for y in one.found)]
+    return Meetings((*one.found, *new), above, below, other.gaps)

@@ -36,9 +36,8 @@ from haptisym.judge.crossings import Crossing, CrossingKind, Curve
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.lattices import Lattice, Piece, Signed
-from haptisym.kernel.levels import algebraic
-from haptisym.kernel.precision import at_rising_precision
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
+from haptisym.kernel.polynomials import algebraic
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot, at_rising_precision
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 from haptisym.kernel.roots import Point, chart

@@ -1,4 +1,6 @@
-"""Simulation in time as an independent witness: the force at the hand, and from it back to H_perc.
+"""Simulation in time as an independent witness: the question, and what the command line asks.
+
+Simulation in time as an independent witness: the force at the hand, and from it back to H_perc.
 
 Design. The hand's motion is prescribed. Each element of the scene adds its equations of motion (``blocks``) to a
 network; the algebraic part of these is solved exactly (``descriptor``), which leaves a state equation whose inputs are
@@ -6,11 +8,14 @@ the motion and its derivatives, delay lines, and what clocks, friction and quant
 SciPy's matrix exponential (``propagate``), events are hit exactly (``engine``). The closed form of H_perc is used nowhere.
 Once the transient is over, least squares with sines and cosines of the excited frequencies (a lock-in) recover Re and Im of
 H_perc, and these are held against the closed form.
+
+What ``haptisym simulate`` asks for, as simulations.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -21,13 +26,17 @@ from haptisym.model.quantities import Dimension, Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.approximations import why_approximate
-from haptisym.verbs.simulate.lockin import Lock
-from haptisym.verbs.simulate.motions import Motion, Sines, multisine, positive, sine
+from haptisym.verbs.simulate.motions import Motion, Sines, chirp, multisine, positive, recording, sine
 from haptisym.verbs.simulate.network import Network, name_of
-from haptisym.verbs.simulate.noise import noise_notes
-from haptisym.verbs.simulate.results import Estimate, Extra, Simulation, Simulations
-from haptisym.verbs.simulate.run import Run, check_question, least_duration
+from haptisym.verbs.simulate.results import (
+    EncoderQuantisation,
+    Estimate,
+    Extra,
+    ForceSaturation,
+    Simulation,
+    Simulations,
+)
+from haptisym.verbs.simulate.run import Lock, Run, check_question, least_duration, noise_notes, why_approximate
 from haptisym.verbs.simulate.threads import one_thread
 
 STEP = 0.9
@@ -171,6 +180,61 @@ def _fractional_error(net: Network, omegas: Array) -> float:
     """How far the bank of relaxations is from s^alpha, relatively, at its worst."""
     if not net.fractional:
         return 0.0
-    from haptisym.verbs.simulate.fractional import bank_error
+    from haptisym.verbs.simulate.blocks import bank_error
 
     return 3 * max(bank_error(alpha, (low, high), omegas) for alpha, low, high in net.fractional)
+
+
+def run(
+    scene: Scene,
+    along_band: bool,  # noqa: FBT001
+    options: Mapping[str, str | None],
+    progress: Callable[[float, float], None] | None = None,
+) -> Simulations:
+    """The runs of one call: one, or with ``along_band`` those of a check along the band. ``progress`` as in ``simulate``."""
+    refused = [
+        key for key in ("omega", "duration", "quantise", "saturate", "lowpass") if along_band and options.get(key)
+    ]
+    if along_band and (refused or options.get("kind") not in (None, "sine")):
+        raise SceneError(f"--check chooses motion and time itself: leave out --{(refused or ['motion'])[0]}")
+    if along_band:
+        return check(scene, amplitude=options.get("amplitude"), progress=progress, limit=None)
+    made = motion(scene, options)
+    found = simulate(
+        scene, made, duration=options.get("duration"), extras=_extras(options), progress=progress, limit=None
+    )
+    return Simulations([found])
+
+
+def motion(scene: Scene, options: Mapping[str, str | None]) -> Motion:
+    """The motion that the options describe; what they leave out follows from the scene."""
+    kind, top = options.get("kind") or "sine", float(scene.band[1])
+    if options.get("lowpass") and not kind.lower().endswith(".csv"):
+        raise SceneError("--lowpass smooths a recorded motion: give one with --motion FILE.csv")
+    amplitude = options.get("amplitude") or default_amplitude(scene)
+    highest = positive("omega", options["omega"], Dimension.FREQUENCY) if options.get("omega") else None
+    if kind == "sine":
+        return sine(amplitude, highest or top / 3)
+    if kind == "multisine":
+        shares = [omega / top for omega in band_frequencies(scene, 10)]
+        return multisine(amplitude, [share * (highest or top) for share in shares])
+    if kind == "chirp":
+        high = highest or top
+        return chirp(amplitude, high / 20, high, options.get("duration") or 200 * pi / high)
+    if not kind.lower().endswith(".csv"):
+        raise SceneError(f'--motion: "{kind}" is none of sine, multisine, chirp, nor a file that ends in .csv')
+    if options.get("amplitude") or options.get("omega"):
+        raise SceneError(
+            "--motion: a recording has its own amplitude and frequencies; leave out --amplitude and --omega"
+        )
+    return recording(kind, lowpass=options.get("lowpass"), order=int(options.get("lowpass_order") or 4))
+
+
+def _extras(options: Mapping[str, str | None]) -> tuple[Extra, ...]:
+    resolution, limit = options.get("quantise"), options.get("saturate")
+    extras: list[Extra] = []
+    if resolution:
+        extras.append(EncoderQuantisation(resolution))
+    if limit:
+        extras.append(ForceSaturation(limit))
+    return tuple(extras)

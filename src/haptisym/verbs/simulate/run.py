@@ -1,26 +1,94 @@
-"""A scene under a motion, being simulated: its equations put together, its dangers checked, its force locked in to."""
+"""A scene under a motion, being simulated: its dangers checked, its force locked in on.
+
+A lock-in: the sines of known frequencies in a signal, by least squares under a taper.
+
+The taper fades a window in and out, so that what is not fitted (images of a clock, harmonics, the last of a transient) leaks
+into the fit by orders of magnitude less than through a plain window.
+
+A scene under a motion, being simulated: its equations put together, its dangers checked, its force locked in to.
+
+Where a closed form is itself an approximation of what happens in time, so that a simulation must not agree with it.
+
+What a scene makes of the noise in a recorded motion.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from math import exp, inf, log, pi
+from typing import Any
 
 import numpy as np
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rootcount import is_stable
+from haptisym.model.catalogue import Effect
 from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.scene import Scene
-from haptisym.verbs.simulate.blocks import Port, build_controller, build_effect, build_environment
-from haptisym.verbs.simulate.descriptor import Reading
+from haptisym.programs.values import Array
+from haptisym.verbs.simulate.blocks import Port, build_controller, build_effect, build_environment, float_of
+from haptisym.verbs.simulate.descriptor import Input, Reading, StateSpace
 from haptisym.verbs.simulate.engine import Engine
 from haptisym.verbs.simulate.frictions import join_frictions
-from haptisym.verbs.simulate.lockin import Lock, lock
 from haptisym.verbs.simulate.motions import Motion, Sines, positive
 from haptisym.verbs.simulate.network import MOTION, Network, SignalSum, Step, Switch, name_of
+from haptisym.verbs.simulate.propagate import Record
 from haptisym.verbs.simulate.results import EncoderQuantisation, Extra
+
+
+@dataclass(frozen=True, eq=False)
+class Lock:
+    """Phasors Y with y(t) = Im(Y exp(j omega t)), one for each frequency, and how much they still drift between windows."""
+
+    values: Any
+    drift: Array
+
+    @property
+    def relative_drift(self) -> float:
+        """The largest drift, as a fraction of the largest phasor."""
+        return float(self.drift.max() / np.abs(self.values).max())
+
+
+def lock(record: Record, signal: Array, motion: Sines, window: float, windows: int, *, drift: bool = False) -> Lock:
+    """The phasors of a recorded signal in the last window of its record, compared with a window a quarter earlier.
+
+    ``window``: s. With ``windows`` = 1 the two are not compared. ``drift``: fit a parabola along instead of a
+    constant; only a constant is orthogonal to harmonics and images. Raises SceneError where the record is too short.
+    """
+    times = record.instants
+    end = float(record.times[record.count - 1] + record.lengths[record.count - 1])
+    shift = window / 4 if windows > 1 else 0.0
+    if end - window - shift < motion.fade * (1 - 1e-9):
+        shift = 0.0
+    if end - window < motion.fade * (1 - 1e-9):
+        raise SceneError(
+            f"duration: {end:g} s are too short to recover H_perc; at least {motion.fade + window:g} s are needed"
+        )
+    values = _fitted(record, times, signal, motion, (end - window, window, 3 if drift else 1))
+    if not shift:
+        return Lock(values, np.zeros(len(values)))
+    earlier = _fitted(record, times, signal, motion, (end - window - shift, window, 3 if drift else 1))
+    return Lock(values, np.abs(values - earlier))
+
+
+def _fitted(record: Record, times: Array, signal: Array, motion: Sines, window: tuple[float, float, int]) -> Any:
+    start, length, terms = window
+    place = (times - start) / length
+    inside = (place > 0) & (place < 1)
+    t, x = times[inside], place[inside]
+    weight = np.sin(np.pi * x) ** 4 * record.quadrature[inside]
+    angle = np.multiply.outer(t, np.array(motion.omegas))
+    trend = np.power.outer(2 * x - 1, np.arange(terms))
+    columns = np.concatenate([np.cos(angle), np.sin(angle), trend], axis=1)
+    # the columns are nearly orthogonal under the taper: normal equations lose nothing
+    weighted = (columns * weight[:, None]).T
+    found = np.linalg.solve(weighted @ columns, weighted @ signal[inside])
+    count = len(motion.omegas)
+    return found[count : 2 * count] + 1j * found[:count]
+
 
 _MOST_STEPS = 400_000
 WINDOW = 4
@@ -245,3 +313,86 @@ def _check_clocks(net: Network, motion: Motion) -> None:
                 f"{hold.name}: {max(motion.omegas):.6g} rad/s is not below the Nyquist frequency of its clock, "
                 f"{pi / hold.period:.6g} rad/s"
             )
+
+
+def why_approximate(engine: Engine, scene: Scene) -> str:
+    """Why the closed form is not what a simulation must give, or nothing."""
+    system = engine.systems[frozenset()]
+    assert system is not None
+    for switch, effect in zip(engine.net.frictions, _frictions(scene), strict=True):
+        reason = _friction_reason(system.exact, switch.driver, effect, engine.motion)
+        if reason:
+            return reason
+    for hold in engine.net.holds:
+        if _jumps_behind(system.exact, engine.net, hold.source):
+            return f"{hold.name} samples what jumps or comes back to it: its images count, the closed form has the base band"
+    return ""
+
+
+def _frictions(scene: Scene) -> list[Effect]:
+    return [effect for effect in scene.effects if effect.model == "coulomb-friction"]
+
+
+def _friction_reason(system: StateSpace, velocity: str, effect: Effect, motion: Motion) -> str:
+    name, amplitude = effect.name, next(float(p.value) for p in effect.parameters if p.key == "amplitude")
+    row, hand = (
+        system.signal(velocity),
+        system.inputs.index(next(x for x in system.inputs if x.name == MOTION and x.lag == 0)),
+    )
+    weights = [float_of(c[0, i]) for c in row.inputs for i in range(c.ncols())]
+    prescribed = len(row.inputs) > 1 and float_of(row.inputs[1][0, hand]) == 1.0 and sum(map(abs, weights)) == 1.0
+    if not prescribed or any(row.state[0, i] != 0 for i in range(system.size)):
+        return f"{name} does not move as the hand does: its describing function is an approximation"
+    if len(motion.omegas) > 1:
+        return f"{name}: a describing function holds for one sine, not for several"
+    if abs(motion.amplitude / amplitude - 1) > 1e-12:
+        return f"{name}: its describing function is for an amplitude of {amplitude:g}, the hand moves by {motion.amplitude:g}"
+    return ""
+
+
+def _jumps_behind(system: StateSpace, net: Network, source: str) -> set[str]:
+    """Clocks and switches that act on a signal, also through delay lines."""
+    found: set[str] = set()
+    seen, todo = {source}, [source]
+    for name in todo:
+        if name in net.jumps:
+            found.add(name)
+            continue
+        for channel in _acting(system, name):
+            if channel.name != MOTION and channel.name not in seen:
+                seen.add(channel.name)
+                todo.append(channel.name)
+    return found
+
+
+def _acting(system: StateSpace, name: str) -> list[Input]:
+    return [channel for channel in system.inputs if system.reach(name, 0, channel) is not None]
+
+
+_NOISE = 1e-6  # m or rad
+_MUCH = 10.0  # times the largest |H_perc| of the band: noise then matters before anything else does
+
+
+def noise_notes(scene: Scene, motion: Motion) -> tuple[str, ...]:
+    """A sentence for a recording where |H_perc| is far larger at its highest frequency than on the band; none otherwise.
+
+    A mass differentiates a motion twice: what is a micrometre of noise grows with omega^2.
+    """
+    if motion.omegas or not hasattr(motion, "times"):
+        return ()
+    lowpass = getattr(motion, "lowpass", None)
+    top = lowpass.cutoff if lowpass else motion.span[1]
+    low, high = map(float, scene.band)
+    values = scene.distortion().compile()(np.array([*np.linspace(low, high, 50), top]))
+    sizes = np.hypot(values.perceived_real, values.perceived_imag)
+    usual, most = float(np.nanmax(sizes[:-1])), float(sizes[-1])
+    if not np.isfinite(most) or most <= _MUCH * usual:
+        return ()
+    length, force = ("µrad", "N m") if scene.motion is Kind.ROTATION else ("µm", "N")
+    where = "the cutoff of its low-pass" if lowpass else "its Nyquist frequency"
+    helps = "A lower cutoff removes more." if lowpass else "--lowpass FREQUENCY (zero phase) removes what is above it."
+    note = (
+        f"Noise of the recording is amplified: 1 {length} at {top / (2 * pi):.4g} Hz, {where}, is {_NOISE * most:.3g} {force} "
+        f"at the hand, {most / usual:.3g} times what it is on the band. {helps}"
+    )
+    return (note,)

@@ -39,12 +39,11 @@ from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.nearone import about_one, at_minus_one, at_one, circle_tests, is_clear
-from haptisym.kernel.pulse import Numbers, Plant, SampledLoop
+from haptisym.kernel.pulse import Numbers, Plant, SampledLoop, count_on_circle
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import Roots, count_roots, is_stable
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.schurcohn import count_on_circle
 from haptisym.model.catalogue import Effect
 from haptisym.model.devices import device
 from haptisym.model.hand import Hand

@@ -18,8 +18,8 @@ from typing import Any, ClassVar
 from haptisym.judge.answers import Answer
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.kernel.budget import SECONDS, limited
-from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError, meant, several
+from haptisym.kernel.reals import whole
 from haptisym.kernel.shown import titled
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import NOBODY, Hand, hands, how_to_give

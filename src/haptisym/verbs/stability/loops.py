@@ -40,10 +40,9 @@ from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Sense, far
-from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
-from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
+from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials
 from haptisym.kernel.rootcount import Roots, Row, late_turns, squares, terms_of
 from haptisym.kernel.roots import Point, chart, sign_of_number
 from haptisym.kernel.symbols import omega

@@ -17,9 +17,8 @@ import numpy as np
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.verbs.sweep.axes import SweepAxis
-from haptisym.verbs.sweep.batch import Array
-from haptisym.verbs.sweep.kernel import Kernel
-from haptisym.verbs.sweep.passes import TOLERANCE
+from haptisym.verbs.sweep.bernstein import Array
+from haptisym.verbs.sweep.passes import TOLERANCE, Kernel
 from haptisym.verbs.sweep.told import Told
 
 SETS_IN_A_BLOCK = 65_536

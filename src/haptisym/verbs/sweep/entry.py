@@ -16,17 +16,17 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from haptisym.judge.answers import Answer
-from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import whole
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.sweep.axes import AxisValues, axes
-from haptisym.verbs.sweep.batch import Array
+from haptisym.verbs.sweep.bernstein import Array
 from haptisym.verbs.sweep.blocks import SETS_IN_A_BLOCK, Pace, SweepGrid, compute
-from haptisym.verbs.sweep.kernel import Kernel
+from haptisym.verbs.sweep.passes import Kernel
 from haptisym.verbs.sweep.told import EXACT, FLOAT, HELD, INFINITE, OPEN, UNKNOWN, Told
 
 if TYPE_CHECKING:

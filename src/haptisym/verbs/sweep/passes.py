@@ -1,22 +1,173 @@
-"""One batch of parameter sets in floats: zeros that are proven, and the answers that are read off them."""
+"""One batch of parameter sets: what floats prove, what lattices say, and what is exact.
+
+Where a lattice of many polynomials changes its sign, for many parameter sets at once: from the zeros of each polynomial.
+
+One batch of parameter sets in floats: zeros that are proven, and the answers that are read off them.
+
+The answers of a sweep for single sets of parameters, exact: from the certified chart of an evaluation.
+
+Held in a hand: how many roots H_perc + m s^2 + b s + k has in Re s >= 0, for many parameter sets at once.
+
+In floats where the characteristic function is a polynomial in s, by Routh's array (``routh``). H_perc is in lowest terms for
+symbols, but perhaps not for a set of values. A zero that both parts of the quotient then share is no root; there is none in
+Re s >= 0 where the denominator is proven to have all its zeros in Re s < 0, those at 0 apart, which the array does not allow.
+All other sets, and all with delays, powers of s or a clock, are counted exactly.
+
+One batch of parameter sets of a scene with delays, holds or powers s^alpha, in floats: where its zeros come from.
+
+The answers of a sweep for a batch of parameter sets: floats with bounds where they prove it, exact where they do not.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
-from sympy import Expr
+from sympy import Expr, Integer, Rational
 
+from haptisym.judge.criteria import judged, kept, noticed
+from haptisym.judge.crossings import Curve
+from haptisym.judge.percepts import changeovers
+from haptisym.kernel.budget import limited
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import HaptisymError, SceneError, UndecidedError
+from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import ExactNumber, bounds
-from haptisym.verbs.sweep.batch import Array, product
-from haptisym.verbs.sweep.bernstein import Zeros, isolate, refine
-from haptisym.verbs.sweep.combined import Found, Ordered, changes
-from haptisym.verbs.sweep.curves import Curves, Excess, FamilyLattice, FamilyProduct
-from haptisym.verbs.sweep.families import Family, Powers, within_reach
-from haptisym.verbs.sweep.told import ABSENT, FLOAT, SYSTEMS
+from haptisym.kernel.rings import Polynomial
+from haptisym.kernel.roots import Chart, Key, Point, chart
+from haptisym.model.caveats import clocks
+from haptisym.model.distortion import Distortion, part_of
+from haptisym.model.hand import Hand
+from haptisym.model.jnd import Part
+from haptisym.model.knobs import Knob
+from haptisym.model.parameters import values as values_of
+from haptisym.model.scene import Scene
+from haptisym.verbs.stability.held import characteristic, unstable_roots
+from haptisym.verbs.sweep.bernstein import (
+    MOST_DEGREE,
+    Array,
+    Family,
+    Powers,
+    Zeros,
+    count_right,
+    family,
+    isolate,
+    product,
+    refine,
+    within_reach,
+)
+from haptisym.verbs.sweep.curves import (
+    Curves,
+    Excess,
+    FamilyLattice,
+    FamilyProduct,
+    SignedProduct,
+    sweep_curves,
+    wave_curves,
+)
+from haptisym.verbs.sweep.told import ABSENT, EXACT, FLOAT, INFINITE, OPEN, SYSTEMS, UNKNOWN, Told, held_name
+from haptisym.verbs.sweep.waves import Factor, WaveFamily, WaveFunction
+from haptisym.verbs.sweep.waves import isolate as isolate_waves
+from haptisym.verbs.sweep.waves import refine as refine_waves
+
+
+@dataclass(frozen=True)
+class Found:
+    """Frequencies, as fractions of the band's high end, in ascending order for each set."""
+
+    sets: Array
+    omega: Array
+    first: Array
+    """The sign at the band's low end, for each set."""
+
+    def of(self, some: Array, count: int) -> Found:
+        """Of some of the sets, numbered anew."""
+        number = np.full(count, -1)
+        number[some] = np.arange(len(some))
+        kept = number[self.sets] >= 0
+        return Found(number[self.sets[kept]], self.omega[kept], self.first[some])
+
+
+@dataclass(frozen=True)
+class Ordered:
+    """All zeros of some functions, for each set in ascending order behind a row for its low end.
+
+    ``kinds`` : whose zero it is, -1 for a low end. ``signs``: in rows, of each function from there on.
+    """
+
+    sets: Array
+    omega: Array
+    kinds: Array
+    signs: Array
+
+    @classmethod
+    def of(cls, zeros: list[Found], low: float, count: int) -> Ordered:
+        """All zeros of all functions, after the band's low end, in ascending order for each set."""
+        every = np.arange(count)
+        sets = np.concatenate([every, *(x.sets for x in zeros)])
+        omega = np.concatenate([np.full(count, low), *(x.omega for x in zeros)])
+        kinds = np.repeat(np.arange(-1, len(zeros)), [count, *(len(x.sets) for x in zeros)])
+        order = np.lexsort((kinds, omega, sets))
+        sets, omega, kinds = sets[order], omega[order], kinds[order]
+        start = np.searchsorted(sets, every)
+        signs = np.empty((len(zeros), len(sets)), dtype=np.int8)
+        for kind, x in enumerate(zeros):
+            passed = np.cumsum(kinds == kind)
+            odd = (passed - passed[start][sets]) % 2 == 1
+            signs[kind] = np.where(odd, -x.first[sets], x.first[sets])
+        return cls(sets, omega, kinds, signs)
+
+    @property
+    def begins(self) -> Array:
+        """Which rows are those of low ends."""
+        found: Array = self.kinds < 0
+        return found
+
+
+def changes(lattice: FamilyLattice, zeros: Mapping[Family, Found], low: float, near: float) -> tuple[Found, Array]:
+    """Where the lattice changes its sign, and for which sets that is certain.
+
+    Not where two zeros lie so near each other (relatively, ``near``) that their order is not known, nor where the lattice is 0
+    between equal signs, as where several of its functions have one zero, nor where one that is 0 at omega = 0 decides there.
+    """
+    listed = list(zeros.values())
+    count = len(listed[0].first)
+    rows = Ordered.of(listed, low, count)
+    signs = dict(zip(zeros, rows.signs, strict=True))
+    positive = _positive(lattice, signs)
+    changed = np.zeros(len(positive), dtype=bool)
+    changed[1:] = positive[1:] != positive[:-1]
+    changed &= ~rows.begins
+    certain = np.ones(count, dtype=bool)
+    close = np.diff(rows.omega) <= near * rows.omega[1:]
+    certain[rows.sets[1:][close & ~rows.begins[1:] & ~rows.begins[:-1]]] = False
+    for kind, f in enumerate(signs):
+        own = rows.kinds == kind
+        there = {g: row[own] for g, row in signs.items()} | {f: np.zeros(own.sum(), np.int8)}
+        vanishes = _positive(lattice, there, or_0=True) & ~_positive(lattice, there)
+        certain[rows.sets[own][vanishes != changed[own]]] = False
+    begun = {f: row[rows.begins] for f, row in signs.items()}
+    certain &= _positive(lattice, begun, at_0=1) == _positive(lattice, begun, at_0=-1)
+    first = np.where(positive[rows.begins], 1, -1)
+    return Found(rows.sets[changed], rows.omega[changed], first), certain
+
+
+def _positive(
+    lattice: FamilyLattice, signs: Mapping[Family, Array], *, or_0: bool = False, at_0: int | None = None
+) -> Any:
+    """Where the lattice is positive, ``or_0``; ``at_0`` : with that sign for what begins with 0."""
+
+    def of(x: SignedProduct) -> Any:
+        own = np.full_like(next(iter(signs.values())), x.sign if at_0 is None or not x.begins_at_0 else at_0)
+        for f in x.factors if at_0 is None or not x.begins_at_0 else ():
+            own = own * signs[f]
+        return own >= 0 if or_0 else own > 0
+
+    return np.logical_or.reduce([np.logical_and.reduce([of(x) for x in term]) for term in lattice.terms])
+
 
 TOLERANCE = 1e-10
 """Relative: every frequency that is answered is proven to lie this close to the true one."""
@@ -168,3 +319,262 @@ def _alternating(parts: Sequence[Found], low: float) -> Array:
 def _segments(degree: int) -> int:
     """Into how many segments the band is cut at first: more cost every set, fewer cost those that need to be cut further."""
     return 1 if degree < 2 else 4
+
+
+AnswerRow: TypeAlias = dict[str, float]
+
+LONGEST = 10.0  # s for one set
+
+
+def exact_answers(scene: Scene, swept: Sequence[Knob], values: Sequence[float]) -> AnswerRow:
+    """All variables of a sweep for one set of values, which are taken as exactly the binary numbers that the floats are.
+
+    None of it where that takes longer than ``LONGEST`` seconds.
+    """
+    exact = [Rational(*Fraction(float(x)).as_integer_ratio()) for x in values]
+    try:
+        with limited(LONGEST):
+            found = _chart(scene, swept, exact)
+    except (SceneError, UndecidedError):  # no dynamics at all here (H_env = 0 everywhere, C H + D = 0), or a doubt
+        return Told.of(scene).no_answer()
+    return Told.of(scene).no_answer() if found.undecided else _row(found)
+
+
+def _chart(scene: Scene, swept: Sequence[Knob], values: Sequence[Expr]) -> Chart:
+    given = {x.symbol: value for x, value in zip(swept, values, strict=True)}
+    limits = {part: value for x, value in zip(swept, values, strict=True) for part in x.parts}
+    known = {p.symbol: p.value for p in scene.parameters}
+    d = Distortion.of(scene.chain.at({**known, **given}))
+    threshold = scene.threshold.with_limits(limits)
+    asked: dict[Key, Signed] = {x: x.function(d) for x in noticed(threshold)}
+    asked[Curve.ENVIRONMENT, Part.REAL] = part_of(d.env_response, Part.REAL)
+    asked[Curve.PERCEIVED, Part.REAL] = part_of(d.perc_response, Part.REAL)
+    return chart(asked, *scene.band)
+
+
+def _row(found: Chart) -> AnswerRow:
+    row: AnswerRow = {"method": EXACT, **_step(found)}
+    places: Mapping[str, Sequence[Point]] = {
+        "environment": changeovers(found, Curve.ENVIRONMENT),
+        "perceived": changeovers(found, Curve.PERCEIVED),
+    }
+    for name, points in places.items():
+        row[f"changeovers_{name}"] = len(points)
+        row[f"changeover_{name}"] = _first(points)
+    return row
+
+
+def _step(found: Chart) -> AnswerRow:
+    """When: crossings and what is transparent."""
+    row: AnswerRow = {}
+    for x in judged(found):
+        points = [p for p in found.points if p.orders.get(x, 0) > 0]
+        row[f"crossings_{x.name}"] = len(points)
+        row[f"first_crossing_{x.name}"] = _first(points)
+    intervals = kept(found)
+    low, high = (float(found.points[i].omega) for i in (0, -1))
+    clear = sum(float(x.high.omega) - float(x.low.omega) for x in intervals)
+    begins = intervals and intervals[0].low is found.points[0]
+    row["transparent"] = clear / (high - low)
+    row["bandwidth"] = float(intervals[0].high.omega) if begins else ABSENT
+    return row
+
+
+def _first(points: Sequence[Point]) -> float:
+    return float(points[0].omega) if points else ABSENT
+
+
+@dataclass(frozen=True)
+class HandCurve:
+    """The characteristic polynomial in s of a display in a hand, and the denominator of H_perc without its zeros at 0."""
+
+    top: Family
+    bottom: Family
+
+    def count(self, values: Array) -> tuple[Array, Array]:
+        """For each set the number of roots in Re s >= 0, and whether it is proven."""
+        powers, decided = Powers(values), within_reach(values, [(self.top,), (self.bottom,)])
+        counts, certain = count_right(self.top.at(powers))
+        poles, proper = count_right(self.bottom.at(powers))
+        return counts, decided & certain & proper & (poles == 0)
+
+
+def hand_curves(scene: Scene, swept: Sequence[Knob]) -> tuple[HandCurve | None, ...]:
+    """Of each hand of a scene; None where that is no polynomial."""
+    return tuple(None if clocks(scene) else _curve(scene, hand, swept) for hand in scene.hands)
+
+
+def _curve(scene: Scene, hand: Hand, swept: Sequence[Knob]) -> HandCurve | None:
+    given = {x.symbol for x in swept}
+    chain = scene.chain.at(values_of(p for p in scene.parameters if p.symbol not in given))
+    Z = hand.dynamics.xreplace(values_of(p for p in hand.parameters if p.symbol not in given))
+    try:
+        ring = Ring.of([*chain.entries(), Z])
+        perceived = chain.perceived(range(len(chain.matrices)), ring)
+    except HaptisymError:
+        return None
+    top = characteristic(perceived, ring.convert(Z))
+    if ring.functions or top.is_zero():
+        return None
+    bottom = perceived.denominator
+    lowest = min(int(exponents[0]) for exponents in bottom.monoms())
+
+    def of(p: Polynomial) -> Family:
+        return family(ring, p, [x.symbol for x in swept], Integer(1), 1, Integer(1))
+
+    return HandCurve(of(top), of(bottom / ring.variable**lowest))
+
+
+def held(
+    scene: Scene, swept: Sequence[Knob], curves: Sequence[HandCurve | None], values: Array
+) -> Iterator[tuple[str, Array, Array]]:
+    """For each hand of a scene the name of its variable, the numbers of roots, and by which method they were found."""
+    for place, (hand, curve) in enumerate(zip(scene.hands, curves, strict=True)):
+        counts, method = np.full(values.shape[1], UNKNOWN), np.full(values.shape[1], EXACT, dtype=np.int8)
+        for wide in _KINDS if curve else ():
+            assert curve
+            left = np.flatnonzero(method == EXACT)
+            found, proven = curve.count(values[:, left].astype(wide))
+            counts[left[proven]], method[left[proven]] = found[proven], FLOAT
+        for i in np.flatnonzero(method == EXACT):
+            counts[i] = exact_count(scene, place, swept, values[:, i].tolist())
+            method[i] = OPEN if counts[i] == UNKNOWN else EXACT
+        yield held_name(scene, hand), counts, method
+
+
+_KINDS = (np.float64, np.longdouble) if np.finfo(np.longdouble).nmant in (63, 112) else (np.float64,)
+
+
+def exact_count(scene: Scene, place: int, swept: Sequence[Knob], values: Sequence[float]) -> int:
+    """The same for one set, whose values are taken as exactly the binary numbers that the floats are."""
+    given = {x.path: Rational(*Fraction(float(v)).as_integer_ratio()) for x, v in zip(swept, values, strict=True)}
+    try:
+        at = scene.with_values({x.path: given[x.path] for x in swept if not x.parts})
+        with limited(LONGEST):
+            found = unstable_roots(at, at.hands[place])
+    except (SceneError, UndecidedError):
+        return UNKNOWN
+    return (INFINITE if found.chain else UNKNOWN) if found.number is None else found.number
+
+
+class WavePass(Pass):
+    """One batch in doubles."""
+
+    def __init__(self, curves: Curves, band: Band, values: Array) -> None:
+        super().__init__(curves, band, values)
+        self._factors: dict[WaveFamily, Factor] = {}
+
+    def _product(self, families: FamilyProduct) -> WaveFunction:
+        above = tuple(map(self._factor, families))
+        variables = above[0].family.variables
+        rates = [self.powers.monomial(x.exponents) * x.constant for x in variables.rates]
+        return WaveFunction(variables, np.array(rates).reshape(-1, self.sets), above)
+
+    def _factor(self, family: Family) -> Factor:
+        assert isinstance(family, WaveFamily)
+        if family not in self._factors:
+            self._factors[family] = Factor(family, family.at(self.powers))
+        return self._factors[family]
+
+    def _all_zeros(self, p: WaveFunction) -> Zeros:
+        if p.is_polynomial:
+            return super()._all_zeros(p.polynomial)
+        return isolate_waves(p, self.band.edges(1, 1), first_is_doubt=self.band.doubtful)
+
+    def _zeros(self, p: WaveFunction | None) -> Found:
+        found = super()._zeros(p)
+        # segments overlap by a unit in the last place, where a zero would be found twice
+        close = np.diff(found.omega) < 4 * TOLERANCE * found.omega[1:]
+        self.decided[found.sets[1:][close & (np.diff(found.sets) == 0)]] = False
+        return found
+
+    def _refined(self, p: WaveFunction, low: Array, high: Array) -> tuple[Array, Array]:
+        return super()._refined(p.polynomial, low, high) if p.is_polynomial else refine_waves(p, low, high, NARROWER)
+
+
+_AT_ONCE, _WAVES_AT_ONCE = 8192, 4096
+"""Sets: so many that the work arrays stay in the processor's cache."""
+_IS_WIDER = np.finfo(np.longdouble).nmant in (63, 112)
+"""Whether NumPy's longdouble is a wider IEEE format, and neither a double by another name nor a pair of doubles."""
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """What a sweep computes, for any values of the swept parameters; can be sent to other processes."""
+
+    scene: Scene
+    swept: tuple[Knob, ...]
+    curves: Curves | None
+    band: Band
+    hands: tuple[HandCurve | None, ...] = ()
+
+    @classmethod
+    def of(cls, scene: Scene, swept: Sequence[Knob]) -> Kernel:
+        """Of a scene and the numbers that are swept: curves in floats where there are such, else the exact machinery alone."""
+        curves = sweep_curves(scene, swept) or wave_curves(scene, swept)
+        if curves is not None and _degree(curves) > MOST_DEGREE:
+            curves = None
+        band = Band.of(*scene.band, curves.step if curves else 1)
+        return cls(replace(scene), tuple(swept), curves, band, hand_curves(scene, swept))
+
+    @property
+    def told(self) -> Told:
+        """The variables."""
+        return Told.of(self.scene)
+
+    @property
+    def is_polynomial(self) -> bool:
+        """Whether sets may be answered in floats; if not, each is answered exactly."""
+        return self.curves is not None
+
+    @property
+    def has_waves(self) -> bool:
+        """Whether there are delays, holds or powers s^alpha: these need sines, which only doubles have with a bound."""
+        return self.curves is not None and any(isinstance(f, WaveFamily) for p in self.curves.products for f in p)
+
+    def answers(self, values: Array) -> Columns:
+        """All variables, for values of the swept parameters in rows and sets in columns."""
+        columns, left = self.in_floats(values)
+        for i in left:
+            for name, value in exact_answers(self.scene, self.swept, values[:, i].tolist()).items():
+                columns[name][i] = value
+        return self._in_hands(values, columns)
+
+    def _in_hands(self, values: Array, columns: Columns) -> Columns:
+        """With what is told of each hand; the method is that of what took most."""
+        for name, counts, method in held(self.scene, self.swept, self.hands, values):
+            columns[name] = counts
+            columns["method"] = np.maximum(columns["method"], method)
+        return columns
+
+    def in_floats(self, values: Array) -> tuple[Columns, Array]:
+        """The same as far as floats prove it, and the numbers of the sets that they leave open."""
+        columns, left = _blank(self.told, values.shape[1]), np.arange(values.shape[1])
+        if self.curves is not None:
+            left = self._in_floats(values, columns, left)
+            if _IS_WIDER and not self.has_waves:
+                left = self._in_floats(values.astype(np.longdouble), columns, left)
+        return columns, left
+
+    def _in_floats(self, values: Array, columns: Columns, sets: Array) -> Array:
+        """Answer those sets that floats of this kind can prove; the others are returned."""
+        assert self.curves is not None
+        rest = [sets[:0]]
+        at_once, kind = (_WAVES_AT_ONCE, WavePass) if self.has_waves else (_AT_ONCE, Pass)
+        for i in range(0, len(sets), at_once):
+            some = sets[i : i + at_once]
+            found, decided = kind(self.curves, self.band, values[:, some]).answers()
+            for name, column in found.items():
+                columns[name][some[decided]] = column[decided]
+            rest.append(some[~decided])
+        return np.concatenate(rest)
+
+
+def _degree(curves: Curves) -> int:
+    return max((sum(f.degree for f in families) for families in curves.products), default=0)
+
+
+def _blank(told: Told, sets: int) -> Columns:
+    floats = {name: np.full(sets, ABSENT) for name in told.floats}
+    counts = {name: np.full(sets, UNKNOWN, dtype=np.int16) for name in told.counts}
+    return {**floats, **counts, "method": np.full(sets, EXACT, dtype=np.int8)}

@@ -70,9 +70,7 @@ from sympy import Expr, Symbol
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
-from haptisym.verbs.sweep.batch import Array, Batch, error, product
-from haptisym.verbs.sweep.bernstein import Zeros
-from haptisym.verbs.sweep.families import BITS, Family, Monomial, monomial
+from haptisym.verbs.sweep.bernstein import BITS, Array, Batch, Family, Monomial, Zeros, error, monomial, product
 
 Exponents: TypeAlias = tuple[int, ...]
 

@@ -1,35 +1,281 @@
-"""What can be said about a scene whose parameters are known as ranges: proven for all values in the box, or for none.
+"""What can be said about a scene whose parameters are known as ranges: verdicts, ends, and single sets.
+
+Single sets of values of a box, each answered with certainty; some are drawn at random.
+
+How far the crossings of a cluster go, over all values of the box: the ends of an enclosure.
+
+Where crossings are regular they move one way with each parameter whose slope keeps its sign, so that they go farthest on the
+face of the box on which all these stand at their ends. On that face the crossings take up less of the band, and there further
+slopes may keep their signs: so it goes on, until a corner is left, which is answered exactly, or a face that is bounded.
+
+Quantiles over sets of values that were drawn at random: estimates, for comparison with what is proven.
+
+What is said of a box of values: a verdict on the whole of it, and where its crossings lie.
+
+What can be said about a scene whose parameters are known as ranges: proven for all values in the box, or for none.
 
 Two things are kept apart. Proven: the verdict, by branch and bound over band and box in Taylor models (``search``) and by
 certified charts of single sets of values; the enclosures of the crossings. Estimated: quantiles over sets drawn at random.
+
+What holds for all values within the ranges of a scene.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
-from typing import Any, ClassVar
+from math import ceil
+from pathlib import Path
+from random import Random
+from typing import Any, ClassVar, TypeAlias, TypeVar
 
 import numpy as np
-from sympy import Expr
+from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.criteria import Criterion, noticed
-from haptisym.kernel.budget import Budget, share
+from haptisym.judge.criteria import Criterion, Judged, kept, noticed
+from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, tick
 from haptisym.kernel.errors import LimitError
-from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.reals import ExactNumber, RealNumber, whole
+from haptisym.kernel.roots import chart
 from haptisym.kernel.shown import counted, titled
+from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
-from haptisym.verbs.tolerances.box import Box
-from haptisym.verbs.tolerances.ends import MOST_CORNERS, end_of, within
-from haptisym.verbs.tolerances.heldbox import HeldInBox
-from haptisym.verbs.tolerances.quantiles import quantiles
-from haptisym.verbs.tolerances.search import Cluster, Excess, clusters, excess_of
-from haptisym.verbs.tolerances.single import One, in_time, one
-from haptisym.verbs.tolerances.verdicts import Enclosure, Verdict
+from haptisym.model.scenefile import as_scene
+from haptisym.verbs.stability.entry import in_hands
+from haptisym.verbs.tolerances.box import Box, box_of
+from haptisym.verbs.tolerances.heldbox import HeldInBox, held_in_box
+from haptisym.verbs.tolerances.search import OVERLAP, Cluster, Excess, beyond, clusters, excess_of
+
+
+@dataclass(frozen=True)
+class One:
+    """One set of values, certified: the crossings by the names of criteria, without touches; whether it is transparent."""
+
+    values: Mapping[str, Expr]
+    crossings: Mapping[str, tuple[RealNumber, ...]]
+    bandwidth: RealNumber | None
+    transparent: bool | None
+
+    @property
+    def first(self) -> RealNumber | None:
+        """The lowest crossing of any."""
+        return min((x[0] for x in self.crossings.values() if x), key=float, default=None)
+
+
+def drawn(box: Box, samples: int, seed: int) -> tuple[One, ...]:
+    """Sets of values drawn uniformly from the box, each answered with certainty."""
+    draw = Random(seed)
+    shares = ({side.name: Fraction(draw.getrandbits(24), (1 << 24) - 1) for side in box.sides} for _ in range(samples))
+    return tuple(in_time(_told(one(box, box.values(x)), n, samples) for n, x in enumerate(shares)))
+
+
+def _told(found: One, n: int, samples: int) -> One:
+    tick(n, samples, "sets of values")
+    return found
+
+
+_T = TypeVar("_T")
+
+
+def in_time(found: Iterable[_T]) -> Iterator[_T]:
+    """What is found before the time is over."""
+    try:
+        yield from found
+    except LimitError:
+        return
+
+
+def one(box: Box, values: Mapping[str, Expr]) -> One:
+    """What one set of values out of the box gives."""
+    scene = box.scene.with_values(values)
+    d = scene.distortion()
+    criteria = noticed(scene.threshold)
+    table = chart({x: x.function(d) for x in criteria}, *scene.band)
+    crossings = {x.name: tuple(p.omega for p in table.points if _crosses(p.orders.get(x, 0))) for x in criteria}
+    intervals = kept(table)
+    first = intervals[0] if intervals and intervals[0].low is table.points[0] else None
+    whole = first is not None and first.high is table.points[-1]
+    shown = values or {side.name: box.scene.knobs[side.name].value for side in box.sides}
+    return One(shown, crossings, first.high.omega if first else None, None if table.undecided else whole)
+
+
+def _crosses(order: int) -> bool:
+    """Whether a zero of this order, not a pole, changes the sign."""
+    return order > 0 and order % 2 == 1
+
+
+TOLERANCE = Fraction(1, 1000)
+"""Of an end that is not exact: how far, relatively, it may lie beyond what is reached."""
+MOST_CORNERS = 64  # sets of values that are tried as witnesses or as ends
+
+End: TypeAlias = tuple[RealNumber, Mapping[str, Expr] | None]
+"""A frequency, rad/s, and the corner of the box at which it is reached; None if it is a bound."""
+
+
+@dataclass(frozen=True)
+class Face:
+    """Of a box the sets of values in which some sides stand at an end.
+
+    ``name`` : of the criterion; ``fixed``: 0 for sides at their low end, 1 for those at their high one; ``one``: answers a set
+    of values of the whole box with certainty.
+    """
+
+    whole: Box
+    name: str
+    fixed: Mapping[str, Fraction]
+    one: Callable[[Mapping[str, Expr]], One]
+
+    @cached_property
+    def box(self) -> Box:
+        """What still varies."""
+        return Box(self.whole.scene.with_values(self._values(self.fixed))) if self.fixed else self.whole
+
+    @cached_property
+    def form(self) -> Excess:
+        """The excess of the criterion of that name on this face."""
+        return excess_of(self.box, next(x for x in noticed(self.box.scene.threshold) if x.name == self.name))
+
+    def _values(self, shares: Mapping[str, Fraction]) -> dict[str, Expr]:
+        return {side.name: side.at(shares[side.name]) for side in self.whole.sides if side.name in shares}
+
+    def end(self, form: Excess, cluster: Cluster, *, highest: bool) -> End | None:
+        """How high (low) the crossings of a cluster go on this face; None if it is proven that there is none."""
+        moves = {x: n for x, n in self.moves(form, cluster, highest=highest).items() if n is not None}
+        settled = cluster.regular and cluster.clear_of(highest=highest)
+        if settled and moves and len(moves) < len(self.box.sides):
+            face = Face(self.whole, self.name, {**self.fixed, **moves}, self.one)
+            try:
+                found = clusters(face.form, (cluster.low, cluster.high))
+            except LimitError:
+                return self._bound(form, cluster, None, highest=highest)
+            ends = (face.end(face.form, x, highest=highest) for x in (reversed(found) if highest else found))
+            return next((x for x in ends if x), None)
+        corners = list(in_time(self._corners(form, cluster, highest=highest)))
+        reached = [(x, at.values) for at in corners for x in at.crossings[self.name] if within(self.whole, x, cluster)]
+        best = (max if highest else min)(reached, key=lambda x: float(x[0]), default=None)
+        if settled and corners and len(moves) == len(self.box.sides) and (best or cluster.inside):
+            return best  # without a crossing at its one corner a cluster has none
+        return self._bound(form, cluster, best, highest=highest)
+
+    def moves(self, form: Excess, cluster: Cluster, *, highest: bool) -> dict[str, Fraction | None]:
+        """For each side the end at which the crossings of a cluster are highest (lowest), None where that is not known."""
+        way = -cluster.signs[0] * (1 if highest else -1)
+        signs = dict(
+            zip((x.name for x in self.box.sides), zip(form.matters[1:], cluster.signs[1:], strict=True), strict=True)
+        )
+        return {
+            x: Fraction(int(way * sign > 0)) if way * sign or not used else None for x, (used, sign) in signs.items()
+        }
+
+    def _corners(self, form: Excess, cluster: Cluster, *, highest: bool) -> Iterator[One]:
+        """The corners at which crossings may be highest (lowest), each answered exactly."""
+        moves = {**self.moves(form, cluster, highest=highest), **self.fixed}
+        choices = [
+            [x] if x is not None else [Fraction(0), Fraction(1)] for x in (moves[y.name] for y in self.whole.sides)
+        ]
+        names = [side.name for side in self.whole.sides]
+        for _, shares in zip(range(MOST_CORNERS), product(*choices), strict=False):
+            yield self.one(self._values(dict(zip(names, shares, strict=True))))
+
+    def _bound(self, form: Excess, cluster: Cluster, best: End | None, *, highest: bool) -> End:
+        low, high = self.whole.scene.band
+        leaf = cluster.high if highest else cluster.low
+        share = leaf
+        if best:
+            slack = float(TOLERANCE) * float(best[0]) * (1 if highest else -1)
+            reached = (float(best[0]) + slack - float(low)) / float(high - low)
+            share = beyond(form, cluster.cells, reached, highest=highest)
+            share = min(share, leaf) if highest else max(share, leaf)  # not into the frequencies of another cluster
+        return at_share(self.whole, share), None
+
+
+def at_share(box: Box, share: float) -> RealNumber:
+    """A frequency that share of the way through the band."""
+    low, high = box.scene.band
+    exact = Fraction(min(max(share, 0.0), 1.0))
+    return ExactNumber(low + Rational(exact.numerator, exact.denominator) * (high - low))
+
+
+def within(box: Box, x: RealNumber, cluster: Cluster) -> bool:
+    """Whether a crossing is one of those of a cluster."""
+    low, high = box.scene.band
+    share = (float(x) - float(low)) / float(high - low)
+    return cluster.low - OVERLAP / 4 <= share <= cluster.high + OVERLAP / 4
+
+
+def end_of(
+    box: Box, criterion: Criterion, form: Excess, cluster: Cluster, one: Callable[..., One], *, highest: bool
+) -> End:
+    """How high (low) the crossings of a cluster go, for all values of the box."""
+    found = Face(box, criterion.name, {}, one).end(form, cluster, highest=highest)
+    return found or (at_share(box, cluster.high if highest else cluster.low), None)
+
+
+LEVELS = (5, 50, 95)
+
+
+@dataclass(frozen=True)
+class Quantiles:
+    """Per cent to rad/s, of the first crossing and of the bandwidth; None where there is none in so many of the sets.
+
+    ``transparent`` : how many of the sets are transparent on the whole band.
+    """
+
+    first: Mapping[int, float | None]
+    bandwidth: Mapping[int, float | None]
+    transparent: int
+
+
+def quantiles(samples: Sequence[One]) -> Quantiles:
+    """The quantiles of an answer's samples, of which there must be one at least."""
+    first = [None if x.first is None else float(x.first) for x in samples]
+    width = [None if x.bandwidth is None else float(x.bandwidth) for x in samples]
+    beyond, never = float("inf"), -float("inf")  # no crossing on the band: beyond it; no bandwidth: less than any
+    return Quantiles(
+        {p: _quantile([beyond if x is None else x for x in first], p) for p in LEVELS},
+        {p: _quantile([never if x is None else x for x in width], p) for p in LEVELS},
+        sum(x.transparent is True for x in samples),
+    )
+
+
+def _quantile(values: Sequence[float], per_cent: int) -> float | None:
+    """The least of the values that so many per cent of them do not exceed; None where it is infinite."""
+    found = sorted(values)[max(ceil(per_cent * len(values) / 100) - 1, 0)]
+    return found if abs(found) < float("inf") else None
+
+
+class Verdict(Enum):
+    """Whether the display is transparent on the whole band."""
+
+    ALL = "all"
+    NONE = "none"
+    DEPENDS = "depends"
+    UNDECIDED = "undecided"
+
+
+@dataclass(frozen=True)
+class Enclosure(Judged):
+    """Where crossings of a criterion lie: between ``low`` and ``high``, rad/s, whatever the values; guaranteed.
+
+    ``count`` : how many there are for every set of values; None if that depends or is not known. ``at_low``, ``at_high``: the
+    corner of the box at which the end is reached, which then is exact; None for an end that is a bound only, at most
+    ``TOLERANCE`` or what the budget allowed beyond. ``monotonic``: for each parameter 1 if the crossing grows with it
+    throughout the box, -1 if it falls, 0 if neither is proven.
+    """
+
+    criterion: Criterion
+    low: RealNumber
+    high: RealNumber
+    count: int | None
+    at_low: Mapping[str, Expr] | None
+    at_high: Mapping[str, Expr] | None
+    monotonic: Mapping[str, int]
+
 
 _SHARE = 0.4  # of the time that is left, for the first search of two
 
@@ -262,3 +508,51 @@ def _witness(one: One | None) -> dict[str, str] | None:
 
 def _values(values: Mapping[str, Expr] | None) -> dict[str, str] | None:
     return None if values is None else {name: str(x) for name, x in values.items()}
+
+
+SEED = 2019
+
+
+def tolerances(
+    scene: Scene | str | Path,
+    samples: int = 200,
+    seed: int = SEED,
+    *,
+    hand: str | Hand | Iterable[str | Hand] | None = None,
+    limit: float | None = SECONDS,
+    told: Told | None = None,
+) -> Tolerances:
+    """What holds for all values of a scene's parameters within their ranges.
+
+    Guaranteed: the verdict where it is not ``Verdict.UNDECIDED``; that crossings lie in the enclosures and nowhere else; how many
+    there are where a count is given; ends said to be reached at a corner are exact. Estimated: quantiles over ``samples`` sets
+    of values, each answered with certainty, drawn uniformly with a seed; none where ranges are of hands alone, which change
+    nothing of what is felt. SceneError where nothing has a range.
+
+    ``hand`` : those in which the display is held, as of ``stability``; those of the scene if not given. Of each it is told, in
+    ``held``, whether the display is stable in it for all values of display and hand, for some, or for none.
+    ``limit`` : seconds after which the work is cut short: enclosures are then wider than they need be, the verdict may be
+    undecided and fewer sets be drawn; None for no limit. ``told`` : is called now and then with how much is done, of how much,
+    and what it is. LimitError if not even the nominal values were answered in time.
+
+    >>> from haptisym import effects, environments
+    >>> spring = environments.mass_spring_damper(k="100 N/m +- 10 %")
+    >>> lag = effects.first_order_lag("40 rad/s +- 10 %")
+    >>> found = tolerances(Scene(spring, (lag,)), samples=0)
+    >>> found.verdict.value, [(x.part.value, x.low.digits(5), x.high.digits(5), x.count) for x in found.enclosures]
+    ('none', [('imag', '3.6367', '4.4449', 1), ('real', '12.000', '14.667', 1)])
+    """
+    scene = in_hands(as_scene(scene), hand)
+    samples = whole("samples", samples, 0)
+    box = box_of(scene)
+    with limited(limit, told) as budget:
+        with share(_FOR_HANDS):
+            held = tuple(held_in_box(scene, x) for x in scene.hands)
+        with share(_FOR_SAMPLES):
+            found = Tolerances(box, drawn(box, samples, seed) if box.sides else (), seed, budget, held)
+        found.settle()
+    return found
+
+
+_FOR_HANDS = 0.3  # of the time
+_FOR_SAMPLES = 0.3  # of what is left

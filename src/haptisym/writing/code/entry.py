@@ -15,10 +15,9 @@ from haptisym.model.parameters import Rule, values
 from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.writing.code.code import About, Argument, Source
+from haptisym.writing.code.code import About, Argument, Source, nearest_double
 from haptisym.writing.code.computed import computed
-from haptisym.writing.code.expressions import nearest_double
-from haptisym.writing.code.names import Language
+from haptisym.writing.code.languages import Language
 from haptisym.writing.mathtext import plain
 
 __all__ = ["Language", "distortion_code", "scene_code", "scene_program"]
