@@ -17,8 +17,7 @@ from mpmath import iv
 from timing import machine, medians, table
 
 import haptisym as hs
-from haptisym.judge.criteria import Criterion, noticed
-from haptisym.judge.crossings import Curve, find_crossings
+from haptisym.judge.crossings import Criterion, Curve, find_crossings, noticed
 from haptisym.kernel.caches import forget
 from haptisym.kernel.roots import chart
 from haptisym.model.distortion import part_of

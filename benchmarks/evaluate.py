@@ -20,8 +20,7 @@ import sympy
 from timing import least, machine, table
 
 import haptisym as hs
-from haptisym.judge.criteria import noticed
-from haptisym.judge.crossings import Curve, find_crossings
+from haptisym.judge.crossings import Curve, find_crossings, noticed
 from haptisym.kernel.caches import forget
 from haptisym.kernel.roots import chart
 from haptisym.model.distortion import part_of

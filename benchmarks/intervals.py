@@ -19,8 +19,7 @@ import haptisym as hs
 from haptisym.kernel.errors import SceneError
 from haptisym.model.measured import Complexes, Measurement
 from haptisym.verbs.identify.entry import estimates, verdict
-from haptisym.verbs.identify.fitting import fit
-from haptisym.verbs.identify.wanted import Wanted, wanted
+from haptisym.verbs.identify.fitting import Wanted, fit, wanted
 
 DRAWS = 1000
 OMEGA = np.geomspace(1, 60, 30)

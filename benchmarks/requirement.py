@@ -13,7 +13,7 @@ import sympy
 from timing import machine, medians
 
 import haptisym as hs
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
 from haptisym.kernel.symbols import omega
 from haptisym.verbs.require.freeparameter import conditions
 

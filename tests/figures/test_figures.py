@@ -32,7 +32,7 @@ from haptisym.figures.ratios import draw_formulas, draw_peaks, draw_ratios
 from haptisym.figures.regions import draw_family_regions, draw_regions
 from haptisym.figures.square import draw_jnd_square, outline
 from haptisym.figures.style import floats_scale
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
 from haptisym.judge.percepts import felt
 
 PAPER = hs.Scene(mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m"), (second_order_lowpass("80 rad/s", "0.5"),))

@@ -21,9 +21,9 @@ from sympy import Rational, sqrt
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.bounds import ANY_ENVIRONMENT
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
+from haptisym.judge.evaluation import half_widths
 from haptisym.judge.percepts import Property
-from haptisym.judge.spread import half_widths
 from haptisym.model.jnd import read_threshold
 from haptisym.programs.floats import floats_of
 

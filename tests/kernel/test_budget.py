@@ -10,9 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from haptisym.kernel.budget import afford, left, limited, share, spared, tick, timed_by
+from haptisym.kernel.budget import Waiting, afford, left, limited, share, spared, tick, timed_by
 from haptisym.kernel.errors import LimitError, SceneError
-from haptisym.kernel.subdivision import Waiting
 
 
 class Clock:

@@ -24,7 +24,7 @@ from sympy import Expr, Integer, Poly, Rational, Symbol, acos, asin, exp, expand
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.judge.criteria import noticed, opened
+from haptisym.judge.crossings import noticed, opened
 from haptisym.kernel.alike import in_order
 from haptisym.kernel.analytic import AnalyticFactor
 from haptisym.kernel.dynamics import Ring

@@ -29,11 +29,10 @@ from scipy.stats import f as fisher
 
 import haptisym as hs
 from haptisym.model.estimating import WINDOWS
-from haptisym.model.measured import averages_for, coherence_for, disc_radius
+from haptisym.model.measured import Slope, averages_for, coherence_for, disc_radius, read_slope
 from haptisym.model.measuring import write_sampled
 from haptisym.model.quantities import MotionKind
 from haptisym.model.responsefile import plain_rows, read_record
-from haptisym.model.slope import Slope, read_slope
 from haptisym.model.welch import Welch
 
 TRANSLATION, ROTATION = MotionKind.TRANSLATION, MotionKind.ROTATION

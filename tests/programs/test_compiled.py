@@ -38,9 +38,9 @@ from haptisym.kernel.symbols import omega as axis_omega
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion
 from haptisym.programs import floats as sinc_in_floats
+from haptisym.programs.balls import PointValue
 from haptisym.programs.certified import Certified
 from haptisym.programs.floats import BLOCK, UFUNCS, Floats, nearest
-from haptisym.programs.pointvalues import PointValue
 from haptisym.programs.program import Operation, Program, Writer
 from haptisym.programs.values import Values
 

@@ -27,7 +27,7 @@ from sympy import Symbol, sqrt
 
 import haptisym as hs
 from haptisym.cli import app
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
 from haptisym.kernel.errors import LimitError, SceneError
 from haptisym.model.jnd import Threshold
 from haptisym.verbs.cost.entry import Cost

@@ -18,12 +18,12 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.cli import app
 from haptisym.figures.designmap import draw_wishes
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
 from haptisym.kernel.budget import timed_by
 from haptisym.verbs.require.classical import Encoder, lines
 from haptisym.verbs.require.designmap import Asked, Slice
 from haptisym.verbs.require.feasible import Kind
-from haptisym.verbs.require.plane import Rectangles, common, held_rectangles, rectangles
+from haptisym.verbs.require.floatcells import Rectangles, common, held_rectangles, rectangles
 from haptisym.verbs.stability.plane import plane
 
 E, F = hs.environments, hs.effects

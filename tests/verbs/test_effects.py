@@ -18,7 +18,7 @@ from regions import margin, outside
 from sympy import Expr, Integer, Rational, exp, lambdify, pi
 
 import haptisym as hs
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
 from haptisym.judge.regions import Sided
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import s

@@ -29,9 +29,8 @@ from haptisym.model.parameters import Rule
 from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.model.scenefile import read_scenes
 from haptisym.verbs.identify.entry import Estimate, estimates, even, opened, rounded, verdict
-from haptisym.verbs.identify.fitting import Curve, Noise, fit, noise_of, usable
+from haptisym.verbs.identify.fitting import Curve, Free, Noise, fit, noise_of, usable, wanted
 from haptisym.verbs.identify.scenetext import band_value, environment_table, exactly, scene_text, threshold_value
-from haptisym.verbs.identify.wanted import Free, wanted
 
 Called = Callable[..., tuple[int, str, str]]
 

@@ -22,10 +22,8 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.kernel.symbols import omega as OMEGA  # noqa: N812
 from haptisym.model.jnd import Part, read_threshold
-from haptisym.model.measured import averages_for, coherence_for, disc_radius
-from haptisym.model.slope import Slope
-from haptisym.verbs.measured.between import spread
-from haptisym.verbs.measured.entry import MOST_AVERAGES, MOST_COHERENCE, numerals
+from haptisym.model.measured import Slope, averages_for, coherence_for, disc_radius
+from haptisym.verbs.measured.entry import MOST_AVERAGES, MOST_COHERENCE, numerals, spread
 from haptisym.verbs.measured.judging import OPEN, joint_distance, lines_of, matched, part_distance, signs, values_of
 
 Called = Callable[..., tuple[int, str, str]]

@@ -18,7 +18,7 @@ from plainshapes import exact, function_of, q, rational
 from sympy import Expr, Integer, Poly, Rational, discriminant, exp, lambdify, pi, real_roots, resultant
 
 import haptisym as hs
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, SquareRoot

@@ -18,7 +18,7 @@ from marks import often
 from sympy import Rational, Symbol
 
 import haptisym as hs
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
 from haptisym.kernel.budget import timed_by
 from haptisym.model.parameters import ranged
 from haptisym.model.quantities import Dimension

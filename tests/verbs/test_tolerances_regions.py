@@ -15,7 +15,7 @@ import pytest
 from regions import margin
 
 import haptisym as hs
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
 from haptisym.verbs.tolerances.box import box_of
 from haptisym.verbs.tolerances.search import excess_of
 

@@ -50,10 +50,9 @@ from haptisym.writing.boxes import (
     Ratio,
 )
 from haptisym.writing.equations import QUANTITIES, equation
-from haptisym.writing.formula import readable
 from haptisym.writing.latex import escape, formula, tex
 from haptisym.writing.layout import approximate, decimal, is_short, number, rounded
-from haptisym.writing.mathml import mathml
+from haptisym.writing.mathml import mathml, readable
 from haptisym.writing.mathtext import plain, text
 
 m, b, k, omega_n, zeta, omega_c, tau, J = hs.symbols("m b k omega_n zeta omega_c tau J")

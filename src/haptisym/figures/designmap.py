@@ -28,12 +28,12 @@ from haptisym.figures import pen
 from haptisym.figures.require import HATCH, label_of, limits_of, look_of, parameter_scale
 from haptisym.figures.sheet import one_column
 from haptisym.figures.style import Look, Scale, dots, dress, entry, legend, limit, rectangles, write_note
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.programs.values import Array
 from haptisym.verbs.require.classical import Line
 from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.feasible import Binding, Kind, Span
-from haptisym.verbs.require.plane import common
+from haptisym.verbs.require.floatcells import common
 from haptisym.verbs.require.required import Requirement
 
 Rows = Sequence[tuple[float, Requirement]]

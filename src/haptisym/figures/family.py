@@ -18,7 +18,7 @@ from haptisym.figures.regions import family_regions_figure
 from haptisym.figures.sampling import broken, sampled
 from haptisym.figures.sheet import laid_out, save_all
 from haptisym.figures.style import RADIANS, Scale, band_scale, dress, handle, label_above, legend, name_frequency, shade
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
 from haptisym.programs.values import Array
 from haptisym.verbs.family.entry import FamilyEvaluation
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from haptisym.figures.style import threshold_symbol, written
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.judge.regions import Joint, Sided
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part

@@ -43,8 +43,7 @@ from haptisym.figures.style import (
 )
 from haptisym.model.jnd import SQUARE, Part
 from haptisym.model.measured import Measurement
-from haptisym.verbs.measured.between import Cells, Swept
-from haptisym.verbs.measured.entry import MeasuredEvaluation
+from haptisym.verbs.measured.entry import Cells, MeasuredEvaluation, Swept
 from haptisym.verbs.measured.judging import joint_distance, limits_of, values_of
 
 _MOST_LINES = 800

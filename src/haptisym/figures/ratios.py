@@ -28,7 +28,7 @@ from haptisym.figures.style import (
     number,
     scale_of,
 )
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.peaks import Peaks
 from haptisym.programs.values import Array

@@ -19,9 +19,8 @@ from haptisym.figures.sampling import sampled
 from haptisym.figures.sheet import one_column
 from haptisym.figures.square import outline
 from haptisym.figures.style import band_scale, dots, draw_origin, dress, dress_changes, handle, legend, limit
-from haptisym.judge.criteria import noticed
-from haptisym.judge.evaluation import Evaluation
-from haptisym.judge.spread import Compared, half_widths
+from haptisym.judge.crossings import noticed
+from haptisym.judge.evaluation import Compared, Evaluation, half_widths
 from haptisym.programs.floats import floats_of
 from haptisym.programs.values import Array
 from haptisym.verbs.family.entry import FamilyEvaluation

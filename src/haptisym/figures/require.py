@@ -28,7 +28,7 @@ from haptisym.figures.style import (
     limit,
     name_parameter,
 )
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.kernel.errors import SceneError
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion

@@ -32,7 +32,7 @@ from haptisym.figures.style import (
     limit,
     number,
 )
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.regions import Joint, Sided
 from haptisym.judge.regions import Polygon as Cornered

@@ -31,10 +31,10 @@ from sympy import Expr, Symbol, pi
 
 from haptisym.figures import pen
 from haptisym.figures.sampling import ends_of
-from haptisym.judge.criteria import Criterion
-from haptisym.kernel.hertz import Hertz
+from haptisym.judge.crossings import Criterion
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Interval
+from haptisym.kernel.symbols import Hertz
 from haptisym.model.quantities import MotionKind, unit_text
 from haptisym.programs.values import Array
 from haptisym.writing.latex import formula

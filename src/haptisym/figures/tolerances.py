@@ -26,7 +26,7 @@ from haptisym.figures.style import (
     threshold_symbol,
     written,
 )
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.tolerances.proofs import Tolerances
 

@@ -26,7 +26,7 @@ import flint
 from flint import arb, fmpq, fmpq_poly
 from sympy import Expr, Integer, Rational, S, sqrt
 
-from haptisym.judge.criteria import JOINT, Criterion, kept, level, noticed
+from haptisym.judge.crossings import JOINT, Criterion, kept, level, noticed
 from haptisym.judge.peaks import SCALE, Envelope, Largest, Maximum, Peak, ValueAt, moved, nominal_of, split
 from haptisym.judge.regions import Term
 from haptisym.kernel.errors import LimitError, UndecidedError

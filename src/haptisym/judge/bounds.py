@@ -13,7 +13,7 @@ from typing import Any
 
 from sympy import Expr, Integer, sqrt
 
-from haptisym.judge.criteria import Criterion, noticed
+from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.regions import Polygon
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.lattices import Lattice, Signed

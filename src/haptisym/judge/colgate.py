@@ -28,7 +28,7 @@ from haptisym.kernel.rootcount import is_stable
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect
-from haptisym.model.devices import Device, device
+from haptisym.model.hand import Device, device
 from haptisym.model.sampled import BACK, CLOCKS, SAMPLED_LOOP, controller
 from haptisym.model.scene import Scene
 

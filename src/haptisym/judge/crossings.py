@@ -1,19 +1,205 @@
-"""Step 1, when: the frequencies at which a distortion becomes, or stops being, noticeable."""
+"""Step 1, when: the criteria that are judged, and the frequencies at which a distortion becomes noticeable.
+
+Criteria: what is judged of a display at every frequency, each a real function of omega that must not be positive.
+
+Step 1, when: the frequencies at which a distortion becomes, or stops being, noticeable.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
 from enum import Enum
+from typing import Any, TypeAlias
 
-from haptisym.judge.criteria import Criterion, Judged, judged
-from haptisym.judge.regions import Sided
+from sympy import Expr, Integer
+
+from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon, Region, Sided
 from haptisym.kernel.lattices import Signed
+from haptisym.kernel.polynomials import Level, algebraic
 from haptisym.kernel.reals import ExactNumber, RealNumber
-from haptisym.kernel.roots import Chart, Key, Point
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import RationalFunction
+from haptisym.kernel.roots import Chart, Interval, Key, Point
 from haptisym.kernel.shown import Shown
+from haptisym.kernel.symbols import c, omega
 from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.jnd import Part
+from haptisym.model.jnd import Part, Shape, Threshold, is_irrational_algebraic
+
+Measure: TypeAlias = Callable[[Distortion], RealFunction]
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A condition on a display at each frequency: ``measure`` - ``limit`` must not be positive.
+
+    ``name`` : as JSON calls it. ``words`` : in a legend. ``symbol`` : of what is judged. ``rule`` : the condition, written.
+    ``measure`` : of a distortion, an exact real function of omega and of what is a symbol in it; for a ratio r it is r^2.
+    ``sampled`` : the ratio from the fields of compiled values, for drawings.
+    ``threshold`` : c of a ratio, a number, a symbol or a formula in omega; 0 where the measure itself must not be positive.
+    ``part`` : the component of dH that is judged; None where both are.
+    ``kept`` : what a display is called that keeps it on a whole band.
+    ``region`` : of a JND that is more than a number for each part: what is judged instead.
+    """
+
+    name: str
+    words: str
+    symbol: str
+    rule: str
+    measure: Measure
+    sampled: Callable[[Any], Any] | None = None
+    threshold: Expr = Integer(0)
+    part: Part | None = None
+    kept: str = "transparent on the whole band"
+    region: Region | None = None
+
+    def __hash__(self) -> int:
+        return hash(self.name)  # charts look up much
+
+    @property
+    def component(self) -> str:
+        """The operator that gives the component of dH that is judged; empty where both are."""
+        return {Part.REAL: "Re", Part.IMAG: "Im"}.get(self.part, "") if self.part else ""
+
+    @property
+    def joint(self) -> Joint | None:
+        """The region that judges both parts at once; None where it is one part, or a ratio, that is judged."""
+        return self.region if self.part is None else None  # type: ignore[return-value]
+
+    @property
+    def limit(self) -> Expr:
+        """What the measure is held against: c^2, or 0."""
+        return (self.threshold**2).expand()
+
+    def depends_on(self, parts: Collection[Part]) -> bool:
+        """Whether its threshold is that of one of some parts."""
+        return bool(parts) and self.threshold != 0 and (self.part is None or self.part in parts)
+
+    def function(self, d: Distortion) -> Signed:
+        """r^2 - c^2 in lowest terms: positive exactly where the criterion is broken, a pole where the measure is unbounded.
+
+        As common factors are gone, a resonance at which H_env and dH vanish together invents no crossing.
+        """
+        if self.region:
+            return self.region.exceeded(d)
+        return self.exceeded(self.measure(d))
+
+    def exceeded(self, measure: RealFunction) -> RealFunction | Level:
+        """The same of a measure that is known."""
+        return level(measure, self.limit)
+
+
+class Judged:
+    """Something that is said of one criterion."""
+
+    criterion: Criterion
+
+    @property
+    def part(self) -> Part | None:
+        """The component of dH that is judged; None where both are."""
+        return self.criterion.part
+
+
+def level(measure: RealFunction, limit: Expr) -> RealFunction | Level:
+    """A real function minus a number, which for a function >= 0 may be irrational algebraic: positive where it is above."""
+    if is_irrational_algebraic(limit):
+        return Level(measure, algebraic(limit))
+    f = measure.function
+    bound = f.ring.convert(limit)
+    top = f.numerator * bound.denominator - bound.numerator * f.denominator
+    found = RationalFunction(f.ring, top, f.denominator * bound.denominator)
+    return RealFunction(found.reduced() if limit.has(omega) else found)
+
+
+def _square_real(d: Distortion) -> RealFunction:
+    return d.squared_ratios[Part.REAL]
+
+
+def _square_imag(d: Distortion) -> RealFunction:
+    return d.squared_ratios[Part.IMAG]
+
+
+def _ratio_real(values: Any) -> Any:
+    return values.ratio_real
+
+
+def _ratio_imag(values: Any) -> Any:
+    return values.ratio_imag
+
+
+def _given_away(d: Distortion) -> RealFunction:
+    return RealFunction(d.perc_response.imag.axis.zero) - d.perc_response.imag
+
+
+_JND: Mapping[Part, Criterion] = {
+    part: Criterion(name, f"{words} part", symbol, f"{symbol} <= c_{name}", square, ratio, part=part)
+    for part, name, words, symbol, square, ratio in (
+        (Part.REAL, "real", "real", "r_r", _square_real, _ratio_real),
+        (Part.IMAG, "imag", "imaginary", "r_i", _square_imag, _ratio_imag),
+    )
+}
+
+
+def noticed(threshold: Threshold) -> tuple[Criterion, ...]:
+    """What must hold so that nothing is noticed: r_r <= c_real and r_i <= c_imag, eq. (4), or that a region is not left."""
+    region = threshold.region
+    if region.shape is not Shape.SQUARE:
+        return (_joint(_shaped(threshold)),)
+    return tuple(_of_part(threshold, part) for part in Part)
+
+
+def _of_part(threshold: Threshold, part: Part) -> Criterion:
+    own, lower, floor = threshold[part], threshold.lower(part), threshold.region.floor
+    plain = replace(_JND[part], threshold=own)
+    if lower is None and floor is None:
+        return plain
+    sided = Sided(part, own, own if lower is None else lower, floor)
+    return replace(plain, measure=sided, region=sided, rule=f"|{plain.component} dH| within its limit")
+
+
+def _shaped(threshold: Threshold) -> Joint:
+    region = threshold.region
+    if region.shape is Shape.POLYGON:
+        return Polygon(region.corners)
+    if region.shape is Shape.DIAMOND:
+        return Diamond(threshold.real, threshold.imag)
+    return Ellipse(threshold.real, threshold.imag, region.tilt)
+
+
+def _joint(region: Joint) -> Criterion:
+    rule = f"dH/|H_env| within the {region.kind}"
+    return Criterion(JOINT, "both parts at once", "r_j", rule, region, threshold=Integer(1), region=region)
+
+
+JOINT = "joint"
+"""The name of what judges both parts of dH at once."""
+
+
+def opened(criteria: Iterable[Criterion], parts: Collection[Part]) -> tuple[Criterion, ...]:
+    """Criteria with the symbol c for the thresholds of some parts."""
+    return tuple(_opened(x, parts) if x.depends_on(parts) else x for x in criteria)
+
+
+def _opened(x: Criterion, parts: Collection[Part]) -> Criterion:
+    if x.region is None:
+        return replace(x, threshold=c)
+    region = x.region.opened(dict.fromkeys(parts, c))
+    return replace(x, measure=region, region=region)
+
+
+PASSIVE = Criterion("passive", "passive", "-Im H_perc", "Im H_perc >= 0", _given_away, kept="passive on the whole band")
+"""The display gives no energy away at that frequency."""
+
+
+def judged(chart: Chart) -> tuple[Criterion, ...]:
+    """The criteria among the functions of a chart."""
+    return tuple(x for x in chart.points[0].after if isinstance(x, Criterion))
+
+
+def kept(chart: Chart) -> tuple[Interval, ...]:
+    """All frequencies of the band at which every criterion is kept: closed intervals, perhaps none."""
+    criteria = judged(chart)
+    return chart.where(lambda signs: all(signs[x] <= 0 for x in criteria))
 
 
 class CrossingKind(Enum):

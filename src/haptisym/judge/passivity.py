@@ -32,7 +32,7 @@ from flint import arb
 from sympy import Expr, Integer, Poly, Rational, pi
 
 from haptisym.judge.colgate import SampledPassivity, sampled_passivity
-from haptisym.judge.criteria import PASSIVE
+from haptisym.judge.crossings import PASSIVE
 from haptisym.judge.peaks import Greatest, greatest
 from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import Ring

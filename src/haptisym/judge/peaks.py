@@ -24,7 +24,7 @@ from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
 from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.criteria import Criterion, Judged, noticed
+from haptisym.judge.crossings import Criterion, Judged, noticed
 from haptisym.judge.regions import Change, Term
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import UndecidedError

@@ -14,8 +14,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from sympy import Add, Expr
 
-from haptisym.judge.criteria import Criterion, judged
-from haptisym.judge.crossings import NEARER, Curve
+from haptisym.judge.crossings import NEARER, Criterion, Curve, judged
 from haptisym.kernel.roots import Chart, Interval, Point, Signs, sign_of_number
 from haptisym.kernel.shown import Shown
 from haptisym.model.jnd import Part

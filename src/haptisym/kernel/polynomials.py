@@ -17,12 +17,11 @@ import flint
 from flint import acb_poly, arb, arb_poly, fmpq, fmpq_poly, fmpz, fmpz_poly
 from sympy import Dummy, Expr, Rational, minimal_polynomial, pi
 
-from haptisym.kernel.budget import tick
+from haptisym.kernel.budget import Waiting, tick
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import SURE_BITS, Ball, RealNumber, at_rising_precision
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import PolynomialRing
-from haptisym.kernel.subdivision import Waiting
 from haptisym.kernel.symbols import omega
 from haptisym.kernel.zeros import Factor, SmoothFactor, Zero, around, exact, is_clear, rounded_up, tightened
 

@@ -36,13 +36,13 @@ import flint
 from flint import acb, arb
 from sympy import Expr, I, Integer, Rational, factorial, pi
 
+from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in, monomials
 from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
-from haptisym.kernel.subdivision import Waiting
 from haptisym.kernel.symbols import s
 
 _MOST_TERMS = 64  # of the expansion at s = 0 that are tried

@@ -1,10 +1,19 @@
-"""The symbols that every formula shares, each born once with its assumptions."""
+"""The symbols that every formula shares, and frequencies in Hz.
+
+The symbols that every formula shares, each born once with its assumptions.
+
+Frequencies in Hz.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+import flint
 from sympy import Expr, Symbol
 
 from haptisym.kernel.errors import need
+from haptisym.kernel.reals import Ball, RealNumber
 
 s = Symbol("s")
 """Laplace variable, rad/s; plain, so that an ordinary ``Symbol("s")`` of the user is the same one."""
@@ -44,3 +53,20 @@ def conflicting(expressions: list[Expr]) -> Symbol | None:
         if seen.setdefault(symbol.name, symbol) != symbol:
             return symbol
     return None
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Hertz(RealNumber):
+    """A frequency in Hz, as certain as the one in rad/s.
+
+    >>> from sympy import pi
+    >>> from haptisym.kernel.reals import ExactNumber
+    >>> Hertz(ExactNumber(3 * pi)).digits(3)
+    '1.50'
+    """
+
+    omega: RealNumber
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return self.omega.ball(bits) / (2 * flint.arb.pi())

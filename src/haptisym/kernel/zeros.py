@@ -24,10 +24,9 @@ from flint import arb, fmpq
 from sympy import Expr
 
 from haptisym.kernel.bernstein import Stretch
-from haptisym.kernel.budget import tick
+from haptisym.kernel.budget import Waiting, tick
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import MOST_BITS, Ball, RealNumber, at_rising_precision, expression_ball
-from haptisym.kernel.subdivision import Waiting
 
 
 def rounded_up(bits: int) -> int:

@@ -1,4 +1,9 @@
-"""A hand that holds a display: m s^2 + b s + k, which stands beside H_perc where both move together."""
+"""A hand that holds a display, and the devices that stand beside it.
+
+A hand that holds a display: m s^2 + b s + k, which stands beside H_perc where both move together.
+
+What stands beside the hand: mass, damping and stiffness of a shunt, whatever its numbers are called.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +13,14 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
-from sympy import Expr, Symbol
+from sympy import Expr, Integer, Poly, Symbol
 
 from haptisym.kernel.errors import SceneError, meant
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.symbols import s
+from haptisym.model.catalogue import Effect
 from haptisym.model.parameters import Parameter, Rule, Slot, read_parameter, renamed, values, with_values
 from haptisym.model.quantities import Dimension, MotionKind, Number
 
@@ -149,3 +155,27 @@ def how_to_give() -> str:
     """How a hand is given to a question, for an error that lacks one."""
     listed = f"haptisym ships {', '.join(hands)}, and {NOBODY} is no hand at all"
     return f"--hand NAME (in Python hand=NAME), or [hand] in the scene; {listed}"
+
+
+class Device(NamedTuple):
+    """Z = k + b s + m s^2."""
+
+    k: Expr = Integer(0)
+    b: Expr = Integer(0)
+    m: Expr = Integer(0)
+
+
+def device(effect: Effect) -> Device | None:
+    """That of a shunt, its parameters' values in place; None of another effect, and where Z is none of these.
+
+    >>> from haptisym.effects import compliance, shunt
+    >>> device(shunt(Z="b*s^2 + 3*s", parameters={"b": 5}))
+    Device(k=0, b=3, m=5)
+    >>> device(shunt(Z="s^3")) is device(compliance(k=500)) is None
+    True
+    """
+    Z = effect.matrix[1]
+    if effect.model != "shunt" or not Z.is_polynomial(s):
+        return None
+    row = Poly(Z, s).all_coeffs()[::-1]
+    return Device(*row) if len(row) <= len(Device._fields) else None

@@ -19,8 +19,10 @@ from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Scene
 
 if TYPE_CHECKING:
-    from haptisym.model.measured import Measurement  # needs NumPy, which a scene of formulas does not load
-    from haptisym.model.slope import Slope
+    from haptisym.model.measured import (
+        Measurement,  # needs NumPy, which a scene of formulas does not load
+        Slope,
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)

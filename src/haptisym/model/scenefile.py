@@ -250,9 +250,8 @@ def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
 
 
 def _measurement(table: Table, place: str, folder: Path) -> Measurement:
-    from haptisym.model.measured import CONFIDENCE
+    from haptisym.model.measured import CONFIDENCE, read_slope
     from haptisym.model.responsefile import RECORDS, read_file
-    from haptisym.model.slope import read_slope
 
     try:
         _only(table, ("file", "averages", "confidence", "slope", *RECORDS), "")

@@ -23,12 +23,10 @@ from typing import TYPE_CHECKING
 from sympy import Add, Expr, Symbol
 
 from haptisym.judge.bandwidths import Bandwidths, Jump
-from haptisym.judge.criteria import JOINT, Criterion
-from haptisym.judge.crossings import Crossing, CrossingKind
-from haptisym.judge.evaluation import Evaluation
+from haptisym.judge.crossings import JOINT, Criterion, Crossing, CrossingKind
+from haptisym.judge.evaluation import Compared, Evaluation
 from haptisym.judge.passivity import Passivity
 from haptisym.judge.regions import Joint
-from haptisym.judge.spread import Compared
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Chart
@@ -86,8 +84,8 @@ from haptisym.writing.document import (
     listed,
 )
 from haptisym.writing.equations import equation, quantity
-from haptisym.writing.formula import readable
 from haptisym.writing.layout import named
+from haptisym.writing.mathml import readable
 from haptisym.writing.mathtext import text
 
 if TYPE_CHECKING:
@@ -430,7 +428,7 @@ class _InFull:
         return scene_blocks(self.evaluation.scene, self._forms.short_names)
 
     def design(self) -> Iterable[Block]:
-        from haptisym.pages.design import design
+        from haptisym.pages.require import design
 
         return design(self.evaluation)
 

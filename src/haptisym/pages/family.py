@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from haptisym.judge.criteria import Criterion, noticed
+from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.caveats import caveats as cautions

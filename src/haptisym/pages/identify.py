@@ -31,8 +31,8 @@ from haptisym.writing.document import (
     Table,
 )
 from haptisym.writing.equations import equation
-from haptisym.writing.formula import readable
 from haptisym.writing.layout import named
+from haptisym.writing.mathml import readable
 
 _ALIKE = 0.95
 """A correlation from which on two parameters are told together rather than apart."""

@@ -20,14 +20,12 @@ from haptisym.judge.percepts import NOT_NAMED, felt_words
 from haptisym.kernel.shown import counted
 from haptisym.kernel.symbols import s
 from haptisym.model.jnd import Part
-from haptisym.model.measured import Measurement, coherence_for
+from haptisym.model.measured import Measurement, Slope, coherence_for
 from haptisym.model.quantities import unit_text
-from haptisym.model.slope import Slope
 from haptisym.model.welch import Welch
 from haptisym.pages.late import drawing
 from haptisym.pages.words import OMEGA, PART_NAMES, RATIOS, limits, page_about, rounded, stiffness_unit
-from haptisym.verbs.measured.between import Between, Stretches
-from haptisym.verbs.measured.entry import MeasuredEvaluation, Share
+from haptisym.verbs.measured.entry import Between, MeasuredEvaluation, Share, Stretches
 from haptisym.verbs.measured.judging import CODES, certainty, limits_of
 from haptisym.writing.document import (
     Block,
@@ -44,7 +42,7 @@ from haptisym.writing.document import (
     Table,
 )
 from haptisym.writing.equations import equation
-from haptisym.writing.formula import readable
+from haptisym.writing.mathml import readable
 
 _UNLIKELY = 0.01
 """A chance below which a display is called not linear."""

@@ -42,9 +42,9 @@ from haptisym.writing.document import (
     Versions,
 )
 from haptisym.writing.equations import meaning, quantity
-from haptisym.writing.formula import readable
 from haptisym.writing.latex import tex
 from haptisym.writing.layout import layout, named
+from haptisym.writing.mathml import readable
 from haptisym.writing.mathtext import text
 
 _MOST_LETTERS = 180  # of a formula in symbols; a longer one is told in numbers

@@ -12,8 +12,7 @@ from typing import Any
 from sympy import Expr, ImmutableMatrix
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.criteria import Judged
-from haptisym.judge.crossings import Crossing
+from haptisym.judge.crossings import Crossing, Judged
 from haptisym.judge.peaks import Peak
 from haptisym.judge.percepts import Percept, felt
 from haptisym.kernel.reals import ExactNumber, RealNumber

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi
 
-from haptisym.judge.criteria import noticed, opened
+from haptisym.judge.crossings import noticed, opened
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.response import RealFunction, on_axis

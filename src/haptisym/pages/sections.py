@@ -19,7 +19,7 @@ from typing import Any
 
 from sympy import Abs, Add, Expr, Integer, Symbol, count_ops, exp
 
-from haptisym.judge.criteria import Criterion, noticed
+from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.lattices import Lattice, Signed

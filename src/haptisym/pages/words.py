@@ -11,13 +11,12 @@ from typing import TYPE_CHECKING
 
 from sympy import Expr
 
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import reals
-from haptisym.kernel.hertz import Hertz
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Interval, Point
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.symbols import Hertz, omega
 from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.published import DIGITS

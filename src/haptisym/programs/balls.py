@@ -1,16 +1,27 @@
-"""A program in ball arithmetic: enclosures of its results at single points, as tight as asked for."""
+"""A program in ball arithmetic at single points, and values of closed forms there.
+
+A program in ball arithmetic: enclosures of its results at single points, as tight as asked for.
+
+Values of closed forms at single points, as exact as anyone asks: limits, poles, and the last word where balls have none.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
+from math import inf, nan
 from typing import Any
 
 import flint
-from flint import arb, fmpq
+from flint import arb, arb_series, fmpq, fmpq_poly
+from sympy import Expr, Pow, Rational, Symbol, cos
 
-from haptisym.kernel.reals import Ball, expression_ball
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import MOST_BITS, Ball, RealNumber, at_rising_precision, expression_ball
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial, PolynomialRing
+from haptisym.kernel.symbols import omega
 from haptisym.programs.program import Program
 
 
@@ -87,3 +98,142 @@ def nearest_double(ball: Ball, bits: int) -> float | None:
         low, high = float(ball.lower()), float(ball.upper())
     tie = ball.rel_accuracy_bits() > 200 and bits > 400  # two neighbours, the ball a dot half-way between them
     return low if low == high or tie else None
+
+
+_LIMIT_BITS, _TERMS = 1024, 32  # a coefficient at 0 that so many bits do not tell from 0 is 0
+
+
+@dataclass(frozen=True, repr=False)
+class PointValue(RealNumber):
+    """The value of a real function, in lowest terms and with no symbol left, at an exact frequency; or its square root.
+
+    ``special`` says it where it is 0, infinite or not a number. At omega = 0 it is the limit from above.
+
+    >>> from haptisym.kernel.dynamics import Ring
+    >>> f = RealFunction(Ring().axis.convert(omega / (omega**2 + 1)))
+    >>> float(PointValue(f, fmpq(3))), float(PointValue(f, fmpq(3), rooted=True)), PointValue(f, fmpq(0)).special
+    (0.3, 0.5477225575051661, 0.0)
+    """
+
+    function: RealFunction
+    frequency: fmpq
+    rooted: bool = False
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            value = self._ball()
+            return value.nonnegative_part().sqrt() if self.rooted else value
+
+    def _ball(self) -> Ball:
+        above, below = self._quotient
+        if isinstance(above, fmpq):
+            return arb(above / below)
+        if not self.frequency:
+            return above / below
+        return self.function.ball(arb(self.frequency))
+
+    def __float__(self) -> float:
+        """The nearest double; infinite at a pole, not a number where there is no limit."""
+        if self.special is not None:
+            return self.special
+        value = at_rising_precision(lambda bits: nearest_double(self.ball(bits), bits))
+        if value is None:
+            raise UndecidedError(f"{self.function.expression()} at {self.frequency} rad/s: no {MOST_BITS} bits tell")
+        return value
+
+    @property
+    def special(self) -> float | None:
+        """The value where it is none that balls of small relative radius enclose; otherwise None."""
+        above, below = self._quotient
+        if above is None:
+            return self._pole
+        if above == 0:
+            return 0.0 if below != 0 else nan
+        if below == 0:
+            return inf if self.rooted or above > 0 else -inf
+        return None
+
+    @property
+    def _pole(self) -> float | None:
+        """The infinite value where the denominator, with pi or other functions in it, is exactly 0 and the numerator is not."""
+        f = self.function.function
+        if not _vanishes(f.ring, f.denominator, self.frequency) or _vanishes(f.ring, f.numerator, self.frequency):
+            return None
+        if self.rooted:
+            return inf
+        return None  # on which side balls cannot tell
+
+    @cached_property
+    def _quotient(self) -> tuple[Any, Any]:
+        """Numerator and denominator where they are rational numbers, or the limit's at 0; otherwise None."""
+        f = self.function.function
+        if f.is_zero:
+            return fmpq(0), fmpq(1)
+        rows = [f.ring.univariate(p) for p in (f.numerator, f.denominator)]
+        if rows[0] is not None and rows[1] is not None:
+            return fmpq_poly(rows[0])(self.frequency), fmpq_poly(rows[1])(self.frequency)
+        return (None, None) if self.frequency else self._limit()
+
+    def _limit(self) -> tuple[Any, Any]:
+        """The limit at 0 from above, from the leading terms of numerator and denominator."""
+        f = self.function.half_angled
+        with flint.ctx.workprec(_LIMIT_BITS):
+            (n, above), (m, below) = (_leading(f.ring, p) for p in (f.numerator, f.denominator))
+        if n == m:
+            return above, below
+        return (fmpq(0), fmpq(1)) if n > m else (fmpq(1 if above / below > 0 else -1), fmpq(0))
+
+
+def _vanishes(ring: PolynomialRing, polynomial: Polynomial, frequency: fmpq) -> bool:
+    """Whether a polynomial of a ring of real functions is 0 at a frequency whatever the functions beside omega are there."""
+    at, rest = ring.meanings.index(omega), dict[tuple[int, ...], fmpq]()
+    for exponents, coefficient in polynomial.to_dict().items():
+        powers = [int(n) for n in exponents]
+        beside = (*powers[:at], *powers[at + 1 :])
+        rest[beside] = rest.get(beside, fmpq(0)) + coefficient * frequency ** powers[at]
+    return not any(rest.values())
+
+
+def _leading(ring: PolynomialRing, polynomial: Polynomial) -> tuple[Rational, Ball]:
+    """The lowest power of omega in a polynomial of a ring of real functions, and its coefficient."""
+    found: dict[Rational, Ball] = {}
+    for shift, series in _series(ring, polynomial):
+        for n, coefficient in enumerate(series):
+            found[shift + n] = found.get(shift + n, arb(0)) + coefficient
+    return min(
+        ((power, value) for power, value in found.items() if not value.contains(0)), default=(Rational(0), arb(0))
+    )
+
+
+def _series(ring: PolynomialRing, polynomial: Polynomial) -> Iterator[tuple[Rational, list[Ball]]]:
+    """Its terms, each as a fractional power of omega and a power series of the rest."""
+    values = [_power_series(x) for x in ring.meanings]
+    for exponents, coefficient in polynomial.to_dict().items():
+        total, shift = arb_series([arb(coefficient)], _TERMS), Rational(0)
+        for meaning, value, n in zip(ring.meanings, values, map(int, exponents), strict=True):
+            if value is None:
+                shift += n * meaning.exp
+            elif n:
+                total = total * value**n
+        yield shift, [total[i] for i in range(_TERMS)]
+
+
+def _power_series(meaning: Expr) -> Any:
+    """A generator of such a ring as a power series in omega; None for a fractional power."""
+    if meaning == omega:
+        return arb_series([0, 1], _TERMS)
+    if isinstance(meaning, Symbol):
+        return arb_series(
+            [0], _TERMS
+        )  # a symbol that a ring brings along, such as that of the threshold: it occurs nowhere
+    if not meaning.has(omega):
+        return arb_series([expression_ball(meaning)], _TERMS)
+    if isinstance(meaning, Pow):
+        return None
+    scale, wave = meaning.as_independent(omega, as_Add=False)
+    rate = expression_ball(wave.args[0] / omega)
+    row, term = [arb(0)] * _TERMS, expression_ball(scale)
+    for n in range(0, _TERMS, 2):
+        row[n] = term
+        term = -term * rate**2 / ((n + 1) * (n + 2) if isinstance(wave, cos) else (n + 2) * (n + 3))
+    return arb_series(row, _TERMS)

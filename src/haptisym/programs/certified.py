@@ -29,9 +29,8 @@ from sympy import Rational
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, RealNumber
 from haptisym.kernel.response import RealFunction
-from haptisym.programs.balls import FUNCTIONS, BallPoint, constant_ball, nearest_double
+from haptisym.programs.balls import FUNCTIONS, BallPoint, PointValue, constant_ball, nearest_double
 from haptisym.programs.floats import nearest
-from haptisym.programs.pointvalues import PointValue
 from haptisym.programs.program import Operation, Program
 
 BLOCK = 4096

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.judge.regions import Sided
 from haptisym.model.jnd import Part
 from haptisym.programs.floats import floats_of

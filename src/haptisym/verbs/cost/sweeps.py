@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
 from haptisym.kernel.budget import limited, share, tick
 from haptisym.kernel.errors import LimitError, SceneError
 from haptisym.kernel.reals import ExactNumber

@@ -36,8 +36,7 @@ from sympy import Expr, Float, Integer, Rational, cosh, exp, lambdify, sinh
 
 from haptisym import effects
 from haptisym.interop import to_control, to_scipy
-from haptisym.judge.criteria import Criterion, noticed
-from haptisym.judge.crossings import Curve, find_crossings
+from haptisym.judge.crossings import Criterion, Curve, find_crossings, noticed
 from haptisym.judge.peaks import ValueAt
 from haptisym.kernel.errors import HaptisymError, SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot

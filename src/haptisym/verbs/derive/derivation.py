@@ -50,7 +50,7 @@ from sympy import (
 )
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.criteria import Criterion, noticed, opened
+from haptisym.judge.crossings import Criterion, noticed, opened
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.judge.peaks import largest
 from haptisym.kernel.dynamics import Ring

@@ -27,7 +27,7 @@ from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.programs.pointvalues import PointValue
+from haptisym.programs.balls import PointValue
 from haptisym.programs.steps import DISTORTION
 
 _DIGITS, _NOISE = 60, 1e-50

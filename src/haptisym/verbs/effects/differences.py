@@ -33,9 +33,10 @@ from typing import Any, NamedTuple, Protocol, Self, TypeAlias, TypeVar
 from flint import acb_series, arb, arb_series
 from sympy import Expr, Rational
 
-from haptisym.judge.criteria import level
+from haptisym.judge.crossings import level
 from haptisym.judge.peaks import largest
 from haptisym.judge.regions import Change, Diamond, Ellipse, Polygon, Region, Sided
+from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.lattices import Lattice, Signed
@@ -44,7 +45,6 @@ from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import chart
 from haptisym.kernel.shown import Shown, counted
-from haptisym.kernel.subdivision import Waiting
 from haptisym.kernel.symbols import omega
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, part_of

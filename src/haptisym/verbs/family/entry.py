@@ -16,9 +16,8 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.criteria import Criterion, Judged, noticed
-from haptisym.judge.evaluation import Evaluation, evaluate
-from haptisym.judge.spread import OWN, Compared
+from haptisym.judge.crossings import Criterion, Judged, noticed
+from haptisym.judge.evaluation import OWN, Compared, Evaluation, evaluate
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import RealNumber

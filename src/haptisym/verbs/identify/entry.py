@@ -31,9 +31,8 @@ from haptisym.model.parameters import Rule
 from haptisym.model.quantities import Dimension, MotionKind, Number
 from haptisym.model.scene import Scene, frequency
 from haptisym.model.scenefile import bench_names, family_names, open_scenes, parse_scene, scene_names
-from haptisym.verbs.identify.fitting import Fit, fit, with_others
+from haptisym.verbs.identify.fitting import Degrees, Fit, Free, Wanted, filled, fit, wanted, with_others
 from haptisym.verbs.identify.scenetext import band_value, environment_table, scene_text, threshold_value
-from haptisym.verbs.identify.wanted import Degrees, Free, Wanted, filled, wanted
 
 _EXACT = 1e-9  # of the largest response
 _LEAST_LINES = 8

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from sympy import Integer
 
-from haptisym.judge.criteria import Criterion, kept
+from haptisym.judge.crossings import Criterion, kept
 from haptisym.judge.evaluation import evaluate
 from haptisym.judge.peaks import largest
 from haptisym.kernel.budget import SECONDS, limited

@@ -27,7 +27,7 @@ from sympy import Expr, Integer, Rational, sqrt
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.bounds import around
-from haptisym.judge.criteria import PASSIVE, Criterion, kept
+from haptisym.judge.crossings import PASSIVE, Criterion, kept
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.passivity import Beyond, Passivity, has_no_pole_right, most_charted, poles_allow
 from haptisym.judge.peaks import ValueAt

@@ -20,12 +20,12 @@ import flint
 from flint import arb
 from sympy import Expr, Symbol, pi
 
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
+from haptisym.kernel.budget import Waiting
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber, RealNumber, dyadic
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Interval, chart
-from haptisym.kernel.subdivision import Waiting
 from haptisym.verbs.require.feasible import Binding, Kind
 from haptisym.verbs.require.floatcells import Told
 from haptisym.verbs.require.freeparameter import Conditions, pieces

@@ -34,7 +34,7 @@ import flint
 from flint import arb, fmpq
 from sympy import Expr, Integer, Poly, Rational, Symbol, pi
 
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.kernel.alike import in_order, ordered
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick

@@ -24,7 +24,7 @@ import numpy as np
 from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, spared
 from haptisym.kernel.errors import SceneError, several
 from haptisym.kernel.reals import RealNumber, whole
@@ -41,8 +41,8 @@ from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, 
 from haptisym.verbs.require.criticalvalues import edge_polynomial, touch_polynomial
 from haptisym.verbs.require.entry import require
 from haptisym.verbs.require.feasible import End, Kind, Solved
+from haptisym.verbs.require.floatcells import Rectangles, held_rectangles, rectangles
 from haptisym.verbs.require.freeparameter import asked_of, conditions, domain, pieces
-from haptisym.verbs.require.plane import Rectangles, held_rectangles, rectangles
 from haptisym.verbs.require.required import STABLE, SUITS_ALL, TRANSPARENT, Requirement, further, wishes
 from haptisym.verbs.require.verdicts import together, with_hands
 

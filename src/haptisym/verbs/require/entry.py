@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
 from haptisym.kernel.budget import SECONDS, Told, limited
 from haptisym.kernel.reals import whole
 from haptisym.kernel.response import RealFunction

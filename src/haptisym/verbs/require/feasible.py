@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from itertools import groupby
 
-from haptisym.judge.criteria import Criterion, Judged
+from haptisym.judge.crossings import Criterion, Judged
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.shown import Shown
 

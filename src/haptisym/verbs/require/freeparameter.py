@@ -10,7 +10,7 @@ from typing import TypeAlias
 from sympy import Expr, Integer
 
 from haptisym.judge.bounds import for_any_environment
-from haptisym.judge.criteria import Criterion, noticed, opened
+from haptisym.judge.crossings import Criterion, noticed, opened
 from haptisym.kernel.errors import SceneError, several
 from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.response import RealFunction

@@ -22,7 +22,7 @@ from typing import Any, Protocol
 import numpy as np
 from sympy import Expr, Rational, S
 
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.judge.peaks import Top, tops
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError, UndecidedError

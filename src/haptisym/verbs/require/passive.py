@@ -27,7 +27,7 @@ from flint import arb
 from sympy import Expr, Integer, Rational, pi
 
 from haptisym.judge.colgate import SampledPassivity, loop_of, sampled_passivity
-from haptisym.judge.criteria import PASSIVE
+from haptisym.judge.crossings import PASSIVE
 from haptisym.judge.passivity import environment_alone, passivity
 from haptisym.kernel.budget import spared, tick
 from haptisym.kernel.dynamics import Ring

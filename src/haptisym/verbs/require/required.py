@@ -19,7 +19,7 @@ from sympy import Abs, Expr, Float, Symbol
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.bounds import ANY_ENVIRONMENT
-from haptisym.judge.criteria import PASSIVE, Criterion, opened
+from haptisym.judge.crossings import PASSIVE, Criterion, opened
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import Ring

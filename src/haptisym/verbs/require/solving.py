@@ -18,7 +18,7 @@ from functools import cached_property, partial
 import flint
 from sympy import Expr, Rational, S
 
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.judge.peaks import Largest, Top, tops
 from haptisym.judge.regions import Sided
 from haptisym.kernel.budget import share

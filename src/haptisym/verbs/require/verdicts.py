@@ -17,7 +17,7 @@ import flint
 from flint import acb, arb
 from sympy import Expr, Rational, exp, pi
 
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.kernel.alike import ascending, is_told, ordered
 from haptisym.kernel.budget import spared, tick
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError

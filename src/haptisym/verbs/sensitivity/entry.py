@@ -31,8 +31,7 @@ from flint import arb, fmpq
 from sympy import Expr, Integer, Rational, Symbol, pi
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.criteria import Criterion
-from haptisym.judge.crossings import Crossing, CrossingKind, Curve
+from haptisym.judge.crossings import Criterion, Crossing, CrossingKind, Curve
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.lattices import Lattice, Piece, Signed

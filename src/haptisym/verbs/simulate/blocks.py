@@ -29,7 +29,7 @@ from sympy import pi
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import Polynomial
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
-from haptisym.model.devices import device
+from haptisym.model.hand import device
 from haptisym.model.sampled import controller
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.network import (

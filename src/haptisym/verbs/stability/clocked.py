@@ -45,8 +45,7 @@ from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import Roots, count_roots, is_stable
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import Effect
-from haptisym.model.devices import device
-from haptisym.model.hand import Hand
+from haptisym.model.hand import Hand, device
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import Rule
 from haptisym.model.sampled import CLOCKS, SAMPLED_LOOP, controller

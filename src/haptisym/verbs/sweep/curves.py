@@ -16,7 +16,7 @@ from typing import TypeAlias
 
 from sympy import Expr, Integer, Symbol
 
-from haptisym.judge.criteria import Criterion, noticed
+from haptisym.judge.crossings import Criterion, noticed
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.lattices import Lattice, Signed

@@ -28,8 +28,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from sympy import Expr, Integer, Rational
 
-from haptisym.judge.criteria import judged, kept, noticed
-from haptisym.judge.crossings import Curve
+from haptisym.judge.crossings import Curve, judged, kept, noticed
 from haptisym.judge.percepts import changeovers
 from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import Ring

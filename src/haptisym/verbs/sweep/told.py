@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import noticed
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 

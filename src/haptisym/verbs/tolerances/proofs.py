@@ -37,7 +37,7 @@ import numpy as np
 from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.criteria import Criterion, Judged, kept, noticed
+from haptisym.judge.crossings import Criterion, Judged, kept, noticed
 from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, tick
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber, RealNumber, whole

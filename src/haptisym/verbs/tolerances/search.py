@@ -28,7 +28,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from sympy import Expr, Integer, S
 
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.crossings import Criterion
 from haptisym.judge.regions import Diamond, Ellipse, Polygon, Sided
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError, SceneError

@@ -7,8 +7,8 @@ from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
 from haptisym.programs.balls import BallPoint
-from haptisym.programs.closed import closed_program
 from haptisym.programs.program import Program
+from haptisym.programs.stable import closed_program
 from haptisym.programs.values import Values
 
 
