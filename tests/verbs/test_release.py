@@ -20,17 +20,8 @@ import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rootcount import RootChain, Roots
 from haptisym.kernel.symbols import s
-from haptisym.verbs.simulate.release import (
-    Characteristic,
-    Closed,
-    Mode,
-    Release,
-    Rightmost,
-    clocked_root,
-    modes,
-    rightmost_pole,
-    rightmost_root,
-)
+from haptisym.verbs.simulate.release import Closed, Mode, Release, modes
+from haptisym.verbs.simulate.rightmost import Characteristic, Rightmost, clocked_root, rightmost_pole, rightmost_root
 from haptisym.verbs.stability.held import Held
 
 SPRING = hs.environments.mass_spring_damper(k=100)

@@ -27,9 +27,9 @@ from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, effect, environment
 from haptisym.model.parameters import Slot, Stiffness
 from haptisym.model.quantities import Dimension
-from haptisym.verbs.simulate.blocks import rates_and_weights
 from haptisym.verbs.simulate.entry import band_frequencies, motion, run
 from haptisym.verbs.simulate.motions import Recording
+from haptisym.verbs.simulate.network import rates_and_weights
 from haptisym.verbs.simulate.results import Estimate, Simulations
 
 SPRING = environments.mass_spring_damper(k=100)

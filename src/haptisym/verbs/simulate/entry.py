@@ -180,7 +180,7 @@ def _fractional_error(net: Network, omegas: Array) -> float:
     """How far the bank of relaxations is from s^alpha, relatively, at its worst."""
     if not net.fractional:
         return 0.0
-    from haptisym.verbs.simulate.blocks import bank_error
+    from haptisym.verbs.simulate.network import bank_error
 
     return 3 * max(bank_error(alpha, (low, high), omegas) for alpha, low, high in net.fractional)
 

@@ -29,12 +29,23 @@ from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.blocks import Port, build_controller, build_effect, build_environment, float_of
 from haptisym.verbs.simulate.descriptor import Input, Reading, StateSpace
 from haptisym.verbs.simulate.engine import Engine
 from haptisym.verbs.simulate.frictions import join_frictions
 from haptisym.verbs.simulate.motions import Motion, Sines, positive
-from haptisym.verbs.simulate.network import MOTION, Network, SignalSum, Step, Switch, name_of
+from haptisym.verbs.simulate.network import (
+    MOTION,
+    Network,
+    Port,
+    SignalSum,
+    Step,
+    Switch,
+    build_controller,
+    build_effect,
+    build_environment,
+    float_of,
+    name_of,
+)
 from haptisym.verbs.simulate.propagate import Record
 from haptisym.verbs.simulate.results import EncoderQuantisation, Extra
 
@@ -288,7 +299,7 @@ def _check_poles(scene: Scene, engine: Engine) -> None:
     poles = system.poles()
     worst = max(poles, key=lambda p: p.real, default=complex(-inf))
     if is_stable(scene.distortion().perc) is False:
-        from haptisym.verbs.simulate.release import rightmost_pole
+        from haptisym.verbs.simulate.rightmost import rightmost_pole
 
         transcendental = fed_back or bool(engine.net.holds)
         pole = rightmost_pole(scene.distortion().perc) if transcendental else worst
