@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, partial
 from math import factorial
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
-from sympy import Add, Expr, Float, Integer, Poly, Symbol, exp, nan, oo, sqrt
+from sympy import Add, Expr, Float, Integer, Mul, Poly, Rational, Symbol, nan, oo, pi, sqrt
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, quoted
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction, Response, on_axis
-from haptisym.kernel.rings import RationalFunction
+from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.kernel.roots import chart
 from haptisym.kernel.solutions import Solution, solve
 from haptisym.kernel.symbols import c as symbol_c
@@ -24,7 +25,9 @@ from haptisym.model.quantities import Dimension, decimal, number
 
 SQUARE = Symbol("W", positive=True)
 """omega^2, the unknown of a threshold polynomial."""
-_TERMS = 8  # of the series of a delay
+_TERMS = 24  # of the expansions of numerator and denominator
+_SOON = 8  # terms of an expansion
+_FEW = 16  # terms of a coefficient that is taken apart
 
 Frequencies = tuple[Solution, ...] | tuple[RealNumber, ...]
 """Formulas, each with the conditions under which it is in force; or, where all are numbers, certified frequencies."""
@@ -177,48 +180,116 @@ def asymptote(d: Responses, at: Any) -> Asymptote:
     """As of ``Distortion.asymptote``."""
     if at not in (0, oo):
         raise SceneError(f"at: {quoted(at)} is neither 0 nor oo")
-    dynamics = d.difference.expression()
-    if at == oo and any(x.has(s) for x in dynamics.atoms(exp)):
+    if at == oo and _ring(d.difference).lags:
         raise SceneError("at = oo: a delay turns for ever, so that there is no leading term")
-    near, exact = _near_0(dynamics), on_axis(d.difference)
-    ring = Ring.of([near])
-    response = on_axis(ring.convert(near).reduced())
-    parts = [
-        Integer(0) if whole.is_zero else RealFunction(x.function.reduced()).function.expression()
-        for x, whole in ((response.real, exact.raw_real), (response.imag, exact.raw_imag))
-    ]
-    return Asymptote(_leading(near, s, at), *(_leading(x, omega, at) for x in parts))
+    if d.difference.is_zero:
+        return Asymptote(Integer(0), Integer(0), Integer(0))
+    found: list[Expr | None] = [None, None, None]
+    for n, (power, h) in enumerate(_expansion(d.difference, at)):
+        if n == _SOON:  # a part that does not come soon may vanish: asked late, as it takes longer
+            exact = on_axis(d.difference)
+            vanishing = (False, exact.raw_real.is_zero, exact.raw_imag.is_zero)
+            found = [Integer(0) if gone else x for x, gone in zip(found, vanishing, strict=True)]
+        if h != 0:
+            sign = (-1) ** (power // 2)  # of j^power, but for the j of an odd one
+            for place, term in ((0, h * s**power), (1 + power % 2, sign * h * omega**power)):
+                found[place] = term if found[place] is None else found[place]
+        if None not in found:
+            return Asymptote(*found)
+    raise SceneError(f"the leading term is beyond order {_TERMS - 1}, as far as was looked")
 
 
 def low_frequency(perceived: RationalFunction) -> LowFrequency:
     """As of ``Distortion.low_frequency``."""
-    above, below = (Poly(x, s).all_coeffs()[::-1] for x in _near_0(perceived.expression()).together().as_numer_denom())
-    while above[0] == below[0] == 0:
-        above, below = above[1:], below[1:]
-    if below[0] == 0:
-        raise SceneError("H_perc is infinite at rest: it has no stiffness, damping and mass there")
-    found: list[Expr] = []
-    for n, x in enumerate([*above, *[Integer(0)] * 3][:3]):
-        left = x - sum((found[i] * below[n - i] for i in range(n) if n - i < len(below)), Integer(0))
-        found.append((left / below[0]).factor())
-    return LowFrequency(*found)
+    if perceived.is_zero:
+        return LowFrequency(Integer(0), Integer(0), Integer(0))
+    found = {0: Integer(0), 1: Integer(0), 2: Integer(0)}
+    for power, h in _expansion(perceived, 0):
+        if power < 0 and h != 0:
+            raise SceneError("H_perc is infinite at rest: it has no stiffness, damping and mass there")
+        if power > 2:
+            break
+        if power >= 0:
+            found[power] = h
+    return LowFrequency(*found.values())
 
 
-def _near_0(dynamics: Expr) -> Expr:
-    """With delays as sums of powers of s, which hold near 0."""
-    late = [x for x in dynamics.atoms(exp) if x.has(s)]
-    near = dynamics.xreplace({x: Add(*(x.args[0] ** n / factorial(n) for n in range(_TERMS))) for x in late})
-    if not near.is_rational_function(s):
+def _expansion(dynamics: RationalFunction, at: Any) -> Iterator[tuple[int, Expr]]:
+    """Powers of s and their coefficients, from the leading one on: ascending at 0, descending at oo. Exact.
+
+    SceneError for what is not rational in s but for delays.
+    """
+    ring = _ring(dynamics)
+    if ring.orders:
         raise SceneError("there is no leading term of a display that is not rational in s but for delays")
-    return near
+    rows = [_Coefficients(p, ring, at == oo) for p in (dynamics.numerator, dynamics.denominator)]
+    starts = [next((n for n in range(_TERMS) if row(n) != 0), _TERMS) for row in rows]
+    if max(starts) == _TERMS:
+        raise SceneError(f"the leading term is beyond order {_TERMS - 1}, as far as was looked")
+    above, below = (partial(row.from_, n) for row, n in zip(rows, starts, strict=True))
+    degrees = [max(int(e[0]) for e in p.monoms()) for p in (dynamics.numerator, dynamics.denominator)]
+    first = starts[0] - starts[1]
+    divide = _divided if below(0).is_Add else _over_one_term
+    for n, h in enumerate(divide(above, below, ring, _TERMS - max(starts))):
+        yield (first + n if at == 0 else degrees[0] - degrees[1] - first - n), h
 
 
-def _leading(f: Expr, variable: Symbol, at: Any) -> Expr:
-    above, below = (Poly(x, variable) for x in f.together().as_numer_denom())
-    if above.is_zero:
-        return Integer(0)
-    chosen = [(p.LM() if at == oo else p.EM()).exponents[0] for p in (above, below)]
-    if at == 0 and chosen[0] - chosen[1] >= _TERMS - 1:
-        raise SceneError(f"the leading term is beyond order {_TERMS - 2}, as far as a delay was taken apart")
-    ratio = above.coeff_monomial(variable ** chosen[0]) / below.coeff_monomial(variable ** chosen[1])
-    return ratio.factor() * variable ** (chosen[0] - chosen[1])
+_Row: TypeAlias = Callable[[int], Expr]
+
+
+def _over_one_term(above: _Row, below: _Row, _: Ring, count: int) -> Iterator[Expr]:
+    """Of a quotient whose denominator begins with one product, as of a chain of lags: nothing is brought to one fraction."""
+    ratios: list[Expr] = []
+    found: list[Expr] = []
+    for n in range(count):
+        ratios.append((below(n) / below(0)).expand())
+        found.append((above(n) / below(0) - Add(*(h * ratios[n - i] for i, h in enumerate(found)))).expand())
+        yield found[-1].factor() if len(Add.make_args(found[-1])) <= _FEW else found[-1]
+
+
+def _divided(above: _Row, below: _Row, ring: Ring, count: int) -> Iterator[Expr]:
+    into = Ring.of([*ring.symbols, *ring.lags, pi])
+    bottom: list[RationalFunction] = []
+    found: list[RationalFunction] = []
+    for n in range(count):
+        bottom.append(into.convert(below(n)))
+        left = into.convert(above(n))
+        for i, h in enumerate(found):
+            left = left - h * bottom[n - i]
+        found.append((left / bottom[0]).reduced())
+        is_short = len(found[-1].numerator) + len(found[-1].denominator) <= _FEW
+        yield found[-1].factored() if is_short else found[-1].expression()
+
+
+class _Coefficients:
+    """Of s^0, s^1, ... with each delay as its series, or (``down``) of the highest power of s and those below it; expanded."""
+
+    def __init__(self, polynomial: Polynomial, ring: Ring, down: bool) -> None:  # noqa: FBT001
+        self.ring = ring
+        self.by_power: dict[int, list[tuple[list[int], Any]]] = {}
+        highest = max(int(e[0]) for e in polynomial.monoms())
+        for exponents, value in polynomial.to_dict().items():
+            own = [int(x) for x in exponents]
+            self.by_power.setdefault(highest - own[0] if down else own[0], []).append((own, value))
+
+    def from_(self, start: int, n: int) -> Expr:
+        """The n-th from one on."""
+        return self(start + n)
+
+    @cache  # noqa: B019 - as short-lived as the question
+    def __call__(self, n: int) -> Expr:
+        ring, total = self.ring, []
+        for power in (x for x in self.by_power if x <= n):
+            for own, value in self.by_power[power]:
+                lag = Add(*(m * x for x, m in zip(ring.lags, own[ring.size :], strict=False)))
+                if power < n and lag == 0:
+                    continue
+                factors = (x**m for x, m in zip(ring.symbols, own[2 : ring.size], strict=True))
+                late = (-lag) ** (n - power) / factorial(n - power)
+                total.append(Mul(Rational(int(value.p), int(value.q)), pi ** own[1], *factors, late))
+        return Add(*total).expand()
+
+
+def _ring(dynamics: RationalFunction) -> Ring:
+    assert isinstance(dynamics.ring, Ring)
+    return dynamics.ring
