@@ -709,3 +709,40 @@ def test_a_script_of_sympy_makes_the_parts_of_the_distortion(name: str, call: An
     change = complex(known["H_perc"] - known["H_env"])
     assert (complex(known["real"]), complex(known["imag"])) == pytest.approx((change.real, change.imag), rel=1e-13)
     assert float(known["ratio_imag"]) == pytest.approx(abs(change.imag) / abs(complex(known["H_env"])), rel=1e-13)
+
+
+@pytest.mark.parametrize("count", [1, 6, 9])
+def test_holds_one_after_the_other_keep_their_stiffness(count: int) -> None:
+    """(1 - exp(-s T))/(s T) is exp(-s T/2) sinh(s T/2)/(s T/2): 1 - s T/2 + s^2 T^2/6 ..., and that to a power."""
+    T, x = symbols("T x", positive=True)
+    hold = (1 - exp(-x * T)) / (x * T)
+    d = hs.distort(K + B * s, *[hs.effects.zero_order_hold(T)] * count)
+    expected = ((K + B * x) * (hold.series(x, 0, 5).removeO()) ** count).expand()
+    assert [(y - expected.coeff(x, n)).expand() for n, y in enumerate(d.low_frequency)] == [0, 0, 0]
+    assert (d.asymptote().distortion + count * K * T * s / 2).expand() == 0
+
+
+def test_names_that_meet_are_kept_apart_or_refused() -> None:
+    T, c, W, q = symbols("T c W q", positive=True)
+    spring, laplace = K + 0 * Symbol("s"), Symbol("s")
+    steps = hs.distort(spring, 1 / (1 + T * laplace), omega=Symbol("M")).steps("real")
+    plain_ones = hs.distort(spring, 1 / (1 + T * laplace)).steps("real")
+    at = {K: Rational(3), T: Rational(2)}
+    assert steps.at({**at, Symbol("M"): Rational(5)}) == plain_ones.at({**at, omega: Rational(5)})
+    for wrong in (T, laplace):
+        with pytest.raises(hs.SceneError, match="omega"):
+            hs.distort(spring, 1 / (1 + T * laplace), omega=wrong)
+    with pytest.raises(hs.SceneError, match="called c"):
+        hs.distort(spring, 1 / (1 + c * laplace)).crossings("real", q)
+    with pytest.raises(hs.SceneError, match="called W"):
+        hs.distort(spring, 1 / (1 + W * laplace)).threshold_polynomial("real", 0.1)
+    own = Symbol("w", positive=True)
+    [found, *_] = hs.distort(spring, 1 / (1 + T * laplace), omega=own).crossings("imag", q)
+    assert found.equation.has(own)
+    assert not found.equation.has(omega)
+    called = Symbol("sqrt", positive=True)
+    d = hs.distort(called + 2 * laplace, 1 / (1 + T * laplace))
+    assert d.lambdify("ratio_imag")(3.0, 2.0, 5.0) == pytest.approx(
+        float(d.ratio_imag.subs({omega: 3, T: 2, called: 5}))
+    )
+    agree(hs.verify(d, 3))

@@ -552,3 +552,10 @@ def test_free_air_has_a_verdict_about_shaking_and_no_ratio() -> None:
     for ask in (hs.evaluate, hs.metrics):
         with pytest.raises(hs.SceneError, match="nothing to compare with"):
             ask(arms())
+
+
+def test_a_clock_that_holds_nothing_leaves_what_moves_alone() -> None:
+    found = held(
+        hs.Scene(E.mass_spring_damper(k=0), (F.zero_order_hold("10 ms"), F.shunt(m="0.2 kg"))), hs.hands["light-touch"]
+    )
+    assert (found.unstable, found.drifts, found.shakes) == (1, 1, False)

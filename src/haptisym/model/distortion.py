@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from sympy import Abs, Expr, Poly, Rational, Symbol, lambdify, sqrt
+from sympy import Abs, Expr, Poly, Rational, Symbol, im, lambdify, re, sqrt
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import Ring
@@ -54,6 +55,10 @@ def distort(environment: Any, *effects: Any, rendered: Any = None, omega: Symbol
     """
     need("omega", omega, Symbol, "give a symbol, as Symbol('w')")
     elements = _elements(environment, effects, rendered)
+    if omega.name in {s.name, *(x.name for x in _chain_of(*elements).parameters)}:
+        raise SceneError(
+            f'omega: {quoted(omega)} is the name of s or of a parameter: give another symbol, as Symbol("w")'
+        )
     return replace(Distortion.of(_chain_of(*elements)), frequency=omega, elements=elements)
 
 
@@ -244,8 +249,10 @@ class Distortion(Shown):
         found = self.chain.steps.only(names)
         if self.frequency == omega:
             return found
-        pairs = tuple((name, self._told(x)) for name, x in found.definitions)
-        return replace(found, definitions=pairs, results={name: self._told(x) for name, x in found.results.items()})
+        taken = {x for x, _ in found.definitions if x.name == self.frequency.name}
+        put = {omega: self.frequency, **{x: Symbol(f"{x.name}x") for x in taken}}
+        pairs = tuple((put.get(name, name), x.xreplace(put)) for name, x in found.definitions)
+        return replace(found, definitions=pairs, results={name: x.xreplace(put) for name, x in found.results.items()})
 
     @property
     def modulus(self) -> Expr:
@@ -337,12 +344,25 @@ class Distortion(Shown):
         >>> [x.digits(8) for x in own.crossings("real", 0.2)]
         ['10.000000']
         """
-        return solved.crossings(self, solved.part_named(part), solved.threshold(c), band)
+        self._need_names(symbol_c.name)
+        found = solved.crossings(self, solved.part_named(part), solved.threshold(c), band)
+        own: tuple[Solution, ...] | tuple[RealNumber, ...] = self._in_own_frequency(found)
+        return own
+
+    def _need_names(self, *names: str) -> None:
+        """SceneError where a parameter has a name that a threshold or omega^2 has in the answer."""
+        for x in (x for x in self.free_symbols if x.name in names):
+            meaning = "the threshold" if x.name == symbol_c.name else "omega^2"
+            raise SceneError(f"a parameter is called {x}, which stands for {meaning} in the answer: name it otherwise")
+
+    def _in_own_frequency(self, found: Any) -> Any:
+        return tuple(replace(x, equation=self._told(x.equation)) if isinstance(x, Solution) else x for x in found)
 
     @property
     def changeovers(self) -> solved.Changeovers:
         """Where Re H_env and Re H_perc change their sign, each all of them: formulas, or certified numbers, as ``crossings``."""
-        return solved.changeovers(self)
+        found = solved.changeovers(self)
+        return solved.Changeovers(*map(self._in_own_frequency, found))
 
     def threshold_polynomial(self, part: Part | str, c: Any = symbol_c) -> Poly | Expr:
         """What vanishes where a ratio meets a threshold: a polynomial in W = omega^2, or with delays an expression in omega.
@@ -351,6 +371,7 @@ class Distortion(Shown):
         >>> distort(environments.mass_spring_damper(k=1), effects.first_order_lag(1)).threshold_polynomial("imag").all_coeffs()
         [-c**2, 1 - 2*c**2, -c**2]
         """
+        self._need_names(symbol_c.name, "W")
         found = solved.threshold_polynomial(self, solved.part_named(part), solved.threshold(c))
         return found if isinstance(found, Poly) else self._told(found)
 
@@ -388,7 +409,8 @@ class Distortion(Shown):
     def lambdify(self, quantity: str = "ratio_real", modules: Any = "numpy") -> Callable[..., Any]:
         """A plain function of omega and the parameters by name, as of ``sympy.lambdify``: for NumPy, mpmath, JAX or math.
 
-        ``quantity`` : any closed form here, by name. ``compile`` is more accurate, and knows the limits at zeros of H_env.
+        ``quantity`` : any closed form here, by name. A parameter with the name of a function is followed by _ (``sqrt_``).
+        ``compile`` is more accurate, and knows the limits at zeros of H_env.
 
         >>> from haptisym import effects, environments
         >>> distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20)).lambdify("real", "math")(20.0)
@@ -399,7 +421,12 @@ class Distortion(Shown):
             raise SceneError(f"quantity: {quoted(quantity)}: {hint}valid are {', '.join(_QUANTITIES)}")
         form, names = getattr(self, quantity), sorted(self.free_symbols, key=str)
         variable = s if form.has(s) else self.frequency
-        made: Callable[..., Any] = lambdify([variable, *names], form, modules, cse=True)
+        if modules == "math" and form.has(re, im):  # of a complex number, for which there are no functions in math
+            modules = [{"re": lambda z: complex(z).real, "im": lambda z: complex(z).imag, "exp": cmath.exp}, "math"]
+        put = {x: Symbol(f"{x.name}_") for x in names if x.name in _CALLED}  # what is called has that name already
+        made: Callable[..., Any] = lambdify(
+            [variable, *(put.get(x, x) for x in names)], form.xreplace(put), modules, cse=True
+        )
         return made
 
     @property
@@ -421,6 +448,7 @@ class Distortion(Shown):
         return first_changeover(self.perc_response.real)
 
 
+_CALLED = frozenset("Abs I abs acos asin atan atan2 cos exp im pi re sin sqrt tan".split())  # noqa: SIM905
 _QUANTITIES = (
     "real", "imag", "ratio_real", "ratio_imag", "relative_real", "relative_imag", "modulus",
     "environment", "perceived", "distortion",

@@ -17,7 +17,7 @@ from haptisym.writing.code.languages import Language, comment, identifiers
 _FUNCTIONS = frozenset(dir(sympy)) - {"s"}
 _ALWAYS = ("Abs", "I", "Rational", "Symbol", "exp", "pi", "sqrt")  # what a script may call, whatever its names
 _ASSUMED = ("positive", "nonnegative", "real")
-_FACTORED = 400  # operations of the steps up to which H_perc is multiplied out
+_FACTORED = 400  # operations of H_perc up to which it is written in lowest terms
 
 
 class _Printer(StrPrinter):  # type: ignore[misc]
@@ -25,6 +25,9 @@ class _Printer(StrPrinter):  # type: ignore[misc]
 
     def _print_Rational(self, x: Expr) -> str:
         return str(x.p) if x.q == 1 else f"Rational({x.p}, {x.q})"
+
+    def _print_Abs(self, x: Expr) -> str:
+        return f"Abs({self._print(x.args[0])}, evaluate=False)"  # or SymPy multiplies out what stands in it
 
 
 def script(d: Derivation) -> str:
@@ -42,7 +45,12 @@ def script(d: Derivation) -> str:
 
 def _lines(d: Derivation) -> Iterator[str]:
     steps = d.steps.only(DISTORTION)
-    dynamics = {"H_env": d["H_env"], **({"H_perc": d["H_perc"]} if steps.operations <= _FACTORED else {})}
+    perceived = d["H_perc"]
+    if perceived.count_ops() > _FACTORED:  # as the chain builds it
+        perceived = d.chain.rendered
+        for a, b, c, e in d.chain.matrices:
+            perceived = (a * perceived + b) / (c * perceived + e)
+    dynamics = {"H_env": d["H_env"], "H_perc": perceived}
     own = sorted(steps.free_symbols - {omega} | d.distortion.free_symbols, key=str)
     every = [omega, s, *own, *(x for x, _ in steps.definitions)]
     called = {f.func.__name__ for _, value in steps.definitions for f in value.atoms(Function)}

@@ -181,9 +181,13 @@ class _Ways:
     @cached_property
     def _steps(self) -> Callable[..., Any]:
         found = self.d.steps(*DISTORTION)
-        results = [found.results[name] for name in DISTORTION]
         arguments = [self.d.frequency, *self._symbols]
-        made: Callable[..., Any] = lambdify(arguments, results, "mpmath", cse=lambda _: (found.definitions, results))
+        put = _plainly([*arguments, *(x for x, _ in found.definitions)])
+        results = [found.results[name].xreplace(put) for name in DISTORTION]
+        steps = [(put[x], value.xreplace(put)) for x, value in found.definitions]
+        made: Callable[..., Any] = lambdify(
+            [put[x] for x in arguments], results, "mpmath", cse=lambda _: (steps, results)
+        )
         return made
 
     def _balls(self, omega: Rational, values: Mapping[Symbol, Rational]) -> dict[str, Any]:
@@ -208,5 +212,15 @@ def _without_noise(z: Any) -> Any:
 
 def _made(arguments: list[Symbol], forms: Any) -> Callable[..., Any]:
     """A function of mpmath; numbers in the forms stay exact."""
-    made: Callable[..., Any] = lambdify(arguments, forms, "mpmath")
+    put = _plainly(arguments)
+
+    def own(form: Any) -> Any:
+        return [own(x) for x in form] if isinstance(form, list | tuple) else form.xreplace(put)
+
+    made: Callable[..., Any] = lambdify([put[x] for x in arguments], own(forms), "mpmath")
     return made
+
+
+def _plainly(symbols: list[Symbol]) -> dict[Symbol, Symbol]:
+    """Names that no function has."""
+    return {x: Symbol(f"p{n}", positive=x.is_positive) for n, x in enumerate(symbols)}

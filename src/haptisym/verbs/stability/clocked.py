@@ -104,7 +104,10 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
         for effect in before:
             a, b, c, d = map(ring.convert, effect.matrix)
             H = ((a * H + b) / (c * H + d)).reduced()
-        G, hidden = seen_by_the_clock(G * H)
+        if H.is_zero:  # the clock holds nothing, and what moves has its own modes alone
+            above = (Integer(0),)
+        else:
+            G, hidden = seen_by_the_clock(G * H)
     return SampledLoop(plant_of(G, ring), clock.parameters[0].value, above, below, hidden)
 
 
