@@ -154,7 +154,8 @@ def held(scene: Scene, hand: Hand) -> Held:
 def drifts(scene: Scene, hand: Hand) -> int | None:
     """How many roots lie at s = 0 (z = 1) as nothing holds the handle in place; None where that is not decided.
 
-    Those that stay there when every number that is not 0 is another one: a spring that a negative one happens to cancel is none.
+    Those that are there, exactly, at the given numbers and again where every number that is not 0 is another one, so that a
+    spring that a negative one happens to cancel is none. One other set is asked, which is no proof for all values.
     """
     try:
         here = _at_rest(scene, hand)
