@@ -82,7 +82,7 @@ ax = felt.plot()
 # %% [markdown]
 # ## What is the formula?
 #
-# `haptisym derive trainer.toml`, and `--to latex`, `mathml`, `c`, `julia`, ... One formula of it in Python:
+# `haptisym derive trainer.toml`, and `--to latex`, `mathml`, `c`, ... One formula of it in Python:
 
 # %%
 trainer.symbolic_distortion().perceived
@@ -257,7 +257,7 @@ hs.cost(trainer, quick=True).summary
 # %% [markdown]
 # ## A function for my own program
 #
-# `haptisym derive trainer.toml --to numpy` (or `c`, `julia`, `octave`, `javascript`) writes code that needs nothing of
+# `haptisym derive trainer.toml --to numpy` (or `c`, `octave`, `javascript`) writes code that needs nothing of
 # haptisym; `compile` gives a function of NumPy.
 
 # %%

@@ -175,14 +175,14 @@ print(text)
 print(hs.mathml(d.environment))
 
 # %% [markdown]
-# The closed forms as a function in C, Julia, JavaScript, Octave and MATLAB, or NumPy, which needs nothing of
+# The closed forms as a function in C, JavaScript, Octave and MATLAB, or NumPy, which needs nothing of
 # haptisym:
 
 # %%
 from haptisym.writing.code.entry import Language, scene_code
 
-code = scene_code(paper, Language.JULIA, parameters=["omega_n"])
-assert "function distortion(omega::Real, omega_n::Real)" in code
+code = scene_code(paper, Language.C, parameters=["omega_n"])
+assert "void distortion(double omega, double omega_n, distortion_values *values)" in code
 print(code)
 
 # %% [markdown]

@@ -65,7 +65,6 @@ _EXTRAS = {
     "dask": "sweep",
     "zarr": "sweep",
     "numba": "fast",
-    "pyuff": "uff",
     "psignifit": "psychophysics",
 }
 """Packages that only some verbs need, and the extra of each."""

@@ -12,7 +12,6 @@ from collections.abc import Iterable, Sequence
 from functools import reduce
 from importlib import import_module
 from operator import mul
-from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeAlias
 
@@ -28,7 +27,6 @@ from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.measured import Measurement
 from haptisym.model.quantities import Dimension, decimal, in_laplace, quantity
-from haptisym.model.responsefile import write_uff
 
 System: TypeAlias = Any
 """A dynamics in some form: see ``dynamics``."""
@@ -120,12 +118,6 @@ def to_frd(response: Measurement) -> Any:
     installed.
     """
     return _package("control", "python-control").frd(response.H, response.omega)
-
-
-def to_uff(response: Measurement, path: str | Path) -> Path:
-    """Write a response to a universal file (UFF58) by pyuff: twelve digits of H and coherence, six of each frequency in Hz."""
-    _package("pyuff", "pyuff")
-    return write_uff(response, path)
 
 
 # --- in --------------------------------------------------------------------------------------------------------------

@@ -441,7 +441,7 @@ def test_the_latex_of_a_page_compiles(name: str, call: Any, tmp_path: Path) -> N
     check_layout(compiled(rf"{head}\begin{{document}}{body}\end{{document}}", tmp_path))
 
 
-@pytest.mark.parametrize("language", ["numpy", "c", "octave", "julia", "javascript"])
+@pytest.mark.parametrize("language", ["numpy", "c", "octave", "javascript"])
 def test_code_keeps_the_parameters_that_are_asked_for(language: str, call: Any) -> None:
     out = call("derive", "fu2019", "--to", language, "--keep", "omega_n")[1]
     assert "omega_n" in out

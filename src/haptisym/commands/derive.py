@@ -24,9 +24,9 @@ from haptisym.model.scene import Scene
 if TYPE_CHECKING:
     from haptisym.verbs.derive.derivation import Derivation
 
-_CODE = ("numpy", "python", "c", "octave", "julia", "javascript")
+_CODE = ("numpy", "python", "c", "octave", "javascript")
 _OUTPUTS = ("text", "latex", "mathml", "json", "sympy", *_CODE)
-_MEANT = {"matlab": "MATLAB runs --to octave"}
+_MEANT = {"matlab": "MATLAB runs --to octave", "julia": "for Julia: --to c, which ccall runs"}
 
 
 class _Language(click.Choice[str]):

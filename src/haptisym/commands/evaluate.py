@@ -54,9 +54,7 @@ from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
 @click.option("--regions", is_flag=True, help="Compare with square, disc and diamond of the JND's half widths.")
 @click.option("--proportion", metavar="P", help="Convert the JND to that proportion of right answers, as 0.84.")
 @figures_option
-@file_option(
-    "response", "Write the exact response, sampled on the band, as a file that [perceived] reads: CSV, or UFF58 (.uff)."
-)
+@file_option("response", "Write the exact response, sampled on the band, as a CSV file that [perceived] reads.")
 @click.option(
     "--points", type=click.IntRange(2, 1_000_000), default=200, show_default=True, help="Lines of --response."
 )

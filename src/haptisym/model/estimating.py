@@ -1,8 +1,7 @@
-"""A frequency response from records in time, and whether the records are those of a linear display.
+"""A frequency response from records in time: SciPy's spectra, the estimators H1, H2 and joint input-output, and their discs.
 
-Are records of motion and force those of a linear display? Its force does not follow the cube of what the response predicts.
-
-A frequency response from records in time: SciPy's spectra, the estimators H1, H2 and joint input-output, their discs.
+Beside it stands whether the records are those of a linear display, whose force does not follow the cube of what the response
+predicts (``cube``).
 """
 
 from __future__ import annotations
@@ -16,9 +15,8 @@ from sympy import pi
 
 from haptisym.kernel.errors import SceneError, meant
 from haptisym.kernel.reals import whole
-from haptisym.model.measured import CONFIDENCE, Complexes, Measurement, Reals, one_row
+from haptisym.model.measured import CONFIDENCE, Complexes, Estimator, Measurement, Reals, Welch, one_row
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
-from haptisym.model.welch import Estimator, Welch
 
 _COHERENT = 0.5
 """Coherence of lines by which the force is predicted."""

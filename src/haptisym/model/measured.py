@@ -1,16 +1,17 @@
-"""A frequency response that was measured: its lines, their discs, and a bound on its slope.
+"""A frequency response that was measured: lines at frequencies, and the disc around each in which the truth lies.
 
-A bound on how fast a response changes with the frequency: stated by whoever measured it, and tested by nothing.
-
-A frequency response that was measured: lines at frequencies, and the disc around each in which the truth lies.
+A disc comes from coherence and averages (``disc_radius``), from a radius that is given, or from nothing. How the response was
+estimated, where it comes from records in time, stands beside it (``Welch``), and so does a bound on its slope between the lines
+(``Slope``), which whoever measured it states, and nothing tests.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from enum import Enum
 from functools import cached_property
-from math import isfinite
+from math import erfc, isfinite, sqrt
 from numbers import Real
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -21,7 +22,6 @@ from numpy.typing import ArrayLike, NDArray
 from haptisym.kernel.errors import SceneError, quoted
 from haptisym.kernel.shown import Shown, counted
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
-from haptisym.model.welch import Welch
 
 _WAYS = 'give |dH/domega| with its unit, as in "40 N*s/m" or "250 N/m/Hz", or as a share of |H|, as in "20 ms"'
 _UP = 1 + 2e-15  # more than some roundings
@@ -136,6 +136,64 @@ def _spread(averages: ArrayLike, confidence: float) -> Any:
     return np.expm1(-np.log1p(-confidence) / (np.asarray(averages, dtype=float) - 1))
 
 
+class Estimator(Enum):
+    """What a response is estimated by.
+
+    H1: the cross spectrum of motion and force over that of motion; H2: the spectrum of force over the cross spectrum of force and
+    motion; joint: the cross spectrum of a reference with force over that with motion.
+    """
+
+    H1 = "H1"
+    H2 = "H2"
+    JOINT = "joint"
+
+
+@dataclass(frozen=True)
+class Welch:
+    """How spectra were estimated.
+
+    ``rate`` : samples a second. ``length``, ``shift`` : samples of a segment, and from one to the next. ``averages`` : of how
+    many independent segments the mean has the variance. ``every`` : which lines are kept. ``cube`` : by how many standard errors
+    the force follows the cube of what the response predicts, below 0 where it stays behind; None where that is not asked.
+    """
+
+    estimator: Estimator
+    samples: int
+    rate: float
+    window: str
+    length: int
+    shift: int
+    segments: int
+    averages: float
+    every: int
+    cube: float | None = None
+
+    @property
+    def cube_chance(self) -> float | None:
+        """Of so many standard errors or more, either way, where the display is linear."""
+        return None if self.cube is None else erfc(abs(self.cube) / sqrt(2))
+
+    @property
+    def words(self) -> str:
+        """All settings in a sentence."""
+        kept = "every line" if self.every == 1 else f"one line of {self.every}"
+        overlap = f"{100 * (1 - self.shift / self.length):.3g} %"
+        return (
+            f"{self.estimator.value} by Welch's method: {self.samples} samples at {self.rate:.6g} Hz, {self.segments} "
+            f"segments of {self.length} samples ({self.length / self.rate:.4g} s), window {self.window}, overlap "
+            f"{overlap}, mean taken off; as good as {self.averages:.4g} independent averages; {kept}"
+        )
+
+    def row(self) -> dict[str, Any]:
+        """As documents have it."""
+        return {
+            "estimator": self.estimator.value, "samples": self.samples, "rate_hz": self.rate, "window": self.window,
+            "segment": self.length, "shift": self.shift, "segments": self.segments, "averages": self.averages,
+            "every": self.every, "cube": self.cube,
+            "cube_probability": self.cube_chance,
+        }  # fmt: skip
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Measurement(Shown):
     """A measured frequency response H: force per position, N/m or N m/rad. Valid by construction.
@@ -176,7 +234,7 @@ class Measurement(Shown):
         if not len(self.omega):
             raise SceneError("there are no lines in it")
         check_certainty(self.coherence is not None, self.radius is not None, self.averages, self.confidence)
-        check_lines(self, lambda i: f"line {i + 1}")
+        check_lines(self.omega, self.H, self.coherence, self.radius, lambda i: f"line {i + 1}")
         if self.coherence is not None and (self.coherence > 1).any():  # by a rounding, or it would have been refused
             object.__setattr__(self, "coherence", np.minimum(self.coherence, 1.0))
         if self.slope is not None and not isinstance(self.slope, Slope):
@@ -261,22 +319,22 @@ _ROUNDING = 2.0**-40
 """How far above 1 a coherence may lie: it is a quotient of sums, and floats round."""
 
 
-def check_lines(m: Measurement, place: Named) -> None:
+def check_lines(omega: Reals, H: Complexes, coherence: Reals | None, radius: Reals | None, place: Named) -> None:
     """SceneError, with the place of the first one, for lines that cannot be: not finite, or not in rising order."""
     rules: list[tuple[str, Any, Callable[[Any], Any], str]] = [
-        ("omega", m.omega, lambda x: np.isfinite(x) & (x >= 0), "must be a finite frequency, 0 or above"),
-        ("H", m.H, np.isfinite, "must be finite"),
-        ("coherence", m.coherence, lambda x: (x >= 0) & (x <= 1 + _ROUNDING), "must lie from 0 to 1"),
-        ("radius", m.radius, lambda x: x >= 0, "must be 0 or above"),
+        ("omega", omega, lambda x: np.isfinite(x) & (x >= 0), "must be a finite frequency, 0 or above"),
+        ("H", H, np.isfinite, "must be finite"),
+        ("coherence", coherence, lambda x: (x >= 0) & (x <= 1 + _ROUNDING), "must lie from 0 to 1"),
+        ("radius", radius, lambda x: x >= 0, "must be 0 or above"),
     ]
     for key, row, rule, words in rules:
         if row is not None and not (right := rule(row)).all():
             first = int(np.argmin(right))
             raise SceneError(f"{place(first)}: {key}: {row[first]:.6g} {words}")
-    rising = np.diff(m.omega) > 0
+    rising = np.diff(omega) > 0
     if not rising.all():
         i = int(np.argmin(rising)) + 1
-        low, high = m.omega[i - 1], m.omega[i]
+        low, high = omega[i - 1], omega[i]
         what = (
             "is there twice: one line for each frequency" if low == high else f"comes after {low:.10g}: sort the lines"
         )

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import whole
 from haptisym.model.measured import CONFIDENCE, Measurement, one_row
-from haptisym.model.responsefile import read_file, shown_hertz, write_uff
+from haptisym.model.responsefile import read_file, refuse_universal
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 
@@ -89,12 +89,6 @@ def sampled(scene: Scene | str | Path, omega: ArrayLike | None = None, *, points
 
 
 def write_sampled(scene: Scene, path: Path, points: int) -> Path:
-    """The exact response of a scene in a file, as its name ends: .uff or .unv (UFF58), else CSV.
-
-    In a universal file a frequency has six digits: there H is sampled at those.
-    """
-    exact = sampled(scene, points=points)
-    if path.suffix.lower() not in (".uff", ".unv"):
-        return exact.to_csv(path)
-    at = np.unique(2 * np.pi * shown_hertz(exact.omega / (2 * np.pi)))
-    return write_uff(sampled(scene, at), path)
+    """The exact response of a scene in a CSV file."""
+    refuse_universal(path)
+    return sampled(scene, points=points).to_csv(path)

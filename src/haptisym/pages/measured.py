@@ -20,9 +20,8 @@ from haptisym.judge.percepts import NOT_NAMED, felt_words
 from haptisym.kernel.shown import counted
 from haptisym.kernel.symbols import s
 from haptisym.model.jnd import Part
-from haptisym.model.measured import Measurement, Slope, coherence_for
+from haptisym.model.measured import Measurement, Slope, Welch, coherence_for
 from haptisym.model.quantities import unit_text
-from haptisym.model.welch import Welch
 from haptisym.pages.late import drawing
 from haptisym.pages.words import OMEGA, PART_NAMES, RATIOS, limits, page_about, rounded, stiffness_unit
 from haptisym.verbs.measured.entry import Between, MeasuredEvaluation, Share, Stretches

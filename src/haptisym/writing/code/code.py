@@ -1,8 +1,6 @@
-"""Code of a program: one function in NumPy, C, Octave and MATLAB, Julia and JavaScript.
+"""Code in NumPy, C, Octave and MATLAB, or JavaScript: one function that computes a program, without haptisym.
 
-The steps of a program as expressions in a language: numbers as the nearest doubles, no more brackets than are needed.
-
-Code in NumPy, C, Octave and MATLAB, Julia and JavaScript: one function that computes a program, without haptisym.
+The steps of the program become expressions: numbers are the nearest doubles, and there are no more brackets than are needed.
 """
 
 from __future__ import annotations
@@ -49,7 +47,6 @@ DIALECTS: Mapping[Language, Dialect] = {
     Language.NUMPY: Dialect("{}**{}", "np.", pi="np.pi"),
     Language.C: Dialect("pow({}, {})", absolute="fabs", whole=False),
     Language.OCTAVE: Dialect("{}.^{}", times=".*", over="./"),
-    Language.JULIA: Dialect("{}^{}", whole=False),
     Language.JAVASCRIPT: Dialect("Math.pow({}, {})", "Math.", pi="Math.PI"),
 }
 
@@ -106,7 +103,6 @@ class CodeReader(Reader[CodePiece]):
     'np.pi - 0.3333333333333333*np.sqrt(a)*(a - b)'
     'pi - 0.3333333333333333*sqrt(a)*(a - b)'
     'pi - 0.3333333333333333.*sqrt(a).*(a - b)'
-    'pi - 0.3333333333333333*sqrt(a)*(a - b)'
     'Math.PI - 0.3333333333333333*Math.sqrt(a)*(a - b)'
     """
 
@@ -233,10 +229,9 @@ class Source:
         """The text of one function that computes the program, self-contained, documented in the language's own style.
 
         ``arguments`` are all that the program needs, in the order of the call. NumPy, Octave and MATLAB functions take and
-        return arrays (broadcast, shape kept, constants included); Julia's is called with a dot for arrays; C fills a
-        struct of doubles, its declarations first, in an include guard; JavaScript returns an object.
-        Numbers are the doubles nearest to the exact ones. A name that the language does not allow is changed, and the
-        documentation says so. Raises SceneError for a missing or doubled argument, and for a name that cannot be a function's.
+        return arrays (broadcast, shape kept, constants included); C fills a struct of doubles,
+        its declarations first, in an include guard; JavaScript returns an object. Numbers are the doubles nearest to the exact
+        ones. A name that the language does not allow is changed, and the documentation says so. Raises SceneError for a missing or doubled argument, and for a name that cannot be a function's.
 
         >>> from haptisym.programs.program import Writer
         >>> k = Argument(Symbol("k"), "N/m", "stiffness", "> 0")

@@ -1,8 +1,6 @@
-"""How a routine is laid out in each language, and the names that each allows.
+"""The languages that code is written in: the names that each allows, and how each lays a routine out.
 
-The languages that code is written in, the names that each allows, and text that is safe in its comments.
-
-How a routine is laid out in each language: its documentation in that language's own style, then its statements.
+A routine is its documentation, in that language's own style and safe in its comments, and then its statements.
 """
 
 from __future__ import annotations
@@ -27,7 +25,6 @@ class Language(Enum):
     NUMPY = "py"
     C = "c"
     OCTAVE = "m"
-    JULIA = "jl"
     JAVASCRIPT = "js"
 
     @classmethod
@@ -38,7 +35,8 @@ class Language(Enum):
             return given
         if isinstance(given, str) and given.lower() in known:
             return known[given.lower()]
-        raise SceneError(f"language: {quoted(given)} is none of {', '.join(known)}")
+        way = "; for Julia take c, which it calls by ccall, or numpy" if str(given).lower() in ("julia", "jl") else ""
+        raise SceneError(f"language: {quoted(given)} is none of {', '.join(known)}{way}")
 
 
 def _words(text: str) -> frozenset[str]:
@@ -66,12 +64,6 @@ RESERVED: Mapping[Language, frozenset[str]] = {
         "function global if methods otherwise parfor persistent properties return spmd switch try until unwind_protect "
         "unwind_protect_cleanup while arguments import i j I J e Inf NaN NA eps ans inf nan true false ones zeros size zero "
         "values nargin nargout"
-    ),
-    Language.JULIA: _FUNCTIONS
-    | _words(
-        "abstract baremodule begin break catch const continue do else elseif end export false finally for function global "
-        "if import in isa let local macro module mutable new outer primitive public quote return struct true try type using "
-        "where while im Inf NaN float iszero one zero"
     ),
     Language.JAVASCRIPT: _FUNCTIONS
     | _words(
@@ -280,42 +272,6 @@ def _octave(r: Routine) -> Iterable[str]:
         yield from ("  y(other) = sin(x(other))./x(other) - 1;", "end")
 
 
-def _julia(r: Routine) -> Iterable[str]:
-    yield from _paragraphs(r, "# ")
-    yield ""
-    if name := r.helpers.get("sinc"):
-        yield from (f"# {_SINC}", f"{name}(x) = iszero(x) ? one(x) : sin(x)/x", "")
-    if name := r.helpers.get("sincm1"):
-        yield from (
-            f"# {_SINCM1}",
-            f"function {name}(x)",
-            f"    abs(x) > {SMALL} && return sin(x)/x - 1",
-            "    y = zero(x)",
-        )
-        yield from (
-            f"    for n in {LAST}:-2:3",
-            "        y = -x*x/(n*(n - 1))*(1 + y)",
-            "    end",
-            "    return y",
-            "end",
-            "",
-        )
-    yield from ('"""', f"    {r.name}({r.listed})", "", r.heading.replace("$", "\\$"), "")
-    yield f"For arrays, call `{r.name}.({r.listed})`."
-    yield from ("", "# Arguments", *(f"- `{x.name}`: {x.words}".replace("$", "\\$") for x in r.arguments), "")
-    yield from (
-        "# Returns",
-        "A named tuple:",
-        *(f"- `{x.name}`: {x.words}".replace("$", "\\$") for x in r.results),
-        '"""',
-    )
-    yield from _wrapped(f"function {r.name}({', '.join(f'{x.name}::Real' for x in r.arguments)})", "    ")
-    yield from (f"    {x.name} = float({x.name})" for x in r.arguments)
-    yield from _statements(r.definitions, "    {} = {}", "    ", "({})")
-    yield "    return ("
-    yield from (*_statements(r.values, "        {} = {},", "        ", "({})"), "    )", "end")
-
-
 def _javascript(r: Routine) -> Iterable[str]:
     values = f"{r.name[0].upper()}{r.name[1:]}Values"
     yield from ("/*", *_paragraphs(r, " * "), " */", "")
@@ -349,7 +305,6 @@ _LAYOUTS: Mapping[Language, Callable[[Routine], Iterable[str]]] = {
     Language.NUMPY: _numpy,
     Language.C: _c,
     Language.OCTAVE: _octave,
-    Language.JULIA: _julia,
     Language.JAVASCRIPT: _javascript,
 }
 
