@@ -20,7 +20,7 @@ from timing import machine
 
 import haptisym as hs
 from haptisym.verbs.sweep.axes import axes
-from haptisym.verbs.sweep.bernstein import Array
+from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.passes import Kernel, exact_answers
 
 PAPER = hs.load_scene("fu2019")

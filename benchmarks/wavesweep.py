@@ -17,7 +17,7 @@ from timing import machine
 
 import haptisym as hs
 from haptisym.verbs.sweep.axes import axes
-from haptisym.verbs.sweep.bernstein import Array
+from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.passes import Kernel, exact_answers
 from haptisym.verbs.sweep.waves import ulp_errors
 

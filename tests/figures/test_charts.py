@@ -36,7 +36,7 @@ from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.hardcosts import HardCosts
 from haptisym.verbs.cost.measurement import HardRow, Measurement
 from haptisym.verbs.jnd.tables import Answers, Row
-from haptisym.verbs.sweep.told import UNKNOWN
+from haptisym.verbs.sweep.axes import UNKNOWN
 
 DAMPED = hs.Scene(mass_spring_damper(k=100), (shunt(b=2),), (0, 15), "0.1")
 """r_r is 0 and r_i is b ω/k: transparent for 15 b <= k/10."""

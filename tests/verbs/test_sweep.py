@@ -19,7 +19,7 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
-from flint import arb, fmpq, fmpq_poly
+from flint import arb
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from jnds import jnds
@@ -31,27 +31,24 @@ from sympy import Integer, Rational, Symbol, pi, sympify
 
 import haptisym as hs
 from haptisym.kernel.errors import UndecidedError
-from haptisym.verbs.sweep.axes import axes, spaced
-from haptisym.verbs.sweep.bernstein import (
+from haptisym.verbs.sweep.axes import INFINITE, axes, spaced
+from haptisym.verbs.sweep.batch import (
     MOST_TERMS,
     Batch,
-    Family,
     Monomial,
     Powers,
+    coefficients,
     count_right,
     error,
-    isolate,
     monomial,
     nearest,
-    refine,
     within_reach,
 )
-from haptisym.verbs.sweep.bernstein import product as multiplied
 from haptisym.verbs.sweep.blocks import SweepGrid, compute
 from haptisym.verbs.sweep.curves import FamilyLattice, SignedProduct
 from haptisym.verbs.sweep.entry import Swept
 from haptisym.verbs.sweep.passes import Band, Found, changes
-from haptisym.verbs.sweep.told import INFINITE
+from haptisym.verbs.sweep.waves import Family, Variables
 
 PAPER = hs.load_scene("fu2019")
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"
@@ -149,7 +146,7 @@ CASES: dict[str, tuple[hs.Scene, dict[str, list[float]], list[int] | int | None]
     "an environment that vanishes at its resonance": (
         hs.Scene(hs.environments.mass_spring_damper(m=1, b=0, k=100), (hs.effects.shunt(b=1),), (0, 20)),
         {"environment.b": [0.0, 1.0]},
-        [1, 0],
+        0,
     ),
     "numbers beyond any device": (PAPER, {MASS: [1e-200, 1.0]}, [1, 0]),
     "a display that changes nothing": (
@@ -331,7 +328,7 @@ def test_random_regions_are_left_as_often_as_their_evaluations_say(
 
 
 LOW, NEAR = 0.5, 0.01
-NAMES = {name: Family((Monomial(i, 1.0, 0.0, ()),)) for i, name in enumerate("pqr")}
+NAMES = {name: Family((Monomial(0, 1.0, 0.0, ()),), Variables((), ()), ((i,),)) for i, name in enumerate("pqr")}
 """Functions that are told apart; where they vanish is given."""
 
 
@@ -504,221 +501,7 @@ def test_a_leading_coefficient_that_is_perhaps_0_proves_nothing() -> None:
     assert count_right(Batch(p, np.ones_like(p), 1))[1].tolist() == [False, True]
 
 
-# --- polynomials in floats -------------------------------------------------------------------------------------------
-
-EDGES = (0.0, 0.3, 0.55, 1.0)
-
-
-def batch(*polynomials: list[float], dtype: type = np.float64) -> Batch:
-    """Polynomials whose coefficients are exactly these floats."""
-    values = np.array(polynomials, dtype=dtype).T
-    return Batch(values, abs(values), 0)
-
-
-def zeros_of(coefficients: list[Any]) -> list[float]:
-    """All real zeros between 0 and 1, from FLINT's certified complex roots of the exact polynomial."""
-    exact = fmpq_poly([fmpq(*Fraction(x).as_integer_ratio()) for x in coefficients])
-    return sorted(float(z.real) for z, _ in exact.complex_roots() if z.imag == 0 and 0 < z.real < 1)
-
-
-def from_roots(*roots: float) -> list[float]:
-    return np.polynomial.polynomial.polyfromroots(roots).tolist()
-
-
-def random_polynomials(count: int, degree: int) -> list[list[float]]:
-    """Half of them with all zeros near the band, so that there is something to count."""
-    rng = np.random.default_rng(degree)
-    wild = rng.integers(-9, 10, (count, degree + 1)).astype(float)
-    wild[:, -1] = wild[:, -1] + (wild[:, -1] == 0)
-    return [*wild.tolist(), *(from_roots(*rng.uniform(-0.2, 1.2, degree)) for _ in range(count))]
-
-
-@pytest.mark.parametrize("degree", [1, 2, 3, 6, 9])
-def test_every_decided_count_is_the_exact_one_and_zeros_are_as_accurate_as_promised(degree: int) -> None:
-    polynomials = random_polynomials(40, degree)
-    p = batch(*polynomials)
-    found = isolate(p, EDGES)
-    x, proven = refine(p.of(found.sets), found.low, found.high, 1e-12)
-    for i in np.flatnonzero(found.decided):
-        exact, mine = zeros_of(polynomials[i]), np.flatnonzero(found.sets == i)
-        assert len(mine) == len(exact)
-        assert found.first[i] == np.sign(polynomials[i][0])
-        for j, z in zip(mine, exact, strict=True):
-            assert found.low[j] < z < found.high[j]
-            assert not proven[j] or abs(x[j] - z) <= 1.0001e-12 * z
-    assert (~found.decided).sum() < 0.15 * len(polynomials)  # a zero at an end, a double one, a cluster
-    assert degree > 3 or proven.mean() > 0.75  # clusters are too sensitive
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_what_is_decided_holds_for_every_polynomial_within_the_error(seed: int) -> None:
-    """With coefficients known to some percent."""
-    rng, degree = np.random.default_rng(seed), 2 + seed
-    values = np.array(random_polynomials(30, degree)).T
-    sizes = abs(values) * 10.0 ** rng.uniform(4, 6.5, values.shape[1]) + 1e-3
-    p = Batch(values, sizes, 10**8)
-    found = isolate(p, EDGES)
-    decided = np.flatnonzero(found.decided)
-    assert 5 < len(decided) < values.shape[1]
-    for i in decided:
-        for _ in range(3):
-            off = rng.choice([-1, 1], degree + 1) * error(sizes[:, i], 10**8) / 1.001
-            other = (values[:, i] + off).tolist()
-            assert len(zeros_of(other)) == (found.sets == i).sum()
-            assert np.sign(other[0]) == found.first[i]
-            assert all(a < x < b for x, a, b in zip(zeros_of(other), found.low[found.sets == i], found.high[found.sets == i], strict=True))  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("polynomials", "edges", "doubtful", "decided", "counted"),
-    [
-        # double, and a little lower or higher
-        ([[0.25, -1.0, 1.0], [0.25 - 1e-9, -1.0, 1.0], [0.25 + 1e-9, -1.0, 1.0]], (0.0, 0.7, 1.0), False, [0, 1, 1], [1, 1]),
-        # a zero at an end of the band, or where two segments meet
-        ([[0.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [-0.3, 1.0, 0.0], [0.5, -1.5, 1.0]], EDGES, False, [0, 0, 0, 0], []),
-        # a zero, or two, on a first segment that holds the low end somewhere
-        ([[-0.1, 1.0], [-0.6, 1.0]], (0.0, 0.2, 1.0), True, [0, 1], [1]),
-        (
-            [from_roots(0.05, 0.07, 0.6), from_roots(0.5, 0.6, 0.7), from_roots(0.05, 0.5, 0.6), from_roots(0.3, 0.9, 1.2)],
-            (0.0, 0.1, 0.4, 1.0), True, [0, 1, 0, 1], [1, 1, 1, 3, 3],
-        ),
-        # what is no number
-        ([[np.nan, 1.0], [np.inf, -np.inf], [1.0, 1.0]], EDGES, False, [0, 0, 1], []),
-    ],
-)  # fmt: skip
-def test_what_cannot_be_told_is_not_decided(
-    polynomials: list[list[float]], edges: tuple[float, ...], doubtful: bool, decided: list[int], counted: list[int]  # noqa: FBT001
-) -> None:  # fmt: skip
-    found = isolate(batch(*polynomials), edges, first_is_doubt=doubtful)
-    assert found.decided.astype(int).tolist() == decided
-    assert found.sets.tolist() == counted
-
-
-@pytest.mark.parametrize("edges", [EDGES, (0.0, 1.0), (0.0, 0.015, 0.95, 1.0)])
-def test_zeros_that_only_cutting_sets_apart_are_in_order_and_alone(edges: tuple[float, ...]) -> None:
-    """Three and more in one segment, some of them close; the sets between them have none, so that numbers are not mixed up."""
-    roots = [(0.31, 0.33, 0.5), (0.6, 0.61, 0.62, 0.9), (), (0.02, 0.021, 0.2), (0.7,)]
-    signs, degree = [1, -1, 1, -1, 1], max(map(len, roots))
-    rows = [[s * c for c in from_roots(*r)] + [0.0] * (degree - len(r)) for r, s in zip(roots, signs, strict=True)]
-    found = isolate(batch(*rows), edges)
-    assert found.decided.all()
-    assert found.sets.tolist() == [i for i, r in enumerate(roots) for _ in r]
-    assert all(a < x < b for a, x, b in zip(found.low, [x for r in roots for x in r], found.high, strict=True))
-    assert found.first.tolist() == [s * (-1) ** len(r) for s, r in zip(signs, roots, strict=True)]
-    second = np.flatnonzero(found.sets == 1)
-    assert all(found.high[i] <= found.low[j] for i, j in pairwise(second))
-
-
-@pytest.mark.parametrize("turn", [1, -1])
-def test_the_sign_at_the_low_end_is_known_where_only_a_short_segment_shows_it(turn: int) -> None:
-    """1e-14 - x^3: positive at 0 and up to 2e-5; two zeros more beside each other in the upper half."""
-    p = np.polynomial.Polynomial([turn * 1e-14, 0, 0, -turn]) * np.polynomial.Polynomial(from_roots(0.8, 0.82))
-    own = batch(p.coef.tolist())
-    found = isolate(own, (0.0, 0.5, 1.0))
-    assert (found.decided.tolist(), found.first.tolist(), found.sets.tolist()) == ([True], [turn], [0, 0, 0])
-    x, proven = refine(own.of(found.sets), found.low, found.high, 1e-10)
-    assert proven.all()
-    assert x.tolist() == pytest.approx([1e-14 ** (1 / 3), 0.8, 0.82], rel=1e-9)
-
-
-def test_zeros_well_apart_are_all_proven_and_found_to_the_last_digits() -> None:
-    rng = np.random.default_rng(4)
-    roots = (np.arange(5)[:, None] + rng.uniform(0.2, 0.8, (5, 60))) / 5  # one in each fifth of the band
-    rows = [from_roots(*column) for column in roots.T]
-    for dtype, accuracy in ((np.float64, 1e-10), (np.longdouble, 1e-12)):
-        p = batch(*rows, dtype=dtype)
-        found = isolate(p, (0.0, 0.2, 0.4, 0.6, 0.8, 1.0))
-        assert found.decided.all()
-        x, proven = refine(p.of(found.sets), found.low, found.high, accuracy)
-        assert (x.dtype, bool(proven.all())) == (dtype, True)
-        exact = np.array([z for row in rows[:12] for z in zeros_of(row)])
-        assert (abs(x[:60] / exact - 1) <= 1e-12).all()
-    assert not refine(batch(*rows).of(found.sets), found.low, found.high, 1e-17)[1].any()  # finer than floats are
-
-
-@pytest.mark.parametrize(
-    ("polynomial", "low", "high", "tolerance", "root"),
-    [
-        # twins a thousandth beside an end, with a tolerance of a hundredth: the other one must not disturb the signs
-        (from_roots(0.4995, 0.5005), 0.0, 0.5, 0.01, 0.4995),
-        (from_roots(0.4995, 0.5005), 0.5, 1.0, 0.01, 0.5005),
-        # flat around the middle, where Newton's steps leave the band
-        ((np.polynomial.Polynomial(from_roots(0.3, 0.3, 0.3)) + 1e-3).coef.tolist(), 0.0, 1.0, 1e-6, 0.2),
-        ((np.polynomial.Polynomial(from_roots(0.3)) + 1e-3).coef.tolist(), 0.0, 1.0, 1e-6, 0.299),
-        # from the middle of the band each step takes off a quarter, eighty of them
-        ([-1e-40, 0.0, 0.0, 0.0, 1.0], 0.0, 1.0, 1e-10, 1e-10),
-    ],
-)
-@pytest.mark.parametrize("turn", [1, -1])
-def test_a_zero_is_found_in_its_bracket_where_slopes_mislead(
-    polynomial: list[float], low: float, high: float, tolerance: float, root: float, turn: int
-) -> None:
-    x, proven = refine(batch([turn * c for c in polynomial]), np.array([low]), np.array([high]), tolerance)
-    assert proven.all()
-    assert x[0] == pytest.approx(root, rel=1e-6)
-
-
-def test_what_is_no_number_or_has_no_zero_is_never_proven() -> None:
-    p = batch([np.nan, 1.0, 1.0], [1.0, 0.0, 1.0], [0.0, 0.0, 0.0], [np.inf, -1.0, 0.0], [1.0, -1e-300, 0.0])
-    assert not refine(p, np.full(5, 0.1), np.full(5, 0.9), 1e-3)[1].any()
-
-
 # --- their errors ----------------------------------------------------------------------------------------------------
-
-
-def times(a: list[Fraction], b: list[Fraction]) -> list[Fraction]:
-    found = [Fraction(0)] * (len(a) + len(b) - 1)
-    for (i, x), (j, y) in product(enumerate(a), enumerate(b)):
-        found[i + j] += x * y
-    return found
-
-
-def less(a: list[Fraction], b: list[Fraction]) -> list[Fraction]:
-    rows = max(len(a), len(b))
-    padded = [[*x, *[Fraction(0)] * (rows - len(x))] for x in (a, b)]
-    return [x - y for x, y in zip(*padded, strict=True)]
-
-
-@pytest.mark.parametrize("dtype", [np.float64, np.longdouble])
-@pytest.mark.parametrize("degrees", [(0, 3), (4, 1), (2, 2)])
-def test_products_and_differences_lie_within_their_bound(dtype: type, degrees: tuple[int, int]) -> None:
-    rng = np.random.default_rng(sum(degrees))
-    a, b = ((rng.uniform(-1, 1, (n + 1, 20)) * 10.0 ** rng.integers(-9, 9, (n + 1, 20))).astype(dtype) for n in degrees)
-    x, y = Batch(a, abs(a), 0), Batch(b, abs(b), 0)
-    for i in range(20):
-        p, q = ([Fraction(*c.as_integer_ratio()) for c in rows[:, i]] for rows in (a, b))
-        p2q, sizes = times(times(p, q), p), times(times([*map(abs, p)], [*map(abs, q)]), [*map(abs, p)])
-        for found, exact in ((x * y, times(p, q)), (y - x, less(q, p)), (multiplied([x, y, x]), p2q)):
-            bound = error(found.sizes[:, i], found.roundings)
-            for value, truth, limit in zip(found.values[:, i], exact, bound, strict=True):
-                assert abs(Fraction(*value.as_integer_ratio()) - truth) <= Fraction(*limit.as_integer_ratio())
-        for size, true in zip(multiplied([x, y, x]).sizes[:, i], sizes, strict=True):
-            assert abs(Fraction(*size.as_integer_ratio()) / true - 1) < Fraction(1, 10**12)
-
-
-class Way:
-    """A number that knows only through how many roundings it went, along the longest way."""
-
-    def __init__(self, roundings: int) -> None:
-        self.roundings = roundings
-
-    def __add__(self, other: Any) -> Way:
-        return Way(max(self.roundings, other.roundings) + 1) if isinstance(other, Way) else self
-
-    def __mul__(self, other: Way) -> Way:
-        return Way(self.roundings + other.roundings + 1)
-
-    __radd__ = __sub__ = __rsub__ = __add__
-
-
-@pytest.mark.parametrize("first", [(0, 1), (1, 7), (3, 0), (6, 4)])
-@pytest.mark.parametrize("second", [(0, 0), (1, 2), (4, 9)])
-def test_no_coefficient_is_rounded_more_often_than_is_counted(first: tuple[int, int], second: tuple[int, int]) -> None:
-    """Samples rarely come near to a bound that is proven; so a number that counts is put in a float's place."""
-    rows = [(np.array([[Way(n)]] * (degree + 1), dtype=object), n) for degree, n in (first, second)]
-    a, b = (Batch(values, values, n) for values, n in rows)
-    for found in (a * b, b * a, a * b * a, a - b, b - a):
-        assert max(x.roundings for x in found.values.ravel()) == found.roundings
 
 
 @pytest.mark.parametrize("dtype", [np.float64, np.longdouble])
@@ -729,18 +512,19 @@ def test_a_bound_is_that_of_so_many_roundings_and_a_constant_is_rounded_once(dty
         gamma = roundings * u / (1 - roundings * u) * Fraction(size)
         assert gamma <= Fraction(*found.as_integer_ratio()) <= Fraction(1002, 1000) * gamma
     for x in (Fraction(1, 3), Fraction(-22, 7), Fraction(10**30, 7**20), Fraction(5, 2)):
-        found = nearest(x, dtype)
+        with flint.ctx.workprec(300):
+            found = nearest(arb(x.numerator) / x.denominator, dtype)
         assert type(found) is dtype
         assert abs(Fraction(*found.as_integer_ratio()) - x) <= u * abs(x)
 
 
-def drawn(pick: Random) -> tuple[list[Family], np.ndarray]:
-    """Families of few terms whose constants are powers of two, small ones, large ones or usual, and sets of two such parameters."""
+def drawn(pick: Random) -> tuple[list[list[Monomial]], np.ndarray]:
+    """Sums of few terms whose constants are powers of two, small ones, large ones or usual, and sets of two such parameters."""
     most, families = pick.choice([40, 500, 700]), []
     for _ in range(pick.randint(1, 2)):
         spread = [2.0 ** pick.randint(-most // 2, most) for _ in range(pick.randint(1, 3))]
         rows = [x if pick.random() < 0.6 else 1 / x for x in spread]
-        families.append(Family(tuple(Monomial(pick.randint(0, 3), x, 0.0, (pick.randint(0, 3), pick.randint(0, 3))) for x in rows)))  # fmt: skip
+        families.append([Monomial(pick.randint(0, 3), x, 0.0, (pick.randint(0, 3), pick.randint(0, 3))) for x in rows])
     reach = pick.choice([3, 45, 300])
     values = [[pick.choice([0.0, *[2.0 ** pick.randint(-reach, reach)] * 5]) for _ in range(4)] for _ in range(2)]
     return families, np.array(values)
@@ -757,18 +541,18 @@ def test_within_reach_no_product_leaves_the_floats_and_coefficients_lie_within_t
     for _ in range(20):
         families, values = drawn(pick)
         for i in np.flatnonzero(within_reach(values, [families])):
-            for terms in product(*(f.terms for f in families)):
+            for terms in product(*families):
                 value = prod((value_of(t, values[:, i]) for t in terms), start=Fraction(1))
                 assert value == 0 or Fraction(1, 2**1000) <= value <= 2**1000
         usual = ((values == 0) | (np.abs(np.log2(np.where(values, values, 1.0))) < 45)).all(axis=0)
-        if all(abs(log2(t.constant)) < 200 for f in families for t in f.terms):
+        if all(abs(log2(t.constant)) < 200 for terms in families for t in terms):
             assert within_reach(values, [families])[usual].all()
         values = values * np.array([[1.1], [1 / 3]])  # no powers of two
         with np.errstate(all="ignore"):
-            found = families[0].at(Powers(values))
+            found = coefficients(families[0], 4, Powers(values))
         for i in np.flatnonzero(within_reach(values, [[families[0]]])):
-            for power in range(families[0].degree + 1):
-                exact = sum(value_of(t, values[:, i]) for t in families[0].terms if t.power == power)
+            for power in range(4):
+                exact = sum(value_of(t, values[:, i]) for t in families[0] if t.power == power)
                 size = Fraction(float(found.sizes[power, i]))
                 off = abs(Fraction(float(found.values[power, i])) - exact)
                 assert off <= found.roundings * u * size * Fraction(1001, 1000)
@@ -787,7 +571,7 @@ def test_a_constant_is_read_only_where_128_bits_of_it_are_known() -> None:
 
 
 @pytest.mark.parametrize("step", [1, 2])
-def test_segments_of_a_band_begin_with_the_doubles_around_its_low_end_and_ascend_to_1(step: int) -> None:
+def test_a_band_begins_with_the_doubles_around_its_low_end(step: int) -> None:
     """However near its ends are: also where only few doubles lie between them, or none."""
     for low in (0, 1, "1/3", 7, "99/10", *(10 - Rational(10) ** -n for n in (3, 8, 13, 15, 16, 17, 30)), pi, "5"):
         band, share = Band.of(sympify(low), Integer(10), step), (sympify(low) / 10) ** step
@@ -795,14 +579,6 @@ def test_segments_of_a_band_begin_with_the_doubles_around_its_low_end_and_ascend
         assert bool(first <= share <= last)
         assert band.doubtful is bool(first < last) is not bool(share == first)
         assert not band.doubtful or last == Rational(float(np.nextafter(float(first), 2)))
-        for segments in (1, 2, 7, 64):
-            edges = band.edges(segments, step)
-            assert (edges[0], edges[-1]) == (band.ends[0], 1.0)
-            assert all(a < b for a, b in pairwise(edges[:-1]))
-            assert edges[-2] < 1 or band.ends[-1] == 1
-            if float(share) < 0.98:
-                places = np.array(edges[len(band.ends) - 1 :]) ** (1 / step)
-                assert np.diff(places) == pytest.approx((1 - places[0]) / segments, rel=1e-9)
 
 
 # --- blocks and files ------------------------------------------------------------------------------------------------

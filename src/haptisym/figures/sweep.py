@@ -44,8 +44,8 @@ from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
 from haptisym.verbs.require.designmap import DesignMap, design_map
 from haptisym.verbs.require.entry import is_quick
+from haptisym.verbs.sweep.axes import HELD, UNKNOWN
 from haptisym.verbs.sweep.entry import Swept
-from haptisym.verbs.sweep.told import HELD, UNKNOWN
 
 if TYPE_CHECKING:
     import xarray as xr

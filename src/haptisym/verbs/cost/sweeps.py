@@ -30,9 +30,9 @@ from haptisym.verbs.simulate.entry import STEP, band_frequencies, default_amplit
 from haptisym.verbs.simulate.motions import Sines, multisine
 from haptisym.verbs.simulate.network import name_of
 from haptisym.verbs.simulate.run import Run, lock, period_of
-from haptisym.verbs.sweep.bernstein import Array
+from haptisym.verbs.sweep.axes import OPEN
+from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.passes import AnswerRow, Kernel, exact_answers
-from haptisym.verbs.sweep.told import OPEN
 
 _POINTS = 1 << 16
 """Of all grids of a block of sets, so that they stay near the processor."""

@@ -1,26 +1,34 @@
-"""What a sweep asks of a scene: polynomials, or families of functions, with the swept parameters left symbolic.
+"""What a sweep asks of a scene: functions of omega whose zeros answer it, with the swept parameters left symbolic.
 
-The polynomials whose zeros answer a sweep, with the swept parameters left symbolic and all other numbers in place.
+All other numbers are in place. A criterion is a difference of two products of functions, or, for a JND region, the largest of
+the smallest of products (``kernel.lattices``), each of which keeps its sign between the zeros of its factors.
 
-A criterion is one polynomial, or, for a JND region, the largest of the smallest of functions (``kernel.lattices``), each a
-product of polynomials that keep their signs between their zeros.
+On x = (omega/(high end of the band))^step each function is a ``Family`` (``waves``). The step is 2 where all are polynomials
+in omega^2. With delays, holds and powers s^alpha it is 1, and forms are read in half angles: with angles a each is a
+polynomial in x, cos(a/2), sin(a/2)/omega and x^alpha.
 
-What a sweep asks of a scene with delays, holds or powers s^alpha: the families of functions whose zeros answer it.
+r^2 = A/B in lowest terms is not negative for any real values of its variables, the tangents and powers among them. So no
+factor of A or B of odd multiplicity changes its sign, and along any frequency A and B have zeros of even order only: where B
+vanishes, A - c^2 B has no simple zero, and nothing need be known of B.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from functools import cached_property
+from typing import Any, TypeAlias
 
-from sympy import Expr, Integer, Symbol
+import flint
+from flint import arb
+from sympy import Expr, Integer, S, Symbol
 
 from haptisym.judge.crossings import Criterion, noticed
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.lattices import Lattice, Signed
 from haptisym.kernel.polynomials import Level
+from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.kernel.symbols import omega
@@ -28,8 +36,8 @@ from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
-from haptisym.verbs.sweep.bernstein import Family, Monomial, family
-from haptisym.verbs.sweep.waves import WaveFamily, WaveReader, is_readable, is_trusted
+from haptisym.verbs.sweep.batch import BITS, Monomial, monomial
+from haptisym.verbs.sweep.waves import Exponents, Family, Variables, is_trusted
 
 FamilyProduct: TypeAlias = tuple[Family, ...]
 _Factors: TypeAlias = list[tuple[Polynomial, int]]
@@ -45,7 +53,7 @@ class ThresholdPolynomial:
 
 @dataclass(frozen=True)
 class SignedProduct:
-    """A function as the signs that make its own: ``sign`` times those of polynomials. ``begins_at_0``: it is 0 at omega = 0."""
+    """A function as the signs that make its own: ``sign`` times those of factors. ``begins_at_0``: it is 0 at omega = 0."""
 
     sign: int
     factors: tuple[Family, ...]
@@ -60,12 +68,12 @@ class FamilyLattice:
 
     @property
     def factors(self) -> tuple[Family, ...]:
-        """Each polynomial once."""
+        """Each function once."""
         return tuple(dict.fromkeys(f for term in self.terms for x in term for f in x.factors))
 
     @property
     def sign(self) -> int:
-        """Its sign where there are no polynomials in it."""
+        """Its sign where there are no functions in it."""
         return 1 if any(all(x.sign > 0 for x in term) for term in self.terms) else -1
 
 
@@ -74,17 +82,18 @@ Excess: TypeAlias = ThresholdPolynomial | FamilyLattice
 
 @dataclass(frozen=True)
 class Curves:
-    """What is asked of a scene, as polynomials in (omega/scale)^step, or in that and waves (``waves``) with step 1.
+    """What is asked of a scene, as functions of (omega/scale)^step.
 
     ``excess`` : by the name of the criterion. ``changeovers``: of the environment and as perceived, a product whose zeros are the
-    changeovers, None if there can be none.
-    ``definite``: what must not vanish on the band, or the zeros of the others are not the answer (poles, double zeros).
+    changeovers, None if there can be none. ``definite``: what must not vanish on the band, or the zeros of the others are not the
+    answer (poles, double zeros). ``has_waves`` : whether there are delays, holds or powers s^alpha.
     """
 
     step: int
     excess: Mapping[str, Excess | None]
     changeovers: tuple[FamilyProduct | None, FamilyProduct | None]
     definite: tuple[Family, ...]
+    has_waves: bool
 
     @property
     def products(self) -> Iterator[FamilyProduct]:
@@ -98,16 +107,37 @@ class Curves:
         yield from ((x,) for x in self.definite)
 
 
-def sweep_curves(scene: Scene, swept: Sequence[Knob]) -> Curves | None:
-    """The curves of a scene; None where they are no polynomials (delays, powers s^alpha), or not for all of the sweep."""
-    asked = closed_forms(scene, swept)
-    if asked is None or any(f.axis.functions for f in asked.functions):
+def curves_of(scene: Scene, swept: Sequence[Knob]) -> Curves | None:
+    """The curves of a scene; None where it has none, a limit is not rational, or sines are needed and not to be trusted here.
+
+    A power s^alpha needs a number for alpha, a delay a number times powers of parameters.
+    """
+    asked = _closed_forms(scene, swept)
+    if asked is None:
         return None
-    return Reader(scene, swept, asked).curves()
+    functions = asked.functions
+    has_waves = any(f.axis.functions for f in functions)
+    if has_waves and not (is_trusted() and _is_readable(functions)):
+        return None
+    try:
+        return _Curves(scene, swept, asked, has_waves=has_waves).read()
+    except HaptisymError:
+        return None  # a constant of which too few digits are known
+
+
+def _is_readable(functions: Sequence[RealFunction]) -> bool:
+    """Whether every power of s is a number, and every delay a number times powers of parameters."""
+    ring, axis = functions[0].half_angled.ring, functions[0].axis
+    rates = [ring.convert(x).reduced() for x in axis.lags]
+    return (
+        len({f.half_angled.ring.meanings for f in functions}) == 1
+        and all(x.is_number for x in axis.orders)
+        and all(len(f.numerator) == 1 and f.denominator.is_constant() for f in rates)
+    )
 
 
 @dataclass(frozen=True)
-class ClosedForms:
+class _ClosedForms:
     """What is judged, whose zeros are the changeovers, and the squares that must not vanish for there to be dynamics."""
 
     measures: Mapping[Criterion, Signed]
@@ -121,12 +151,12 @@ class ClosedForms:
         return [*self.turning, *self.present, *own]
 
 
-def closed_forms(scene: Scene, swept: Sequence[Knob]) -> ClosedForms | None:
+def _closed_forms(scene: Scene, swept: Sequence[Knob]) -> _ClosedForms | None:
     """Those of a scene; None where there are no dynamics, a delay needs a number, or a limit is not rational."""
     given = {x.symbol for x in swept}
     chain = scene.chain.at({p.symbol: p.value for p in scene.parameters if p.symbol not in given})
     try:
-        d = Distortion.of(chain, Ring.of([*chain.entries(), *LIMITS.values()]))
+        d = Distortion.of(chain, Ring.of([*chain.entries(), *_LIMITS.values()]))
         measures = {x: _measure(x, d) for x in (_opened(x, swept) for x in noticed(scene.threshold))}
     except HaptisymError:
         return None
@@ -134,16 +164,16 @@ def closed_forms(scene: Scene, swept: Sequence[Knob]) -> ClosedForms | None:
         return None
     turning = tuple(part_of(r, Part.REAL) for r in (d.env_response, d.perc_response))
     # where there is a real part its changeovers tell that there are dynamics
-    return ClosedForms(measures, turning, () if any(not x.is_zero for x in turning) else (d.squared_modulus,))
+    return _ClosedForms(measures, turning, () if any(not x.is_zero for x in turning) else (d.squared_modulus,))
 
 
-LIMITS = {part: Symbol(f"c_{part.value}", positive=True) for part in Part}
+_LIMITS = {part: Symbol(f"c_{part.value}", positive=True) for part in Part}
 """The symbols of swept limits of regions; a variable that does not occur costs nothing."""
 
 
 def _opened(x: Criterion, swept: Sequence[Knob]) -> Criterion:
     """With symbols for the limits of a region that are swept; of a part alone they come in as numbers."""
-    limits = {part: LIMITS[knob.parts[0]] for knob in swept for part in knob.parts}
+    limits = {part: _LIMITS[knob.parts[0]] for knob in swept for part in knob.parts}
     if x.region:
         return replace(x, region=x.region.opened(limits)) if limits else x
     return replace(x, threshold=Integer(1)) if x.part in limits else x
@@ -158,36 +188,30 @@ def _functions(x: Signed) -> Iterator[RealFunction | Level]:
     yield from ((f for term in x.terms for f in term) if isinstance(x, Lattice) else (x,))
 
 
-class Reader:
+class _Curves:
     """Reads the families off the exact closed forms."""
 
-    needs_bounded_ratios = True
-    """Whether the denominators of r^2 must not vanish for the zeros found to be crossings."""
-
-    def __init__(self, scene: Scene, swept: Sequence[Knob], asked: ClosedForms) -> None:
-        self.scene, self.swept, self.measures, self.turning = scene, swept, asked.measures, asked.turning
-        self.present = asked.present
-        self.symbols = [LIMITS[x.parts[0]] if x.parts else x.symbol for x in swept]
-        self.step = self._step([self._form(f) for f in asked.functions])
+    def __init__(self, scene: Scene, swept: Sequence[Knob], asked: _ClosedForms, *, has_waves: bool) -> None:
+        self.scene, self.swept, self.asked, self.has_waves = scene, swept, asked, has_waves
+        forms = [f.half_angled for f in asked.functions]
+        polynomials = [p for f in forms for p in (f.numerator, f.denominator)]
+        is_even = not has_waves and all(int(e[0]) % 2 == 0 for p in polynomials for e in p.monoms())
+        self.step = 2 if is_even else 1
+        symbols = [_LIMITS[x.parts[0]] if x.parts else x.symbol for x in swept]
+        self.reader = FamilyReader(symbols, scene.band[1], self.step, asked.turning[0] if has_waves else None)
         self.definite: list[Family] = []
 
-    def _step(self, forms: Sequence[RationalFunction]) -> int:
-        polynomials = [p for f in forms for p in (f.numerator, f.denominator)]
-        return 2 if all(int(e[0]) % 2 == 0 for p in polynomials for e in p.monoms()) else 1
-
-    def _form(self, f: RealFunction) -> RationalFunction:
-        """The quotient of polynomials that is read."""
-        return f.function
-
-    def curves(self) -> Curves | None:
+    def read(self) -> Curves | None:
         """What is judged, as functions of the swept numbers; None where floats cannot tell them."""
-        excess = {x.name: self._judged(f, x) for x, f in self.measures.items()}
-        environment, perceived = map(self._changeover, self.turning)
-        for form in map(self._form, self.present):
+        excess = {x.name: self._judged(f, x) for x, f in self.asked.measures.items()}
+        environment, perceived = map(self._changeover, self.asked.turning)
+        for form in (f.half_angled for f in self.asked.present):
             self.definite += self._all_but_zero(form.ring, (g for g, _ in form.ring.factors(form.numerator)[1]))
-        if self.step == 1 and self.scene.band[0] == 0 and any(map(_odd_at_zero, map(self._form, self.turning))):
+        turning = (f.half_angled for f in self.asked.turning)
+        if self.step == 1 and self.scene.band[0] == 0 and any(map(_odd_at_zero, turning)):
             return None  # a function that is odd in omega changes its sign at 0 itself
-        return Curves(self.step, excess, (environment, perceived), tuple(dict.fromkeys(self.definite)))
+        definite = tuple(dict.fromkeys(self.definite))
+        return Curves(self.step, excess, (environment, perceived), definite, self.has_waves)
 
     def _judged(self, measure: Signed, criterion: Criterion) -> Excess | None:
         if isinstance(measure, RealFunction) and not criterion.region and not criterion.threshold.has(omega):
@@ -198,43 +222,37 @@ class Reader:
         return FamilyLattice(found) if found else None  # where a function is 0 everywhere its term is nowhere positive
 
     def _signs(self, f: RealFunction) -> SignedProduct:
-        form = self._form(f)
+        form = f.half_angled
         ring = form.ring
         (unit, above), (lower, below) = (ring.factors(p) for p in (form.numerator, form.denominator))
         even = [g for g, n in above if n % 2 == 0]
         self.definite += self._all_but_zero(ring, [*(g for g, _ in below), *even])
         odd = [g for g, n in (*above, *below) if n % 2 and not self._is_trivial(ring, g)]
-        factors = tuple(self._family(ring, g, Integer(1)) for g in odd)
+        factors = tuple(self.reader.family(ring, g) for g in odd)
         is_0 = self.scene.band[0] == 0 and any(self._is_0_at_0(ring, g) for g, _ in above)
         return SignedProduct(1 if unit * lower > 0 else -1, factors, is_0)
 
     def _excess(self, f: RealFunction, criterion: Criterion) -> ThresholdPolynomial | None:
         if f.is_zero:
             return None
-        form = self._form(f)
+        form = f.half_angled
         ring = form.ring
         (unit, above), (lower, below) = (ring.factors(p) for p in (form.numerator, form.denominator))
-        self.definite += self._all_but_zero(ring, (g for g, _ in below if self.needs_bounded_ratios))
         column = next((i for i, x in enumerate(self.swept) if criterion.depends_on(x.parts)), None)
-        if column is None:
-            return ThresholdPolynomial(
-                self._product(ring, above, unit), self._product(ring, below, lower * criterion.limit)
-            )
-        square = self._constant(Monomial(0, 1.0, 0.0, tuple(2 * (i == column) for i in range(len(self.swept)))))
-        return ThresholdPolynomial(self._product(ring, above, unit), (square, *self._product(ring, below, lower)))
-
-    def _constant(self, value: Monomial) -> Family:
-        """Of degree 0."""
-        return Family((value,))
+        limit = lower * criterion.limit if column is None else lower
+        product = self._product(ring, below, limit)
+        if column is not None:
+            square = Monomial(0, 1.0, 0.0, tuple(2 * (i == column) for i in range(len(self.swept))))
+            product = (self.reader.constant(square), *product)
+        return ThresholdPolynomial(self._product(ring, above, unit), product)
 
     def _changeover(self, f: RealFunction) -> FamilyProduct | None:
         """Zeros of odd order; a zero at omega = 0 of an even function is no change of sign."""
         if f.is_zero:
             return None
-        form = self._form(f)
+        form = f.half_angled
         ring = form.ring
-        _, above = ring.factors(form.numerator)
-        _, below = ring.factors(form.denominator)
+        (_, above), (_, below) = (ring.factors(p) for p in (form.numerator, form.denominator))
         even = [g for g, n in above if n % 2 == 0]
         self.definite += self._all_but_zero(ring, [*(g for g, _ in below), *even])
         odd = [(g, 1) for g, n in above if n % 2 and not self._is_0_at_0(ring, g)]
@@ -243,22 +261,19 @@ class Reader:
     def _product(self, ring: PolynomialRing, factors: _Factors, unit: Expr) -> FamilyProduct:
         """The families of a product, the unit in the first."""
         powers = [(g**n, 1) if g == ring.variable else (g, n) for g, n in factors] or [(ring.constant(1), 1)]
-        numbers = [unit] + [Integer(1)] * sum(n for _, n in powers)
         listed = [g for g, n in powers for _ in range(n)]
-        return tuple(self._family(ring, g, number) for g, number in zip(listed, numbers, strict=False))
+        return tuple(self.reader.family(ring, g, Integer(1) if i else unit) for i, g in enumerate(listed))
 
     def _all_but_zero(self, ring: PolynomialRing, factors: Iterable[Polynomial]) -> list[Family]:
-        return [self._family(ring, g, Integer(1)) for g in factors if not self._is_trivial(ring, g)]
+        return [self.reader.family(ring, g) for g in factors if not self._is_trivial(ring, g)]
 
     def _is_trivial(self, ring: PolynomialRing, factor: Polynomial) -> bool:
         return bool(factor.is_constant()) or self._is_0_at_0(ring, factor)
 
     def _is_0_at_0(self, ring: PolynomialRing, factor: Polynomial) -> bool:
         """Whether a factor vanishes at omega = 0, and nowhere else."""
-        return bool(factor == ring.variable)
-
-    def _family(self, ring: PolynomialRing, polynomial: Polynomial, number: Expr) -> Family:
-        return family(ring, polynomial, self.symbols, self.scene.band[1], self.step, number)
+        powers = ring.context.gens()[ring.size : ring.size + len(self.reader.orders)]
+        return any(factor == x for x in [ring.variable, *powers])
 
 
 def _odd_at_zero(f: RationalFunction) -> bool:
@@ -267,49 +282,77 @@ def _odd_at_zero(f: RationalFunction) -> bool:
     return sum(powers) % 2 == 1
 
 
-def wave_curves(scene: Scene, swept: Sequence[Knob]) -> Curves | None:
-    """The curves of a scene; None where they are not made of such functions, or sines are not to be trusted here.
+class FamilyReader:
+    """Reads polynomials of a ring, the ``parameters`` being the only symbols in them, as families on (omega/scale)^step.
 
-    A power s^alpha needs a number for alpha, a delay a number times powers of parameters.
-    """
-    asked = closed_forms(scene, swept)
-    if asked is None or not is_trusted():
-        return None
-    functions = asked.functions
-    if len({f.half_angled.ring.meanings for f in functions}) > 1 or not is_readable(functions[0]):
-        return None
-    try:
-        return _Reader(scene, swept, asked).curves()
-    except HaptisymError:
-        return None  # a constant of which too few digits are known
-
-
-class _Reader(Reader):
-    """Reads half-angled forms.
-
-    r^2 = A/B in lowest terms is not negative for any real values of its variables, the tangents and powers among them. So
-    no factor of A or B of odd multiplicity changes its sign, and along any frequency A and B have zeros of even order only:
-    where B vanishes, A - c^2 B has no simple zero, and nothing need be known of B (``needs_bounded_ratios``).
+    ``function`` : one whose axis has the angles and powers that are variables of the ring; None where there are none.
     """
 
-    needs_bounded_ratios = False
+    def __init__(
+        self, parameters: Sequence[Symbol], scale: Expr, step: int = 1, function: RealFunction | None = None
+    ) -> None:
+        self.parameters, self.scale, self.step = tuple(parameters), scale, step
+        self.orders, self.angles = (function.axis.orders, function.axis.angles) if function else ((), ())
+        self.ring = function.half_angled.ring if function else None
 
-    def __init__(self, scene: Scene, swept: Sequence[Knob], asked: ClosedForms) -> None:
-        super().__init__(scene, swept, asked)
-        self._waves = WaveReader(self.turning[0], self.symbols, scene.band[1])
+    def constant(self, value: Monomial) -> Family:
+        """Of degree 0 in all variables."""
+        return Family((value,), self._variables, ((0,) * (1 + self._variables.waves),))
 
-    def _step(self, forms: Sequence[RationalFunction]) -> int:
-        return 1
+    def family(self, ring: PolynomialRing, polynomial: Polynomial, factor: Expr = S.One) -> Family:
+        """``factor``, a number, times a polynomial."""
+        known = {x: i for i, x in enumerate(ring.meanings)}
+        columns = [known.get(x) for x in self.parameters]
+        with flint.ctx.workprec(BITS):
+            unit, found = expression_ball(factor), dict[tuple[Exponents, Exponents], arb]()
+            for given, coefficient in polynomial.to_dict().items():
+                row, exponents, ball = self._term([int(n) for n in given], columns, ring.size)
+                key = row, exponents
+                found[key] = found.get(key, arb(0)) + ball * arb(coefficient) * unit
+            rows = sorted({row for row, _ in found})
+            place = {row: i for i, row in enumerate(rows)}
+            terms = sorted((place[row], exponents, ball) for (row, exponents), ball in found.items() if ball != 0)
+            return Family(tuple(monomial(*term) for term in terms), self._variables, tuple(rows))
 
-    def _form(self, f: RealFunction) -> RationalFunction:
-        return f.half_angled
+    def _term(
+        self, given: Sequence[int], columns: Sequence[int | None], start: int
+    ) -> tuple[Exponents, Exponents, Any]:
+        """The row that a monomial belongs to, its exponents of the parameters, and its constant."""
+        assert not given[0] % self.step
+        scale = expression_ball(self.scale)
+        exponents = [given[i] if i is not None else 0 for i in columns]
+        ball = arb.pi() ** given[1] * scale ** given[0]
+        powers, waves = given[start : start + len(self.orders)], given[start + len(self.orders) :]
+        for order, n in zip(self.orders, powers, strict=True):
+            ball *= (scale.log() * expression_ball(order)).exp() ** n
+        turning: list[int] = []
+        for angle, c, s in zip(self.angles, waves[::2], waves[1::2], strict=True):
+            if angle.constant:
+                half = expression_ball(angle.rate) / 2
+                ball *= half.cos() ** c * half.sin() ** s
+                continue
+            constant, own = self._half_rate(angle.rate)
+            ball *= constant**s
+            exponents = [n + s * m for n, m in zip(exponents, own, strict=True)]
+            turning += [c, s]
+        return (given[0] // self.step, *turning, *powers), tuple(exponents), ball
 
-    def _family(self, ring: PolynomialRing, polynomial: Polynomial, number: Expr) -> WaveFamily:
-        return self._waves.family(polynomial, number)
+    def _half_rate(self, rate: Expr) -> tuple[Any, Exponents]:
+        """Half of a rate as a number times powers of the parameters."""
+        assert self.ring
+        known = {x: i for i, x in enumerate(self.ring.meanings)}
+        f = self.ring.convert(rate).reduced()
+        [(given, coefficient)] = f.numerator.to_dict().items()
+        ball = arb(coefficient) / arb(f.denominator.leading_coefficient()) * arb.pi() ** int(given[1]) / 2
+        return ball, tuple(int(given[known[x]]) if x in known else 0 for x in self.parameters)
 
-    def _constant(self, value: Monomial) -> Family:
-        return self._waves.constant(value)
-
-    def _is_0_at_0(self, ring: PolynomialRing, factor: Polynomial) -> bool:
-        powers = ring.context.gens()[ring.size : ring.size + len(self._waves.orders)]
-        return any(factor == x for x in [ring.variable, *powers])
+    @cached_property
+    def _variables(self) -> Variables:
+        rates = []
+        with flint.ctx.workprec(BITS):
+            scale = expression_ball(self.scale)
+            for angle in self.angles:
+                if not angle.constant:
+                    ball, exponents = self._half_rate(angle.rate)
+                    rates.append(monomial(0, exponents, ball * scale))
+        return Variables(tuple(rates), tuple(float(x) for x in self.orders))

@@ -1,8 +1,6 @@
-"""Sweeps over design spaces: the question, and the answer in short.
+"""Sweeps over design spaces: the certified answers of a scene for every combination of values of some parameters.
 
-Sweeps over design spaces: the certified answers of a scene for every combination of values of some parameters.
-
-What a sweep says in short: axes, ranges and counts of its data, not the sets themselves.
+The answer in short is its axes, ranges and counts, not the sets themselves.
 """
 
 from __future__ import annotations
@@ -23,11 +21,10 @@ from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands
-from haptisym.verbs.sweep.axes import AxisValues, axes
-from haptisym.verbs.sweep.bernstein import Array
-from haptisym.verbs.sweep.blocks import SETS_IN_A_BLOCK, Pace, SweepGrid, compute
+from haptisym.verbs.sweep.axes import EXACT, FLOAT, HELD, INFINITE, OPEN, UNKNOWN, AxisValues, Told, axes
+from haptisym.verbs.sweep.batch import Array
+from haptisym.verbs.sweep.blocks import SETS_IN_A_BLOCK, Pace, SweepGrid, compute, needed, stored
 from haptisym.verbs.sweep.passes import Kernel
-from haptisym.verbs.sweep.told import EXACT, FLOAT, HELD, INFINITE, OPEN, UNKNOWN, Told
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -83,22 +80,11 @@ def sweep(
            [ 7.9789, 15.    ]])
     """
     scene = in_hands(as_scene(scene), hand)
-    xarray = _needed("xarray")
+    xarray = needed("xarray")
     grid = SweepGrid.of(scene, axes(scene, vary), whole("block", block, of=" of sets"))
     if out is not None:
-        from haptisym.verbs.sweep.store import stored
-
         return stored(grid, Path(out), progress)
     return _lazy(grid, xarray) if lazy else _now(grid, xarray, progress)
-
-
-def _needed(package: str) -> Any:
-    from importlib import import_module
-
-    try:
-        return import_module(package)
-    except ImportError:
-        raise SceneError(f'{package} is missing: a sweep needs "pip install haptisym[sweep]"') from None
 
 
 def _coordinates(grid: SweepGrid, xarray: Any) -> dict[str, Any]:
@@ -134,7 +120,7 @@ def _dataset(grid: SweepGrid, xarray: Any, columns: list[Any]) -> xr.Dataset:
 
 
 def _lazy(grid: SweepGrid, xarray: Any) -> xr.Dataset:
-    _needed("dask")
+    needed("dask")
     chunks = dict(zip((axis.path for axis in grid.axes), grid.block, strict=True))
     values = [
         xarray.DataArray(axis.values, dims=[axis.path]).chunk({axis.path: chunks[axis.path]}) for axis in grid.axes

@@ -1,21 +1,15 @@
-"""One batch of parameter sets: what floats prove, what lattices say, and what is exact.
+"""The answers of a sweep for batches of parameter sets: floats with bounds where they prove it, exact where they do not.
 
-Where a lattice of many polynomials changes its sign, for many parameter sets at once: from the zeros of each polynomial.
+The zeros that are proven (``waves``) are put in order for each set, and the answers are read off them (``Pass``). Where the
+criterion is a region's, its sign between the zeros is that of the largest of the smallest of its functions (``changes``).
+Floats are doubles; what these leave is tried in wider ones where there are no waves, and what is left then comes from the
+certified chart of an evaluation (``exact_answers``).
 
-One batch of parameter sets in floats: zeros that are proven, and the answers that are read off them.
-
-The answers of a sweep for single sets of parameters, exact: from the certified chart of an evaluation.
-
-Held in a hand: how many roots H_perc + m s^2 + b s + k has in Re s >= 0, for many parameter sets at once.
-
-In floats where the characteristic function is a polynomial in s, by Routh's array (``routh``). H_perc is in lowest terms for
-symbols, but perhaps not for a set of values. A zero that both parts of the quotient then share is no root; there is none in
-Re s >= 0 where the denominator is proven to have all its zeros in Re s < 0, those at 0 apart, which the array does not allow.
-All other sets, and all with delays, powers of s or a clock, are counted exactly.
-
-One batch of parameter sets of a scene with delays, holds or powers s^alpha, in floats: where its zeros come from.
-
-The answers of a sweep for a batch of parameter sets: floats with bounds where they prove it, exact where they do not.
+Held in a hand: how many roots H_perc + m s^2 + b s + k has in Re s >= 0. In floats where the characteristic function is a
+polynomial in s, by Routh's array. H_perc is in lowest terms for symbols, but perhaps not for a set of values. A zero that both
+parts of the quotient then share is no root; there is none in Re s >= 0 where the denominator is proven to have all its zeros
+in Re s < 0, those at 0 apart, which the array does not allow. All other sets, and all with delays, powers of s or a clock, are
+counted exactly.
 """
 
 from __future__ import annotations
@@ -35,7 +29,6 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError, SceneError, UndecidedError
 from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import ExactNumber, bounds
-from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import Chart, Key, Point, chart
 from haptisym.model.caveats import clocks
 from haptisym.model.distortion import Distortion, part_of
@@ -45,32 +38,18 @@ from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values as values_of
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.held import characteristic, unstable_roots
-from haptisym.verbs.sweep.bernstein import (
-    MOST_DEGREE,
-    Array,
-    Family,
-    Powers,
-    Zeros,
-    count_right,
-    family,
-    isolate,
-    product,
-    refine,
-    within_reach,
-)
+from haptisym.verbs.sweep.axes import ABSENT, EXACT, FLOAT, INFINITE, OPEN, SYSTEMS, UNKNOWN, Told, held_name
+from haptisym.verbs.sweep.batch import Array, Powers, count_right, within_reach
 from haptisym.verbs.sweep.curves import (
     Curves,
     Excess,
     FamilyLattice,
     FamilyProduct,
+    FamilyReader,
     SignedProduct,
-    sweep_curves,
-    wave_curves,
+    curves_of,
 )
-from haptisym.verbs.sweep.told import ABSENT, EXACT, FLOAT, INFINITE, OPEN, SYSTEMS, UNKNOWN, Told, held_name
-from haptisym.verbs.sweep.waves import Factor, WaveFamily, WaveFunction
-from haptisym.verbs.sweep.waves import isolate as isolate_waves
-from haptisym.verbs.sweep.waves import refine as refine_waves
+from haptisym.verbs.sweep.waves import Factor, Family, Function, Zeros, isolate, refine
 
 
 @dataclass(frozen=True)
@@ -195,12 +174,6 @@ class Band:
         ends = (first,) if first == last else (first, last)
         return cls(float(ExactNumber(high)), float(ExactNumber(low / high)), ends, len(ends) > 1)
 
-    def edges(self, segments: int, step: int) -> tuple[float, ...]:
-        """Ends of segments that are alike in frequency."""
-        start = self.ends[-1] ** (1 / step)
-        inner = ((start + (1 - start) * i / segments) ** step for i in range(1, segments))
-        return (*self.ends, *(x for x in inner if self.ends[-1] < x < 1), 1.0)
-
 
 def _float_below(x: Fraction) -> float:
     nearest = float(x)
@@ -213,8 +186,8 @@ class Pass:
     def __init__(self, curves: Curves, band: Band, values: Array) -> None:
         self.curves, self.band, self.sets = curves, band, values.shape[1]
         self.powers = Powers(values)
-        self.decided = within_reach(values, curves.products)
-        self._products: dict[FamilyProduct, Any] = {}
+        self.decided = within_reach(values, ([f.terms for f in x] for x in curves.products))
+        self._factors: dict[Family, Factor] = {}
 
     def answers(self) -> tuple[Columns, Array]:
         """All variables, and for which sets they are proven."""
@@ -229,15 +202,15 @@ class Pass:
             columns[f"changeovers_{name}"], columns[f"changeover_{name}"] = self._told(found)
         return columns | self._transparency(parts, columns), self.decided
 
-    def _at(self, families: FamilyProduct) -> Any:
-        """A product for each set, once: something that can be subtracted from another, and isolated."""
-        if families not in self._products:
-            self._products[families] = self._product(families)
-        return self._products[families]
-
-    def _product(self, families: FamilyProduct) -> Any:
-        single = len(families) == 1
-        return families[0].at(self.powers) if single else product([self._at((f,)) for f in families])
+    def _at(self, families: FamilyProduct) -> Function:
+        """A product for each set."""
+        for f in families:
+            if f not in self._factors:
+                self._factors[f] = Factor(f, f.at(self.powers))
+        variables = families[0].variables
+        rates = [self.powers.monomial(x.exponents) * x.constant for x in variables.rates]
+        rows = np.array(rates).reshape(-1, self.sets)
+        return Function(variables, rows, tuple(self._factors[f] for f in families))
 
     def _no_zero_in(self, families: Sequence[Family]) -> None:
         for f in families:
@@ -255,25 +228,23 @@ class Pass:
         self.decided &= certain
         return found
 
-    def _isolated(self, p: Any) -> Zeros:
-        found = self._all_zeros(p)
+    def _isolated(self, f: Function) -> Zeros:
+        edges = (*self.band.ends, 1.0)
+        found = isolate(f, edges, first_is_doubt=self.band.doubtful)
         self.decided &= found.decided
         return found
 
-    def _all_zeros(self, p: Any) -> Zeros:
-        edges = self.band.edges(_segments(p.degree), self.curves.step)
-        return isolate(p, edges, first_is_doubt=self.band.doubtful)
-
-    def _refined(self, p: Any, low: Array, high: Array) -> tuple[Array, Array]:
-        return refine(p, low, high, NARROWER)
-
-    def _zeros(self, p: Any) -> Found:
-        if p is None:
+    def _zeros(self, f: Function | None) -> Found:
+        if f is None:
             return Found(np.zeros(0, dtype=int), np.zeros(0), np.full(self.sets, -1))
-        found = self._isolated(p)
-        x, proven = self._refined(p.of(found.sets), found.low, found.high)
+        found = self._isolated(f)
+        x, proven = refine(f.of(found.sets), found.low, found.high, NARROWER)
         self.decided[found.sets[~proven]] = False
-        return Found(found.sets, (np.sqrt(x) if self.curves.step == 2 else x).astype(float), found.first)
+        omega = (np.sqrt(x) if self.curves.step == 2 else x).astype(float)
+        # segments overlap by a unit in the last place, where a zero would be found twice
+        close = np.diff(omega) < 4 * TOLERANCE * omega[1:]
+        self.decided[found.sets[1:][close & (np.diff(found.sets) == 0)]] = False
+        return Found(found.sets, omega, found.first)
 
     def _told(self, found: Found) -> tuple[Array, Array]:
         """How many, and the first one."""
@@ -313,11 +284,6 @@ def _alternating(parts: Sequence[Found], low: float) -> Array:
     following[:-1][rows.begins[1:]] = 1.0
     clear = (rows.signs < 0).all(axis=0)
     return np.bincount(rows.sets, weights=(following - rows.omega) * clear, minlength=count)
-
-
-def _segments(degree: int) -> int:
-    """Into how many segments the band is cut at first: more cost every set, fewer cost those that need to be cut further."""
-    return 1 if degree < 2 else 4
 
 
 AnswerRow: TypeAlias = dict[str, float]
@@ -392,9 +358,9 @@ class HandCurve:
 
     def count(self, values: Array) -> tuple[Array, Array]:
         """For each set the number of roots in Re s >= 0, and whether it is proven."""
-        powers, decided = Powers(values), within_reach(values, [(self.top,), (self.bottom,)])
-        counts, certain = count_right(self.top.at(powers))
-        poles, proper = count_right(self.bottom.at(powers))
+        powers, decided = Powers(values), within_reach(values, [(self.top.terms,), (self.bottom.terms,)])
+        counts, certain = count_right(self.top.polynomial(powers))
+        poles, proper = count_right(self.bottom.polynomial(powers))
         return counts, decided & certain & proper & (poles == 0)
 
 
@@ -418,10 +384,8 @@ def _curve(scene: Scene, hand: Hand, swept: Sequence[Knob]) -> HandCurve | None:
     bottom = perceived.denominator
     lowest = min(int(exponents[0]) for exponents in bottom.monoms())
 
-    def of(p: Polynomial) -> Family:
-        return family(ring, p, [x.symbol for x in swept], Integer(1), 1, Integer(1))
-
-    return HandCurve(of(top), of(bottom / ring.variable**lowest))
+    reader = FamilyReader([x.symbol for x in swept], Integer(1))
+    return HandCurve(reader.family(ring, top), reader.family(ring, bottom / ring.variable**lowest))
 
 
 def held(
@@ -441,9 +405,6 @@ def held(
         yield held_name(scene, hand), counts, method
 
 
-_KINDS = (np.float64, np.longdouble) if np.finfo(np.longdouble).nmant in (63, 112) else (np.float64,)
-
-
 def exact_count(scene: Scene, place: int, swept: Sequence[Knob], values: Sequence[float]) -> int:
     """The same for one set, whose values are taken as exactly the binary numbers that the floats are."""
     given = {x.path: Rational(*Fraction(float(v)).as_integer_ratio()) for x, v in zip(swept, values, strict=True)}
@@ -456,45 +417,10 @@ def exact_count(scene: Scene, place: int, swept: Sequence[Knob], values: Sequenc
     return (INFINITE if found.chain else UNKNOWN) if found.number is None else found.number
 
 
-class WavePass(Pass):
-    """One batch in doubles."""
-
-    def __init__(self, curves: Curves, band: Band, values: Array) -> None:
-        super().__init__(curves, band, values)
-        self._factors: dict[WaveFamily, Factor] = {}
-
-    def _product(self, families: FamilyProduct) -> WaveFunction:
-        above = tuple(map(self._factor, families))
-        variables = above[0].family.variables
-        rates = [self.powers.monomial(x.exponents) * x.constant for x in variables.rates]
-        return WaveFunction(variables, np.array(rates).reshape(-1, self.sets), above)
-
-    def _factor(self, family: Family) -> Factor:
-        assert isinstance(family, WaveFamily)
-        if family not in self._factors:
-            self._factors[family] = Factor(family, family.at(self.powers))
-        return self._factors[family]
-
-    def _all_zeros(self, p: WaveFunction) -> Zeros:
-        if p.is_polynomial:
-            return super()._all_zeros(p.polynomial)
-        return isolate_waves(p, self.band.edges(1, 1), first_is_doubt=self.band.doubtful)
-
-    def _zeros(self, p: WaveFunction | None) -> Found:
-        found = super()._zeros(p)
-        # segments overlap by a unit in the last place, where a zero would be found twice
-        close = np.diff(found.omega) < 4 * TOLERANCE * found.omega[1:]
-        self.decided[found.sets[1:][close & (np.diff(found.sets) == 0)]] = False
-        return found
-
-    def _refined(self, p: WaveFunction, low: Array, high: Array) -> tuple[Array, Array]:
-        return super()._refined(p.polynomial, low, high) if p.is_polynomial else refine_waves(p, low, high, NARROWER)
-
-
-_AT_ONCE, _WAVES_AT_ONCE = 8192, 4096
+_AT_ONCE = 4096
 """Sets: so many that the work arrays stay in the processor's cache."""
-_IS_WIDER = np.finfo(np.longdouble).nmant in (63, 112)
-"""Whether NumPy's longdouble is a wider IEEE format, and neither a double by another name nor a pair of doubles."""
+_KINDS = (np.float64, np.longdouble) if np.finfo(np.longdouble).nmant in (63, 112) else (np.float64,)
+"""Of floats: NumPy's longdouble where it is a wider IEEE format, and neither a double by another name nor a pair of doubles."""
 
 
 @dataclass(frozen=True)
@@ -510,9 +436,7 @@ class Kernel:
     @classmethod
     def of(cls, scene: Scene, swept: Sequence[Knob]) -> Kernel:
         """Of a scene and the numbers that are swept: curves in floats where there are such, else the exact machinery alone."""
-        curves = sweep_curves(scene, swept) or wave_curves(scene, swept)
-        if curves is not None and _degree(curves) > MOST_DEGREE:
-            curves = None
+        curves = curves_of(scene, swept)
         band = Band.of(*scene.band, curves.step if curves else 1)
         return cls(replace(scene), tuple(swept), curves, band, hand_curves(scene, swept))
 
@@ -529,7 +453,7 @@ class Kernel:
     @property
     def has_waves(self) -> bool:
         """Whether there are delays, holds or powers s^alpha: these need sines, which only doubles have with a bound."""
-        return self.curves is not None and any(isinstance(f, WaveFamily) for p in self.curves.products for f in p)
+        return self.curves is not None and self.curves.has_waves
 
     def answers(self, values: Array) -> Columns:
         """All variables, for values of the swept parameters in rows and sets in columns."""
@@ -549,28 +473,22 @@ class Kernel:
     def in_floats(self, values: Array) -> tuple[Columns, Array]:
         """The same as far as floats prove it, and the numbers of the sets that they leave open."""
         columns, left = _blank(self.told, values.shape[1]), np.arange(values.shape[1])
-        if self.curves is not None:
-            left = self._in_floats(values, columns, left)
-            if _IS_WIDER and not self.has_waves:
-                left = self._in_floats(values.astype(np.longdouble), columns, left)
+        for wide in _KINDS if self.curves else ():
+            if wide is np.float64 or not self.has_waves:
+                left = self._in_floats(values.astype(wide), columns, left)
         return columns, left
 
     def _in_floats(self, values: Array, columns: Columns, sets: Array) -> Array:
         """Answer those sets that floats of this kind can prove; the others are returned."""
         assert self.curves is not None
         rest = [sets[:0]]
-        at_once, kind = (_WAVES_AT_ONCE, WavePass) if self.has_waves else (_AT_ONCE, Pass)
-        for i in range(0, len(sets), at_once):
-            some = sets[i : i + at_once]
-            found, decided = kind(self.curves, self.band, values[:, some]).answers()
+        for i in range(0, len(sets), _AT_ONCE):
+            some = sets[i : i + _AT_ONCE]
+            found, decided = Pass(self.curves, self.band, values[:, some]).answers()
             for name, column in found.items():
                 columns[name][some[decided]] = column[decided]
             rest.append(some[~decided])
         return np.concatenate(rest)
-
-
-def _degree(curves: Curves) -> int:
-    return max((sum(f.degree for f in families) for families in curves.products), default=0)
 
 
 def _blank(told: Told, sets: int) -> Columns:

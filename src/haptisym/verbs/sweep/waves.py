@@ -1,55 +1,42 @@
-"""Families of functions made of powers of omega, sines and cosines, for many values of the parameters at once.
+"""Certified zeros of many functions of omega at once, made of powers, sines and cosines: counts that are proven, or "undecided".
 
-Families of functions made of powers of omega, sines and cosines, for many values of the parameters at once.
+**Families.** On x = (omega/(high end of the band))^step, 0 <= x <= 1, a function is a polynomial in x, in C = cos(k x) and S =
+sin(k x)/(k x) of some half angles k x (k = rate of the angle times high end/2) and in z = x^alpha, whose coefficients are
+polynomials in the parameters (``batch``). All of these lie between -1 and 1, so that sizes are had with 1 for each wave, and
+grow with x.
 
-On x = omega/(high end of the band), 0 <= x <= 1, each is a polynomial in x, in C = cos(k x) and S = sin(k x)/(k x) of some
-half angles k x (k = rate of the angle times high end/2) and in z = x^alpha, whose coefficients are a ``Family`` in the
-parameters. All of these lie between -1 and 1, so that sizes (``batch``) are had with 1 for each wave, and grow with x.
+**Errors** are counted in units of the roundoff u of the size, the sum of the absolute values of all terms:
 
-Analytic functions on segments as polynomials, with a bound on what is left out.
+- x is given to within 3 u of itself, an angle k x to within n u of itself, n the roundings behind k plus 4; libm's part of a
+  sine, a cosine, an exponential or a logarithm is 8 u of it. So C and S, each at most 1, are known to within n max(2, k x) +
+  12 units, as abs(x d sinc(x)/dx) <= 2, and z = exp(alpha log x) to within 12 alpha abs(log x) + 20. A term of degree d in
+  them has d times that;
+- a term of degree d in x has 3 d for x itself, and what its own operations make (``Family.roundings``).
 
-Let f be analytic, and |f| <= M, in the ellipse with foci at the ends of a segment whose half axes are (r + 1/r)/2 and
-(r - 1/r)/2 times its half width, r > 1. Then its Chebyshev coefficients a_k are at most 2 M r^-k, and the polynomial p of
-degree n through its values at the points (1 - cos(i pi/n))/2 of the segment, i = 0 ... n, has f - p = the sum over k > n of
-a_k (T_k - T_m), m <= n (Trefethen, Approximation Theory and Approximation Practice, chapters 4 and 8). With |T_k| <= 1 and
-|T_k'| <= k^2 on [-1, 1],
+What underflows on the way is smaller than ``TINY`` in total, as all variables are at most 1, and coefficients do not
+underflow. Of libm it is assumed that for a double x the value returned is within ``ULPS`` units in the last place of the true
+one, for |x| <= ``MOST_ANGLE`` (sin, cos), -40 <= x <= 1 (exp), 0 < x <= 1 (log). IEEE 754 does not say so, and no library
+proves it. So it is tested where a sweep runs, once in a process, against balls: at random numbers, and at those nearest to
+multiples of pi/2. If the test fails, floats are not used for scenes that need these functions. Functions without waves may be
+of wider floats than doubles.
+
+**Interpolation.** Let f be analytic, and |f| <= M, in the ellipse with foci at the ends of a segment whose half axes are (r +
+1/r)/2 and (r - 1/r)/2 times its half width, r > 1. Then its Chebyshev coefficients a_k are at most 2 M r^-k, and the
+polynomial p of degree n through its values at the points (1 - cos(i pi/n))/2 of the segment, i = 0 ... n, has f - p = the sum
+over k > n of a_k (T_k - T_m), m <= n (Trefethen, Approximation Theory and Approximation Practice, chapters 4 and 8). With
+|T_k| <= 1 and |T_k'| <= k^2 on [-1, 1],
 
     |f - p| <= 4 M r^-n/(r - 1),      |f' - p'| <= 4 M sum over k > n of k^2 r^-k <= 4 M (n + 1)^2 r^-(n + 1)/(1 - q),
 
 q = (1 + 1/(n + 1))^2/r, the slope being that on [-1, 1]. p's Bernstein coefficients are a fixed matrix times the values.
 
-What is assumed of NumPy's sin, cos, exp and log, and whether it holds here: all other bounds of a sweep are proven.
-
-Assumed: for a double x the value returned is within ``ULPS`` units in the last place of the true one, for |x| <= ``MOST_ANGLE``
-(sin, cos), -40 <= x <= 1 (exp), 0 < x <= 1 (log). IEEE 754 does not say so, and no library proves it. So it is tested where a
-sweep runs, once in a process, against balls: at random numbers, and at those nearest to multiples of pi/2. If the test
-fails, floats are not used for scenes that need these functions, and every set is answered exactly.
-
-Values of products of wave families for many sets at once, and bounds on what rounding, libm and interpolation did to them.
-
-All errors are counted in units u = 2^-53 of the size (``batch``), the sum of the absolute values of all terms with 1 for
-each wave:
-
-- x is given to within 3 u of itself, an angle k x to within n u of itself, n the roundings behind k plus 4; libm's part of a
-  sine, a cosine, an exponential or a logarithm is 8 u of it (``libm``). So C and S, each at most 1, are known to within
-  n max(2, k x) + 12 units, as abs(x d sinc(x)/dx) <= 2, and z = exp(alpha log x) to within 12 alpha abs(log x) + 20. A term
-  of degree d in them has d times that;
-- a term of degree d in x has 3 d for x itself, and what its own operations make (``WaveFamily.roundings``).
-
-What underflows on the way is smaller than ``TINY`` in total, as all variables are at most 1, and coefficients do not underflow.
-
-Certified zeros of many analytic functions at once: counts that are proven, or an explicit "undecided".
-
-On a segment a function f is a polynomial p and a remainder (``chebyshev``). No zero, if p's Bernstein coefficients have one
-sign and exceed the remainder. At most one, a simple one, if their differences have one sign and exceed the slope of the
-remainder, for then f is monotone; the signs at the ends tell whether there is one. All else is cut in two: p a few times, by
-de Casteljau's weights, then the segment, where f is computed anew. A sign counts only beyond all errors.
-
-Powers x^alpha are not what polynomials come near to at x = 0. On a first segment [0, e] they are therefore variables of
-their own between 0 and e^alpha, in which f is a polynomial: if its coefficients in both of Bernstein's bases have one sign, f
-has no zero there.
-
-Zeros of many functions at once, each alone on a segment where its function is monotone, to a proven accuracy.
+**Zeros.** On a segment there is no zero if p's Bernstein coefficients have one sign and exceed the remainder. There is at most
+one, a simple one, if their differences have one sign and exceed the slope of the remainder, for then f is monotone; the signs
+at the ends tell whether there is one. All else is cut in two: p a few times, by de Casteljau's weights, then the segment,
+where f is computed anew. A sign counts only beyond all errors. Powers x^alpha are not what polynomials come near to at x = 0.
+On a first segment [0, e] they are therefore variables of their own between 0 and e^alpha, in which f is a polynomial: if its
+coefficients in both of Bernstein's bases have one sign, f has no zero there. Each zero is then found to a proven accuracy
+(``refine``).
 """
 
 from __future__ import annotations
@@ -65,12 +52,9 @@ from typing import Any, TypeAlias
 import flint
 import numpy as np
 from flint import arb, arb_mat
-from sympy import Expr, Symbol
+from numpy.typing import DTypeLike
 
-from haptisym.kernel.reals import expression_ball
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial
-from haptisym.verbs.sweep.bernstein import BITS, Array, Batch, Family, Monomial, Zeros, error, monomial, product
+from haptisym.verbs.sweep.batch import Array, Batch, Monomial, Powers, coefficients, error, nearest
 
 Exponents: TypeAlias = tuple[int, ...]
 
@@ -89,19 +73,27 @@ class Variables:
 
 
 @dataclass(frozen=True)
-class WaveFamily(Family):
+class Family:
     """``terms``: coefficients of the monomials listed in ``rows``, by their place there.
 
     ``rows``: exponents of x, then of C and S of each angle, then of the powers.
     """
 
+    terms: tuple[Monomial, ...]
     variables: Variables
     rows: tuple[Exponents, ...]
 
-    @property
-    def degree(self) -> int:
-        """The last row."""
-        return len(self.rows) - 1
+    def at(self, powers: Powers) -> Batch:
+        """The coefficients at each set of parameters."""
+        return coefficients(self.terms, len(self.rows), powers)
+
+    def polynomial(self, powers: Powers) -> Batch:
+        """Those of all powers of x, where it has no waves."""
+        own = self.at(powers)
+        values, sizes = np.zeros((2, self.degrees[0] + 1, powers.sets), powers.dtype)
+        places = [row[0] for row in self.rows]
+        values[places], sizes[places] = own.values, own.sizes
+        return Batch(values, sizes, own.roundings)
 
     @cached_property
     def groups(self) -> dict[Exponents, list[tuple[int, int]]]:
@@ -126,82 +118,6 @@ class WaveFamily(Family):
         return 3 * self.degrees[0] + sum(self.degrees[1:]) + len(self.groups) + 1
 
 
-def is_readable(function: RealFunction) -> bool:
-    """Whether every power of s is a number, and every delay a number times powers of parameters."""
-    ring, axis = function.half_angled.ring, function.axis
-    rates = [ring.convert(x).reduced() for x in axis.lags]
-    return all(x.is_number for x in axis.orders) and all(
-        len(f.numerator) == 1 and f.denominator.is_constant() for f in rates
-    )
-
-
-class WaveReader:
-    """Reads functions in half angles (``RealFunction.half_angled``), the swept parameters being the only symbols in them."""
-
-    def __init__(self, function: RealFunction, parameters: Sequence[Symbol], scale: Expr) -> None:
-        self.ring, axis = function.half_angled.ring, function.axis
-        self.orders, self.angles = axis.orders, axis.angles
-        self.parameters, self.scale = tuple(parameters), scale
-        known = {x: i for i, x in enumerate(self.ring.meanings)}
-        self.columns = [known.get(x) for x in parameters]
-
-    def constant(self, value: Monomial) -> WaveFamily:
-        """Of degree 0 in all variables."""
-        return WaveFamily((value,), self._variables, ((0,) * (1 + self._variables.waves),))
-
-    def family(self, polynomial: Polynomial, factor: Expr) -> WaveFamily:
-        """``factor`` times a polynomial of the ring."""
-        with flint.ctx.workprec(BITS):
-            unit, found = expression_ball(factor), dict[tuple[Exponents, Exponents], arb]()
-            for given, coefficient in polynomial.to_dict().items():
-                row, exponents, ball = self._term([int(n) for n in given])
-                key = row, exponents
-                found[key] = found.get(key, arb(0)) + ball * arb(coefficient) * unit
-            rows = sorted({row for row, _ in found})
-            place = {row: i for i, row in enumerate(rows)}
-            terms = sorted((place[row], exponents, ball) for (row, exponents), ball in found.items() if ball != 0)
-            return WaveFamily(tuple(monomial(*term) for term in terms), self._variables, tuple(rows))
-
-    def _term(self, given: Sequence[int]) -> tuple[Exponents, Exponents, Any]:
-        """The row that a monomial belongs to, its exponents of the parameters, and its constant."""
-        scale = expression_ball(self.scale)
-        exponents = [given[i] if i is not None else 0 for i in self.columns]
-        ball = arb.pi() ** given[1] * scale ** given[0]
-        start = self.ring.size
-        powers, waves = given[start : start + len(self.orders)], given[start + len(self.orders) :]
-        for order, n in zip(self.orders, powers, strict=True):
-            ball *= (scale.log() * expression_ball(order)).exp() ** n
-        turning: list[int] = []
-        for angle, c, s in zip(self.angles, waves[::2], waves[1::2], strict=True):
-            if angle.constant:
-                half = expression_ball(angle.rate) / 2
-                ball *= half.cos() ** c * half.sin() ** s
-                continue
-            constant, own = self._half_rate(angle.rate)
-            ball *= constant**s
-            exponents = [n + s * m for n, m in zip(exponents, own, strict=True)]
-            turning += [c, s]
-        return (given[0], *turning, *powers), tuple(exponents), ball
-
-    def _half_rate(self, rate: Expr) -> tuple[Any, Exponents]:
-        """Half of a rate as a number times powers of the parameters."""
-        f = self.ring.convert(rate).reduced()
-        [(given, coefficient)] = f.numerator.to_dict().items()
-        ball = arb(coefficient) / arb(f.denominator.leading_coefficient()) * arb.pi() ** int(given[1]) / 2
-        return ball, tuple(int(given[i]) if i is not None else 0 for i in self.columns)
-
-    @cached_property
-    def _variables(self) -> Variables:
-        rates = []
-        with flint.ctx.workprec(BITS):
-            scale = expression_ball(self.scale)
-            for angle in self.angles:
-                if not angle.constant:
-                    ball, exponents = self._half_rate(angle.rate)
-                    rates.append(monomial(0, exponents, ball * scale))
-        return Variables(tuple(rates), tuple(float(x) for x in self.orders))
-
-
 LEAST_RATIO = 2.0
 """Of the ellipses that are used: q < 1 for degrees from 2 on."""
 _BITS = 400
@@ -222,8 +138,8 @@ class Nodes:
 
 
 @lru_cache(maxsize=16)
-def nodes(degree: int) -> Nodes:
-    """Weights and matrix correctly rounded.
+def nodes(degree: int, dtype: DTypeLike = np.float64) -> Nodes:
+    """Weights and matrix correctly rounded to floats of that type.
 
     >>> nodes(2).matrix.round(12).tolist()
     [[1.0, 0.0, 0.0], [-0.5, 2.0, -0.5], [0.0, 0.0, 1.0]]
@@ -238,7 +154,9 @@ def nodes(degree: int) -> Nodes:
         ]
         inverse = arb_mat(basis).inv().tolist()
         sums = [sum((abs(x) for x in row), arb(0)) for row in inverse]
-        rounded = [np.array([[float(x) for x in row] for row in rows]) for rows in ([low, high], inverse, [sums])]
+        rounded = [
+            np.array([[nearest(x, dtype) for x in row] for row in rows]) for rows in ([low, high], inverse, [sums])
+        ]
     (low_row, high_row), matrix, [amplified] = rounded
     matrix[0], matrix[-1] = np.eye(degree + 1)[[0, -1]]
     return Nodes(degree, low_row, high_row, matrix, amplified * (1 + 1e-12))
@@ -324,7 +242,7 @@ _FIRST_RATIO, _RATIOS = 8.0, (3.0, 1000.0)
 class Factor:
     """A family and its coefficients for each set."""
 
-    family: WaveFamily
+    family: Family
     rows: Batch
 
     def of(self, sets: Array) -> Factor:
@@ -335,14 +253,6 @@ class Factor:
     def roundings(self) -> int:
         """How many a value of it suffers at most."""
         return self.rows.roundings + self.family.roundings + _OF_X * self.family.degrees[0] + 1
-
-    @property
-    def polynomial(self) -> Batch:
-        """The same as a polynomial in x, where no wave occurs in it."""
-        places = [row[0] for row in self.family.rows]
-        values, sizes = np.zeros((2, max(places) + 1, self.rows.values.shape[1]))
-        values[places], sizes[places] = self.rows.values, self.rows.sizes
-        return Batch(values, sizes, self.rows.roundings)
 
     def at(self, points: Points, rows: Array) -> Array:
         """The value with these coefficients: a sum over the products of waves, each times a polynomial in x."""
@@ -356,7 +266,7 @@ class Factor:
 
 
 @dataclass(frozen=True)
-class WaveFunction:
+class Function:
     """The product of the factors ``above`` minus that of those ``below`` (none: 0); ``rates``: k of each angle and set."""
 
     variables: Variables
@@ -364,7 +274,7 @@ class WaveFunction:
     above: tuple[Factor, ...]
     below: tuple[Factor, ...] = ()
 
-    def __sub__(self, other: WaveFunction) -> WaveFunction:
+    def __sub__(self, other: Function) -> Function:
         return replace(self, below=other.above)
 
     @property
@@ -372,29 +282,18 @@ class WaveFunction:
         """How many sets there are."""
         return int(self.above[0].rows.values.shape[1])
 
-    def of(self, sets: Array) -> WaveFunction:
+    def of(self, sets: Array) -> Function:
         """Those of some of the sets, which may be repeated."""
         above, below = (tuple(f.of(sets) for f in side) for side in (self.above, self.below))
-        return WaveFunction(self.variables, self.rates[:, sets], above, below)
+        return Function(self.variables, self.rates[:, sets], above, below)
 
     def _degree(self, i: int) -> int:
-        """Of x (0), of an angle or of a power, in the order of ``WaveFamily.degrees``."""
+        """Of x (0), of an angle or of a power, in the order of ``Family.degrees``."""
         return max(sum(f.family.degrees[i] for f in side) for side in (self.above, self.below))
 
     @property
     def _sides(self) -> list[tuple[Factor, ...]]:
         return [side for side in (self.above, self.below) if side]
-
-    @property
-    def is_polynomial(self) -> bool:
-        """Whether no wave occurs in it."""
-        return not any(any(f.family.degrees[1:]) for side in (self.above, self.below) for f in side)
-
-    @property
-    def polynomial(self) -> Batch:
-        """The same where no wave occurs in it."""
-        above, *below = (product([f.polynomial for f in side]) for side in self._sides)
-        return above - below[0] if below else above
 
     @property
     def power_degrees(self) -> list[int]:
@@ -442,6 +341,9 @@ class WaveFunction:
 
     def left_out(self, low: Array, high: Array, degree: int, powers: Array | None = None) -> tuple[Array, Array]:
         """Bounds on value and slope of what interpolation of that degree leaves out on segments."""
+        has_waves = any(self.power_degrees) or any(self._degree(1 + i) for i in range(len(self.rates)))
+        if not has_waves and self._degree(0) <= degree:  # a polynomial is its own
+            return np.zeros_like(low), np.zeros_like(low)
         middle, half = (low + high) / 2, (high - low) / 2
         turned = sum((self._degree(1 + i) * np.abs(k) for i, k in enumerate(self.rates)), np.zeros_like(low))
         ratio = np.full_like(low, _FIRST_RATIO)
@@ -507,10 +409,24 @@ class Points:
         return self._products[exponents]
 
 
+@dataclass(frozen=True)
+class Zeros:
+    """Where the zeros lie: each simple, alone between ``low`` and ``high``, in ascending order for each ``set``.
+
+    ``decided``: for each set, whether these are proven to be all its zeros on the band. ``first``: the sign at the low end.
+    """
+
+    sets: Array
+    low: Array
+    high: Array
+    decided: Array
+    first: Array
+
+
 Segments: TypeAlias = tuple[Array, Array, Array]
 """Sets, which may be repeated, low ends, high ends."""
-_DEGREES, _DEGREE_AT_0 = (5, 14), 6
-"""Of polynomials: the lower one, for narrow segments, feels less of rounding errors."""
+_DEGREES, _DEGREE_AT_0 = (5, 10, 14), 6
+"""Of polynomials, the lowest for narrow segments alone: it feels less of rounding errors."""
 _NARROW = 2.0**-6
 _READY, _READY_AT_0 = 1e-6, 1e-4
 """How much of the size a remainder may be: else a segment is cut before anything is computed on it."""
@@ -519,7 +435,7 @@ _AT_ONCE = 8192
 _MOST_OPEN = 200  # segments of a set: rounding hides what is to be found
 
 
-def isolate(f: WaveFunction, edges: Sequence[float], *, first_is_doubt: bool = False) -> Zeros:
+def isolate(f: Function, edges: Sequence[float], *, first_is_doubt: bool = False) -> Zeros:
     """All zeros between the first and the last edge (0 <= edges <= 1, exact), each alone where f is monotone.
 
     ``first_is_doubt``: the first segment only encloses the true low end, so that a zero on it leaves the set undecided.
@@ -540,7 +456,7 @@ def isolate(f: WaveFunction, edges: Sequence[float], *, first_is_doubt: bool = F
 class _Search:
     """The zeros of a function for each set, while they are looked for."""
 
-    def __init__(self, f: WaveFunction, bottom: float) -> None:
+    def __init__(self, f: Function, bottom: float) -> None:
         self.f, self.bottom = f, bottom
         self.doubtful = np.zeros(f.sets, dtype=bool)
         self.first = np.zeros(f.sets, dtype=np.int8)
@@ -586,7 +502,7 @@ class _Search:
         at_bottom = low == self.bottom
         self.first[sets[at_bottom]] = ends[0][at_bottom]
 
-    def _searched(self, segments: Segments, curves: Curves, ends: Array) -> list[Segments]:
+    def _searched(self, segments: Segments, curves: Interpolants, ends: Array) -> list[Segments]:
         """Cut polynomials, as long as they tell enough; the segments on which they do not."""
         for _ in range(_MOST_HALVINGS):
             none, one = curves.judged(ends)
@@ -632,7 +548,7 @@ class _Search:
 
 
 @dataclass(frozen=True)
-class Curves:
+class Interpolants:
     """Polynomials by their Bernstein coefficients, sets in columns; ``wrong``: a bound on the errors of all of them.
 
     ``left_out``: how much the function may differ from the polynomial, and its slope over the degree from that of this one.
@@ -642,10 +558,10 @@ class Curves:
     wrong: Array
     left_out: tuple[Array, Array]
 
-    def of(self, some: Array) -> Curves:
+    def of(self, some: Array) -> Interpolants:
         """For some of the sets."""
         value, slope = self.left_out
-        return Curves(self.coefficients[:, some], self.wrong[some], (value[some], slope[some]))
+        return Interpolants(self.coefficients[:, some], self.wrong[some], (value[some], slope[some]))
 
     def ends(self) -> Array:
         """The certain signs at both ends."""
@@ -659,20 +575,20 @@ class Curves:
         known = monotone & (ends != 0).all(axis=0)
         return none | (known & (ends[0] == ends[1])), known & (ends[0] != ends[1])
 
-    def halves(self) -> Curves:
+    def halves(self) -> Interpolants:
         """Those on the first halves of the segments, then those on the second, by de Casteljau's weights."""
         halves = [np.einsum("ji,ib->jb", w, self.coefficients) for w in halving(len(self.coefficients) - 1)]
         value, slope = self.left_out
         both = np.concatenate(halves, axis=1)
-        return Curves(both, np.tile(self.wrong, 2), (np.tile(value, 2), np.tile(slope / 2, 2)))
+        return Interpolants(both, np.tile(self.wrong, 2), (np.tile(value, 2), np.tile(slope / 2, 2)))
 
 
 def _interpolated(
-    f: WaveFunction, segments: Segments, sizes: Array, left_out: tuple[Array, Array], degree: int
-) -> tuple[Array, Curves]:
+    f: Function, segments: Segments, sizes: Array, left_out: tuple[Array, Array], degree: int
+) -> tuple[Array, Interpolants]:
     """Signs at the ends of segments, and what functions are there."""
     _, low, high = segments
-    n = nodes(degree)
+    n = nodes(degree, sizes.dtype)
     values = f.values(low * n.low[:, None] + high * n.high[:, None])
     wrong = f.error(sizes, low, high)
     coefficients = np.einsum("ji,ib->jb", n.matrix, values)  # not a library's product: its order may depend on the sets
@@ -680,7 +596,7 @@ def _interpolated(
     bound = n.amplified.max() * (wrong + error(sizes, (degree + 3) * (1 + _MOST_HALVINGS)))
     value, slope = left_out
     at_ends = np.array([f.error(f.sizes(low), low, low), wrong])  # at the low end sizes may be much smaller
-    return _certain(values[[0, -1]], at_ends), Curves(coefficients, bound, (value, 2 * slope / degree))
+    return _certain(values[[0, -1]], at_ends), Interpolants(coefficients, bound, (value, 2 * slope / degree))
 
 
 def _one_sign(values: Array, bounds: Array) -> Array:
@@ -692,7 +608,7 @@ def _certain(values: Array, bounds: Array) -> Array:
     return (values > bounds).astype(np.int8) - (values < -bounds).astype(np.int8)
 
 
-def _sign_from_0(f: WaveFunction, high: Array) -> Array:
+def _sign_from_0(f: Function, high: Array) -> Array:
     """The sign of each function on [0, high], if it is one: with its power as a variable of its own; else 0."""
     low = np.zeros_like(high)
     place = next(i for i, n in enumerate(f.power_degrees) if n)
@@ -748,26 +664,27 @@ _FINE = 2e-13
 _INSIDE = 2.0**-49
 
 
-def refine(f: WaveFunction, low: Array, high: Array, tolerance: float) -> tuple[Array, Array]:
+def refine(f: Function, low: Array, high: Array, tolerance: float) -> tuple[Array, Array]:
     """The zero of each function between low and high, where it is monotone, and whether it is proven to that accuracy.
 
     Proven: f has certain and opposite signs at x (1 - tolerance) and x (1 + tolerance), or at the segment's end if that is
     nearer.
     """
     with np.errstate(all="ignore"):
+        low, high = (x.astype(f.above[0].rows.values.dtype) for x in (low, high))
         x = _approached(f, low, high)
         low, high = low * (1 + _INSIDE), high * (1 - _INSIDE)  # a segment ends where floats round to, or beside it
         below, above = np.maximum(low, x * (1 - tolerance)), np.minimum(high, x * (1 + tolerance))
         return x, _signs(f, below) * _signs(f, above) < 0
 
 
-def _signs(f: WaveFunction, x: Array) -> Array:
+def _signs(f: Function, x: Array) -> Array:
     value, bound = f.values(x[None])[0], f.error(f.sizes(x), x, x)
     signs: Array = (value > bound).astype(np.int8) - (value < -bound).astype(np.int8)
     return signs
 
 
-def _approached(f: WaveFunction, low: Array, high: Array) -> Array:
+def _approached(f: Function, low: Array, high: Array) -> Array:
     """By inverse quadratic interpolation where that is safe, and bisection elsewhere (Chandrupatla 1997)."""
     found, open_ = (low + high) / 2, np.arange(len(low))
     a, b = low.copy(), high.copy()
@@ -784,7 +701,8 @@ def _approached(f: WaveFunction, low: Array, high: Array) -> Array:
         b, at_b = np.where(alike, b, a), np.where(alike, at_b, at_a)
         a, at_a = x, at_x
         best = np.where(np.abs(at_a) < np.abs(at_b), a, b)
-        found[open_] = best
+        straight = a - at_a * ((b - a) / (at_b - at_a))
+        found[open_] = np.where((straight - a) * (straight - b) < 0, straight, best)
         least = _FINE * np.abs(best) / np.abs(b - a)
         left = (least < 0.5) & (at_a != 0) & (at_b != 0)
         share = np.clip(_next(a, b, c, at_a, at_b, at_c), least, 1 - least)

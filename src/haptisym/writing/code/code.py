@@ -231,7 +231,8 @@ class Source:
         ``arguments`` are all that the program needs, in the order of the call. NumPy, Octave and MATLAB functions take and
         return arrays (broadcast, shape kept, constants included); C fills a struct of doubles,
         its declarations first, in an include guard; JavaScript returns an object. Numbers are the doubles nearest to the exact
-        ones. A name that the language does not allow is changed, and the documentation says so. Raises SceneError for a missing or doubled argument, and for a name that cannot be a function's.
+        ones. A name that the language does not allow is changed, and the documentation says so.
+        Raises SceneError for a missing or doubled argument, and for a name that cannot be a function's.
 
         >>> from haptisym.programs.program import Writer
         >>> k = Argument(Symbol("k"), "N/m", "stiffness", "> 0")

@@ -1,0 +1,211 @@
+"""Numbers of many parameter sets at once, in floats, with a proven bound on what rounding has done to them.
+
+The bound. Let u be the unit roundoff (2^-53 for doubles). A number is computed from floats by n roundings along any path of
+sums and products. Then, unless a product underflows or anything overflows (Higham, Accuracy and Stability of Numerical
+Algorithms, sections 3.1 and 3.3),
+
+    |computed - exact| <= gamma_n * size,      gamma_n = n u / (1 - n u),
+
+where ``size`` is the same sum with every term replaced by its absolute value: each term of the exact sum reaches the result
+multiplied by at most n factors (1 + delta), |delta| <= u. The proof is by induction over the operations: a product multiplies
+sizes and adds the counts of roundings, plus one; a sum adds sizes and takes the larger count, plus one. The size itself is
+computed in floats, from at most n positive terms, and is too small by at most a factor (1 - u)^n; ``error`` multiplies by
+1.001, which covers this, 1/(1 - n u) and its own three roundings for all n <= 10^9.
+
+What is computed are coefficients that are polynomials in parameters (``Monomial``). Values of parameters are taken as exactly
+the binary numbers that the floats are; the other numbers of a formula (rational, or rational in pi) are gathered into one
+constant for each monomial and rounded once.
+
+``count_right`` counts the zeros of many real polynomials on the right of the imaginary axis by Routh's array. Where no number
+in its first column is 0, no zero lies on the axis, and as many on its right as that column changes its sign (Routh, 1877).
+Every number has a radius beside it: |computed - exact| <= radius, by the rules below, in which each rounding of a computed
+result x adds at most u |x|, and 1e-290 more than whatever underflows. Radii are computed in floats themselves, from positive
+terms with some ten roundings each, which a factor 1 + 32 u covers. A sign counts where the number is larger than its radius.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import log2
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from flint import arb
+from numpy.typing import DTypeLike, NDArray
+
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import bounds
+
+Array: TypeAlias = NDArray[Any]
+"""Of floats, of either precision."""
+MOST_TERMS = 10**9
+_SLACK = 1.001
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Coefficients in rows, sets in columns: of ascending powers where they are those of a polynomial.
+
+    ``sizes``: sums of absolute values as above. ``roundings``: how many of them lie behind a coefficient at most.
+    """
+
+    values: Array
+    sizes: Array
+    roundings: int
+
+    @property
+    def degree(self) -> int:
+        """That of all its polynomials."""
+        return len(self.values) - 1
+
+    def of(self, sets: Array) -> Batch:
+        """Those of some of the sets, which may be repeated."""
+        return Batch(self.values[:, sets], self.sizes[:, sets], self.roundings)
+
+
+def unit_roundoff(dtype: DTypeLike) -> float:
+    """u of a float type."""
+    return float(np.finfo(dtype).eps) / 2
+
+
+def error(sizes: Array, roundings: int) -> Array:
+    """The bound on the rounding errors of numbers of these sizes."""
+    assert roundings <= MOST_TERMS
+    return sizes * (_SLACK * unit_roundoff(sizes.dtype) * roundings)
+
+
+def nearest(x: arb, dtype: DTypeLike) -> Any:
+    """The middle of a narrow ball as a float of that type, with one rounding of that type."""
+    kind: Any = np.dtype(dtype).type
+    high = float(x.mid())
+    return kind(high) if kind is np.float64 else kind(high) + kind(float((x - arb(high)).mid()))
+
+
+BITS = 256
+_MOST_EXPONENT = 1000  # of two: products within it neither underflow nor overflow, with room for sums
+
+
+@dataclass(frozen=True)
+class Monomial:
+    """A monomial of a coefficient: the row of the coefficient it belongs to, a constant, and the exponents of the parameters.
+
+    ``rest``: what the constant's nearest double leaves of it, for wider floats.
+    """
+
+    power: int
+    constant: float
+    rest: float
+    exponents: tuple[int, ...]
+
+
+def monomial(power: int, exponents: tuple[int, ...], ball: arb) -> Monomial:
+    """One with a constant in that ball; UndecidedError where too few of its bits are known."""
+    if not ball.is_exact() and ball.rel_accuracy_bits() < 128:
+        raise UndecidedError(f"a coefficient near {float(ball.mid())} has fewer than 128 correct bits")
+    middle, _ = bounds(ball.mid())
+    constant = float(middle)
+    return Monomial(power, constant, float(middle - type(middle)(constant)), exponents)
+
+
+class Powers:
+    """Monomials of the parameters' values, each computed once. ``values``: parameters x sets."""
+
+    def __init__(self, values: Array) -> None:
+        self.values, self.dtype, self.sets = values, values.dtype, values.shape[1]
+        self._known: dict[tuple[int, ...], Array] = {}
+
+    def monomial(self, exponents: tuple[int, ...]) -> Array:
+        """The product of the parameters, each to its power; one rounding less than its degree."""
+        if exponents not in self._known:
+            self._known[exponents] = self._monomial(exponents)
+        return self._known[exponents]
+
+    def _monomial(self, exponents: tuple[int, ...]) -> Array:
+        last = next((i for i, n in reversed([*enumerate(exponents)]) if n), None)
+        if last is None:
+            return np.ones(self.sets, self.dtype)
+        lower = tuple(n - (i == last) for i, n in enumerate(exponents))
+        column: Array = self.values[last]
+        return self.monomial(lower) * column if any(lower) else column
+
+
+def coefficients(terms: Sequence[Monomial], rows: int, powers: Powers) -> Batch:
+    """The sums of the monomials of each row, at each set of parameters."""
+    values, sizes = np.zeros((2, rows, powers.sets), powers.dtype)
+    for term in terms:
+        monomial = powers.monomial(term.exponents)
+        constant = powers.dtype.type(term.constant) + powers.dtype.type(term.rest)
+        values[term.power] += monomial * constant
+        sizes[term.power] += np.abs(monomial * constant)
+    # a constant's rounding and its product; the products of a monomial; the sum
+    return Batch(values, sizes, 2 + max(sum(t.exponents) for t in terms) + len(terms))
+
+
+def within_reach(values: Array, products: Iterable[Sequence[Sequence[Monomial]]]) -> Array:
+    """The sets for which no product of sums of monomials, one of each of those in a row, can underflow or overflow.
+
+    With |log2| of every parameter that is not zero at most e, any product of terms lies within 2^+-(degree e + constants).
+    """
+    limit = min(map(_limit, products), default=0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        exponents = np.abs(np.log2(np.abs(values)))
+    within: Array = ((values == 0) | (exponents <= limit)).all(axis=0)
+    return within
+
+
+def _limit(sums: Sequence[Sequence[Monomial]]) -> float:
+    degree = sum(max(sum(t.exponents) for t in terms) for terms in sums)
+    constants = sum(max(abs(log2(abs(t.constant))) for t in terms) for terms in sums)
+    return (_MOST_EXPONENT - constants) / max(degree, 1)
+
+
+_TINY_ROUTH = 1e-290
+
+
+class Ball(NamedTuple):
+    """Numbers, and how far each may be from the exact one."""
+
+    x: Array
+    r: Array
+
+
+def count_right(p: Batch) -> tuple[Array, Array]:
+    """For each set the number of zeros with Re s > 0, and whether it is proven; then there are none on the axis.
+
+    >>> p = np.array([[2.0, 2.0, 1.0], [1.0, -1.0, 0.0], [1.0, 1.0, 1.0]])       # s^2 + s + 2, s^2 - s + 2, s^2 + 1
+    >>> [x.tolist() for x in count_right(Batch(p, abs(p), 0))]
+    [[0, 2, 0], [True, True, False]]
+    """
+    with np.errstate(all="ignore"):  # what is not finite has no certain sign
+        radius = error(p.sizes, p.roundings) + _TINY_ROUTH
+        upper, lower = (Ball(p.values[i::-2], radius[i::-2]) for i in (p.degree, p.degree - 1))
+        signs = [_sign(upper)]
+        for _ in range(p.degree):
+            signs.append(_sign(lower))
+            upper, lower = lower, _next(upper, lower)
+        column = np.stack(signs)
+    return (column[1:] * column[:-1] < 0).sum(axis=0), (column != 0).all(axis=0)
+
+
+def _sign(row: Ball) -> Array:
+    """Of the first number of a row: 0 where it is not certain."""
+    found: Array = (row.x[0] > row.r[0]).astype(np.int8) - (row.x[0] < -row.r[0]).astype(np.int8)
+    return found
+
+
+def _next(upper: Ball, lower: Ball) -> Ball:
+    """The row a_(j+1) - (a_0/b_0) b_(j+1) that follows rows a and b."""
+    u = unit_roundoff(upper.x.dtype)
+    q = upper.x[0] / lower.x[0]
+    of_q = (upper.r[0] + np.abs(q) * lower.r[0]) / (np.abs(lower.x[0]) - lower.r[0]) + u * np.abs(q)
+    a, b = Ball(upper.x[1:], upper.r[1:]), _as_long(Ball(lower.x[1:], lower.r[1:]), len(upper.x) - 1)
+    product = q * b.x
+    x = a.x - product
+    r = a.r + np.abs(q) * b.r + of_q * (np.abs(b.x) + b.r) + u * (np.abs(product) + np.abs(x))
+    return Ball(x, r * (1 + 32 * u) + _TINY_ROUTH)
+
+
+def _as_long(row: Ball, rows: int) -> Ball:
+    more = np.zeros((rows - len(row.x), row.x.shape[1]), dtype=row.x.dtype)
+    return Ball(np.concatenate([row.x, more]), np.concatenate([row.r, more])) if len(more) else row
