@@ -90,7 +90,6 @@ _ON_DEMAND = {
     "sine": "verbs.simulate.motions",
     "stability": "verbs.stability.entry",
     "sweep": "verbs.sweep.entry",
-    "sweep_cost": "verbs.cost.entry",
     "tolerances": "verbs.tolerances.proofs",
     "verify": "verbs.derive.verify",
 }
@@ -207,7 +206,6 @@ __all__ = [
     "sine",
     "stability",
     "sweep",
-    "sweep_cost",
     "symbols",
     "tolerances",
     "verify",

@@ -32,9 +32,8 @@ from haptisym.figures.sweep import draw_curves, draw_map, is_logarithmic
 from haptisym.figures.tolerances import draw_tolerances, tolerances_figure
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.kernel.reals import ExactNumber
-from haptisym.verbs.cost.entry import Cost
-from haptisym.verbs.cost.hardcosts import HardCosts
-from haptisym.verbs.cost.measurement import HardRow, Measurement
+from haptisym.verbs.cost.entry import Cost, Measurement
+from haptisym.verbs.cost.hardcosts import HardCosts, HardRow
 from haptisym.verbs.jnd.tables import Answers, Row
 from haptisym.verbs.sweep.axes import UNKNOWN
 

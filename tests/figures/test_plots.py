@@ -19,8 +19,7 @@ from haptisym.figures.pen import SCENES
 from haptisym.figures.plots import KINDS
 from haptisym.figures.style import CURVES
 from haptisym.kernel.errors import NothingToDrawError
-from haptisym.verbs.cost.hardcosts import HardCosts
-from haptisym.verbs.cost.measurement import HardRow
+from haptisym.verbs.cost.hardcosts import HardCosts, HardRow
 from haptisym.verbs.jnd.tables import Answers, Row
 from haptisym.writing.schemas import schema_names
 

@@ -238,7 +238,6 @@ def answers(path: Path) -> list[str]:
     costs: hs.Cost = hs.cost(scene, quick=True)
     harder: hs.HardCosts = hs.hard_costs(told=lambda what, share: None)
     simulated: hs.Cost = hs.simulation_cost(scene, quick=True)
-    swept: hs.Cost = hs.sweep_cost(scene, ["omega_n"], quick=True)
     run: hs.Simulation = hs.simulate(scene, hs.sine(1, 3), extras=(hs.EncoderQuantisation(1e-6), hs.ForceSaturation(50)))
     both: tuple[hs.Simulation, ...] = hs.check(scene, amplitude="1 cm", count=3)
     motions = [hs.multisine(0.01, [1, 2]), hs.chirp(0.01, 1, 10, 5)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import random
-from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from itertools import pairwise
@@ -28,15 +27,9 @@ from sympy import Symbol, sqrt
 import haptisym as hs
 from haptisym.cli import app
 from haptisym.judge.crossings import noticed
-from haptisym.kernel.errors import LimitError, SceneError
+from haptisym.kernel.errors import SceneError
 from haptisym.model.jnd import Threshold
-from haptisym.verbs.cost.entry import Cost
-from haptisym.verbs.cost.hardcosts import hard_cases
-from haptisym.verbs.cost.measurement import Measurement, margin
-from haptisym.verbs.cost.stopwatch import interleaved
-from haptisym.verbs.cost.sweeps import Answers, SweepQuestion, certified_way
-from haptisym.verbs.cost.sweeps import grid_way as grid_of_sets
-from haptisym.verbs.cost.tasks import (
+from haptisym.verbs.cost.contenders import (
     CROSSINGS,
     DOUBLE,
     RATIO_METHODS,
@@ -44,15 +37,16 @@ from haptisym.verbs.cost.tasks import (
     Found,
     RatioQuestion,
     RefusedError,
-    approximated,
     companion_way,
     control_way,
     grid_way,
+    margin,
     naive_way,
     right_digits,
     scipy_way,
-    without,
 )
+from haptisym.verbs.cost.entry import Cost, Measurement, approximated, interleaved, without
+from haptisym.verbs.cost.hardcosts import hard_cases
 
 SPRING = hs.environments.mass_spring_damper(k=100)
 
@@ -278,35 +272,6 @@ LOWPASS = {
 }
 
 
-def answers(real: list[float], first: list[float], left: tuple[int, ...] = ()) -> Answers:
-    none = np.zeros(len(real))
-    return Answers(
-        [("crossings_real", np.array(real)), ("first_crossing_real", np.array(first)), ("crossings_imag", none), ("first_crossing_imag", none * nan)],
-        len(real) + len(left), left,
-    )  # fmt: skip
-
-
-def test_sets_with_a_wrong_count_are_counted_and_the_digits_of_the_others() -> None:
-    """Behind a lag of wc r_r = 1/5 at wc/2: one crossing if that is on the band, which ends at 15 rad/s, and none beyond."""
-    question = SweepQuestion.of(lag(20, (1, 15), {"real": "0.2", "imag": "2"}), ["omega_c"], quick=True)
-    question = replace(question, values=np.array([[12.0, 20.0, 28.0, 40.0]]), patience=inf)
-    truth = question.truth
-    assert [(row["crossings_real"], row["crossings_imag"]) for row in truth] == [(1, 0), (1, 0), (1, 0), (0, 0)]
-    assert [row["first_crossing_real"] for row in truth[:3]] == pytest.approx([6, 10, 14], rel=1e-12)
-    right = question.score(answers([1, 1, 1, 0], [6, 10, 14, nan]))
-    assert (right.digits, right.missed, right.invented, right.wrong) == (pytest.approx(DOUBLE, abs=1), 0, 0, (0, 4))
-    worse = question.score(answers([1, 1, 1, 0], [6.006, 10, 14.00014, nan]))
-    assert (worse.digits, worse.wrong) == (pytest.approx(3, abs=1e-6), (0, 4))
-    bad = question.score(answers([0, 3, 1, 1], [nan, 11, 14 * (1 + 1e-6), 3]))
-    assert (bad.digits, bad.missed, bad.invented, bad.wrong) == (pytest.approx(6, abs=1e-6), 1, 3, (3, 4))
-    cut = question.score(answers([1, 1, 1], [6, 10.001, 14], (3,)))
-    assert (cut.digits, cut.wrong) == (pytest.approx(4, abs=1e-6), (0, 3))
-    assert question.score(answers([1, 1, 1, 0], [nan, 10, 14, nan])).digits == 0.0
-    with pytest.raises(LimitError, match="no set was answered"):
-        answers([], [], (0, 1))
-    assert answers([1], [2.0], (1, 2)).answered == 1
-
-
 # Approximants, and what is left out.
 
 
@@ -398,7 +363,6 @@ def test_all_ways_to_a_ratio_agree_where_none_loses_digits() -> None:
         (["fu2019", "--figure", "cost.gif"], r"cost\.gif.* must end in \.svg, \.pdf or \.png"),
         (["fu2019", "--figure", "/no/such/folder/cost.svg"], "cannot be written"),
         (["fu2019", "--hard-cases"], "leave out SCENE"),
-        (["fu2019", "--limit", "60"], "--limit: of what is measured a sweep alone"),
     ],
 )  # fmt: skip
 def test_wrong_command_lines_are_refused_before_anything_is_measured(arguments: list[str], message: str) -> None:
@@ -406,70 +370,13 @@ def test_wrong_command_lines_are_refused_before_anything_is_measured(arguments: 
         CliRunner().invoke(app, ["cost", *arguments], catch_exceptions=False, standalone_mode=False)
 
 
-@pytest.mark.parametrize("measure", [hs.cost, hs.simulation_cost, hs.sweep_cost])
+@pytest.mark.parametrize("measure", [hs.cost, hs.simulation_cost])
 def test_a_scene_with_symbols_is_refused(measure: object) -> None:
     scene = hs.Scene(
         hs.environments.mass_spring_damper(k=Symbol("k", positive=True)), (hs.effects.first_order_lag(20),)
     )
     with pytest.raises(SceneError, match="k = k is a symbol"):
         measure(scene)  # type: ignore[operator]
-
-
-# Sweeps: a peak that is narrow beside the spacing of a grid is missed by it, and by nothing that proves.
-
-NARROW = """
-[environment]
-model = "mass-spring-damper"
-m = 1
-b = 0.02
-k = 50
-
-[[effects]]
-model = "shunt"
-b = 0.005
-
-[evaluation]
-band = [0, 15]
-jnd = 0.2
-"""
-
-
-def test_a_grid_misses_the_peaks_between_its_points_and_finds_those_at_them() -> None:
-    """Points are 0.01502 rad/s apart, the peak is 0.01500 wide: midway it is missed. Each 111th point is one of the coarse grid."""
-    points = np.linspace(0, 15, 1000)
-    midway, at, shared = (points[400:403] + points[401:404]) / 2, points[[400, 500]], points[[444, 555]]
-    drawn = SweepQuestion.of(hs.parse_scene(NARROW), ["k"], quick=True)
-    question = replace(drawn, values=np.concatenate([midway, at, shared])[None] ** 2, patience=inf)
-    ours, coarse, fine = (
-        x(question)() for x in (certified_way, partial(grid_of_sets, 100), partial(grid_of_sets, 1000))
-    )
-    (right, of), (coarse_wrong, _), (fine_wrong, _) = (
-        question.score(x).wrong or (-1, -1) for x in (ours, coarse, fine)
-    )
-    assert coarse_wrong > fine_wrong > 0
-    assert (right, fine_wrong, coarse_wrong, of) == (0, 3, 5, 7)
-    assert [question.score(x).missed for x in (ours, coarse, fine)] == [0, 10, 6]
-
-
-def test_a_limit_that_leaves_no_time_at_all_is_said(call: Any) -> None:
-    status, out, err = call("cost", "organ-tissue", "--sweep", "--quick", "--limit", "1e-9")
-    assert (status, out) == (3, "")
-    assert "not decided within the limit of 1e-09 s" in err
-    assert err.count("\n") == 1
-
-
-@pytest.mark.slow
-def test_of_a_region_no_grid_is_asked() -> None:
-    scene = hs.parse_scene(NARROW.replace("jnd = 0.2", 'jnd = { shape = "diamond", real = 0.2, imag = 0.2 }'))
-    found = hs.sweep_cost(scene, ["k"], quick=True)
-    assert [row.method for row in found.rows] == ["certified"]
-    assert {x.reason for x in found.left_out} == {"the threshold is more than a number for each part"}
-
-
-@pytest.mark.parametrize(("paths", "told"), [(["c"], "evaluation.jnd: cannot"), (["q"], "q"), (["k", "k"], "k")])
-def test_what_a_swept_cost_cannot_vary_is_refused(paths: list[str], told: str) -> None:
-    with pytest.raises(SceneError, match=told):
-        hs.sweep_cost(hs.parse_scene(NARROW), paths, quick=True)
 
 
 def test_a_scene_that_cannot_be_simulated_says_why() -> None:

@@ -1,20 +1,18 @@
-"""Accuracy against time as a figure, and the hard cases.
-
-Accuracy against time as a figure: right digits over seconds, both logarithmic, one panel for each question.
+"""Accuracy against time as a figure: right digits over seconds, both logarithmic, one panel for each question.
 
 Filled marks are proven, open ones are not; the lines are the Pareto fronts of all and of the proven ones: what nothing beats in
 both. Answers with a wrong number of crossings, or without a right digit, stand on the grey strip below.
 
-The hard cases as a figure: families against methods, the darker a cell the more of its questions are answered wrong.
+The hard cases are a table: families against methods, the darker a cell the more of its questions are answered wrong.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from itertools import pairwise
 from textwrap import fill, wrap
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -23,10 +21,9 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from haptisym.figures import pen
-from haptisym.figures.style import dots, number, raised, thin
-from haptisym.verbs.cost.entry import Cost, duration, summary, worst_verdict, wrong
-from haptisym.verbs.cost.hardcosts import HardCosts
-from haptisym.verbs.cost.measurement import HardRow, Measurement, front
+from haptisym.figures.style import Room, dots, number, raised, thin
+from haptisym.verbs.cost.entry import Cost, Measurement, duration, front
+from haptisym.verbs.cost.hardcosts import HardCosts, HardRow, worst_verdict
 
 _PANEL, _ALONE = (3.5, 2.7), (6.8, 3.6)
 """Inches: a panel among others, and one alone."""
@@ -41,7 +38,6 @@ _TITLES = {
     "delay": "Approximating the delay",
     "effects": "Leaving an effect out",
     "simulation": "Simulating in time",
-    "sweep": "Sweeping over sets of parameters: time for a set",
 }
 
 
@@ -104,81 +100,23 @@ def _dress(ax: Axes) -> None:
 # Names beside the marks, clear of marks and of each other.
 
 
-_Box = tuple[float, float, float, float]
-"""Left, bottom, right and top, in ems."""
-
-
 def _draw_names(ax: Axes, rows: Sequence[Measurement]) -> None:
     """The name of each method beside its mark, where it covers neither a mark nor another name; once the axes have their size."""
-    em = pen.SMALL * ax.figure.dpi / 72
-    places = [tuple(float(x) / em for x in ax.transData.transform(_place(row))) for row in rows]
-    frame: _Box = (ax.bbox.x0 / em, ax.bbox.y0 / em, ax.bbox.x1 / em, ax.bbox.y1 / em)
-    taken: list[_Box] = [(x - 0.5, y - 0.5, x + 0.5, y + 0.5) for x, y in places]
-    lines = [box for line in ax.get_lines() if line.get_drawstyle() == "steps-post" for box in _steps(ax, line, em)]
-    for row, (x, y) in sorted(zip(rows, places, strict=True), key=lambda pair: pair[1], reverse=True):
-        name = raised(f"{row.method}: {wrong(row)}" if wrong(row) else row.method)
-        boxes = list(_boxes(x, y, 0.53 * len(name) + 0.2, 1.2))
-        box = min(
-            boxes,
-            key=lambda b, x=x, y=y: (  # type: ignore[misc]
-                _distance(b, x, y)
-                + 20 * sum(_shared(b, other) for other in taken)
-                + 2 * sum(_shared(b, other) for other in lines)
-                + 60 * _outside(b, frame)
-            ),
-        )
-        taken.append(box)
-        _write(ax, name, box, (x, y), em)
-
-
-def _boxes(x: float, y: float, width: float, height: float) -> Iterable[_Box]:
-    """Places for a name: right, left, above and below its mark, and further away in steps of a line."""
-    for line in (0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.5, -4.5):
-        for left in (0.8, -0.8 - width, -width / 2):
-            if line or left != -width / 2:
-                bottom = y + 1.1 * line - height / 2
-                yield x + left, bottom, x + left + width, bottom + height
-
-
-def _steps(ax: Axes, line: Line2D, em: float) -> Iterable[_Box]:
-    """The flat and the upright pieces of a front, as narrow boxes."""
-    places = [(float(x) / em, float(y) / em) for x, y in ax.transData.transform(line.get_xydata())]
-    for (a, low), (b, high) in pairwise(places):
-        yield a, low - 0.2, b, low + 0.2
-        yield b - 0.2, low, b + 0.2, high
-
-
-def _distance(box: _Box, x: float, y: float) -> float:
-    across = max(box[0] - x, 0.0, x - box[2])
-    return across + abs((box[1] + box[3]) / 2 - y)
-
-
-def _shared(a: _Box, b: _Box) -> float:
-    """The area that two boxes have in common."""
-    width, height = min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
-    return width * height if width > 0 and height > 0 else 0.0
-
-
-def _outside(box: _Box, frame: _Box) -> float:
-    """How far a box reaches out of the axes."""
-    return sum(max(0.0, x) for x in (frame[0] - box[0], frame[1] - box[1], box[2] - frame[2], box[3] - frame[3]))
-
-
-def _write(ax: Axes, name: str, box: _Box, mark: tuple[float, float], em: float) -> None:
-    middle = ((box[0] + box[2]) / 2, (box[1] + box[3]) / 2)
-    inside = ax.transAxes.inverted()
-    if abs(middle[1] - mark[1]) > 1.6:
-        nearest = (min(max(mark[0], box[0]), box[2]), box[1] if box[1] > mark[1] else box[3])
-        ends = inside.transform([(x * em, y * em) for x, y in (mark, nearest)])
-        ax.plot(*ends.T, color=pen.GREY, linewidth=0.4, transform=ax.transAxes, zorder=3)
-    place = inside.transform((middle[0] * em, middle[1] * em))
-    ground = {"facecolor": "white", "edgecolor": "none", "pad": 0.4} if mark[1] > _strip_top(ax, em) else None
-    style: dict[str, Any] = {"fontsize": pen.SMALL - 0.5, "ha": "center", "va": "center", "color": pen.INK, "zorder": 5}
-    ax.text(place[0], place[1], name, transform=ax.transAxes, bbox=ground, **style)
-
-
-def _strip_top(ax: Axes, em: float) -> float:
-    return float(ax.transData.transform((1, _LEAST))[1]) / em
+    room, size = Room(ax), pen.SMALL - 0.5
+    for row in rows:
+        room.take_point(*_place(row))
+    for line in ax.get_lines():
+        if line.get_drawstyle() == "steps-post":
+            x, y = np.asarray(line.get_xdata(), dtype=float), np.asarray(line.get_ydata(), dtype=float)
+            room.take_line(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1])
+    for row in sorted(rows, key=_place, reverse=True):
+        name = raised(f"{row.method}: {row.wrong}" if row.wrong else row.method)
+        right, up = room.beside(*_place(row), name, size)
+        leader = pen.LEADER if max(abs(right), abs(up)) > 2 * size and (up > size or up < -2 * size) else None
+        ax.annotate(
+            name, _place(row), xytext=(right, up), textcoords="offset points", fontsize=size, color=pen.INK, va="bottom",
+            zorder=5, arrowprops=leader,
+        )  # fmt: skip
 
 
 # The whole figure.
@@ -198,7 +136,7 @@ def cost_figure(found: Cost) -> Figure:
     figure.suptitle("\n".join(wrap(found.scene.title, 88)), fontsize=pen.TEXT + 1, color=pen.INK)
     style: dict[str, Any] = {"handles": _handles(rows), "fontsize": pen.SMALL, "frameon": False, "handlelength": 2}
     if len(groups) < len(axes):
-        _explain(axes[-1], summary(rows), style)
+        _explain(axes[-1], found.summary, style)
     else:
         figure.legend(loc="outside lower center", ncols=5, **style)
     figure.draw_without_rendering()
@@ -230,7 +168,7 @@ def _handles(rows: Sequence[Measurement]) -> list[Any]:
 
 
 _CELL, _LEFT, _LINE = 0.98, 1.95, 0.34  # inches: width of a cell, of the names of families, height of a line
-_TITLES_HARDCOSTS = {"evaluate": "Values of the ratios", "crossings": "Crossings"}
+_TABLES = {"evaluate": "Values of the ratios", "crossings": "Crossings"}
 _DARKEST = 0.42
 """The share of ink of a cell without a right answer: figures on it are still read, in grey print too."""
 
@@ -238,7 +176,7 @@ _DARKEST = 0.42
 def hard_costs_figure(found: HardCosts) -> Figure:
     """A table for the questions about values above one for those about crossings."""
     rows = found.rows
-    groups = [[row for row in rows if row.task == task] for task in _TITLES_HARDCOSTS]
+    groups = [[row for row in rows if row.task == task] for task in _TABLES]
     groups = [group for group in groups if group]
     sizes = [(len(_names(group, "method")), len(_names(group, "family"))) for group in groups]
     width = _LEFT + _CELL * max(columns for columns, _ in sizes) + 0.1
@@ -251,7 +189,7 @@ def hard_costs_figure(found: HardCosts) -> Figure:
         draw_table(figure.add_axes(place), group)
         top -= _LINE * lines
     figure.legend(
-        handles=_handles_in_hardcosts(),
+        handles=_table_handles(),
         loc="lower center",
         ncols=4,
         fontsize=pen.SMALL,
@@ -266,7 +204,7 @@ def draw_table(ax: Axes, rows: Sequence[HardRow]) -> None:
     methods, families = _names(rows, "method"), _names(rows, "family")
     ax.set(xlim=(0, len(methods)), ylim=(len(families), 0))
     ax.set_axis_off()
-    title = _TITLES_HARDCOSTS[rows[0].task]
+    title = _TABLES[rows[0].task]
     ax.text(-_LEFT / _CELL + 0.1, -0.6, title, fontsize=pen.TEXT + 1, color=pen.INK, fontweight="bold")
     for j, method in enumerate(methods):
         ours = any(row.ours for row in rows if row.method == method)
@@ -328,7 +266,7 @@ def _names(rows: Sequence[HardRow], attribute: str) -> list[str]:
     return list(dict.fromkeys(str(getattr(row, attribute)) for row in rows))
 
 
-def _handles_in_hardcosts() -> list[Any]:
+def _table_handles() -> list[Any]:
     mark = dots(4, color=pen.INK, markeredgewidth=0.8)
     return [
         Line2D([], [], **mark, label="proven"),

@@ -8,9 +8,8 @@ from statistics import median
 
 from haptisym.model.jnd import Part
 from haptisym.pages.words import RATIOS, lead, title
-from haptisym.verbs.cost.entry import Cost, duration, not_reached, share_wrong, worst_verdict, wrong
-from haptisym.verbs.cost.hardcosts import FAMILIES, HardCosts
-from haptisym.verbs.cost.measurement import HardRow, Measurement
+from haptisym.verbs.cost.entry import Cost, Measurement, duration
+from haptisym.verbs.cost.hardcosts import FAMILIES, HardCosts, HardRow, worst_verdict
 from haptisym.writing.document import Block, Column, Document, Figure, Notes, Number, Paragraph, Phrase, Section, Table
 from haptisym.writing.layout import named
 
@@ -20,7 +19,6 @@ _TASKS: dict[str, Phrase] = {
     "crossings": "The crossings on the band: time for all of them",
     "delay": "The crossings with approximated delays, against the exact ones",
     "effects": "The crossings with an effect left out, against all effects",
-    "sweep": "A sweep over sets of parameters: time for a set",
     "simulation": (named("H_perc"), " recovered from a simulation in time, against the closed form"),
 }
 """What each task asks."""
@@ -35,8 +33,7 @@ def page(found: Cost) -> Document:
         "of times travel between machines, times do not."
     )
     omitted = (f"Left out: {x.method} ({x.reason})." for x in found.left_out)
-    late = (f"{x.method}: {not_reached(x)}." for x in found.rows if x.left_open)
-    notes = Notes((proof, *late, *omitted, _measured_on(found.machine)))
+    notes = Notes((proof, *omitted, _measured_on(found.machine)))
     shown = "Right digits against time for each question; filled marks are proven."
     blocks = Paragraph(found.summary), *tables, Figure("cost", shown, found.figure, wide=True), notes
     return Document(f"{title(found.scene)}: what accuracy costs", lead(found.scene, found.asides()), blocks)
@@ -50,14 +47,13 @@ def _measured_on(machine: Mapping[str, str]) -> str:
 def _table(found: Cost, task: str) -> Block:
     size = found.condition.get(task)
     condition = "" if size is None else f" (condition number {'infinite: a touch' if isinf(size) else f'{size:.2g}'})"
-    last = Column("sets with a wrong count" if task == "sweep" else "")
     columns = (
         Column("method"),
         Column("right digits", number=True),
         Column("time"),
         Column("spread"),
         Column("proven"),
-        last,
+        Column(""),
     )
     return Section(
         (_TASKS[task], condition), (Table(columns, tuple(map(_row, found.task(task))), (_TASKS[task], ".")),)
@@ -68,7 +64,7 @@ def _row(row: Measurement) -> tuple[Phrase, ...]:
     digits = Number(f"{row.digits:.{int(row.digits < 20)}f}", row.digits)
     spread = "" if row.spread is None else f"± {100 * row.spread:.0f} %"
     proven = "yes" if row.proven else "no"
-    return row.method, digits, duration(row.seconds), spread, proven, share_wrong(row) or wrong(row)
+    return row.method, digits, duration(row.seconds), spread, proven, row.wrong
 
 
 _TOLD = (

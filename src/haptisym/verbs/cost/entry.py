@@ -1,158 +1,201 @@
-"""What accuracy costs in time for a scene: measured live, in a sentence and in numbers.
+"""What accuracy costs in time for a scene: measured live, against certified references of higher precision.
 
-What was measured, in a sentence, and the words for times and counts that go with it.
-
-What accuracy costs in time for a scene: measured live, against certified references of higher precision.
+Contenders take turns, so that a slow moment of a machine that others use too slows all of them alike (``interleaved``). Asked
+are the ratios, the crossings, these with approximated delays and with each effect left out; and of a simulation in time how
+well H_perc is recovered along the band.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import os
+import platform
+import statistics
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from functools import partial
+from importlib.metadata import PackageNotFoundError, version
 from math import isinf
 from pathlib import Path
-from statistics import median
-from typing import Any, ClassVar
+from time import perf_counter
+from typing import Any, ClassVar, TypeVar
 
+import numpy as np
+from sympy import Expr, cosh, exp, sinh
+
+from haptisym import effects
 from haptisym.judge.answers import Answer
-from haptisym.kernel.budget import limited
-from haptisym.kernel.errors import HaptisymError
+from haptisym.kernel.budget import spared
+from haptisym.kernel.caches import forget
+from haptisym.kernel.errors import HaptisymError, SceneError
 from haptisym.kernel.shown import counted, titled
+from haptisym.kernel.symbols import s
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.cost.measurement import HardRow, Measurement, Omission
-from haptisym.verbs.cost.stopwatch import Timed, interleaved, machine
-from haptisym.verbs.cost.tasks import Method, Task, crossings_task, delay_tasks, effects_tasks, evaluate_task, prepared
-from haptisym.verbs.simulate.threads import one_thread
+from haptisym.verbs.cost.contenders import (
+    CROSSINGS,
+    RATIO_METHODS,
+    Attempt,
+    Crossings,
+    Found,
+    Method,
+    RatioQuestion,
+    RefusedError,
+    Score,
+)
+
+# --- the stopwatch ---------------------------------------------------------------------------------------------------
+
+Key = TypeVar("Key", bound=Hashable)
+_PACKAGES = ("numpy", "sympy", "python-flint", "scipy", "control", "numba")
+_IN_A_ROW, _SHORT = 3, 0.01  # s
+
+
+@dataclass(frozen=True)
+class Timed:
+    """The median of the seconds that an attempt took, and what it answered.
+
+    ``spread`` : half of the range in which the middle half of its turns lies, over the median; None of fewer than four turns.
+    """
+
+    seconds: float
+    answer: Any
+    spread: float | None = None
+
+
+def interleaved(
+    attempts: Mapping[Key, Callable[[], Any]],
+    budget: float,
+    *,
+    rounds: int = 15,
+    told: Callable[[Key, int], None] = lambda key, at: None,
+) -> dict[Key, Timed]:
+    """Every attempt once to warm up, then in turns: at most so many rounds, and none begun after ``budget`` seconds.
+
+    An attempt whose first run took more than an eighth of the budget is not repeated. In a turn short ones run several times in
+    a row, and the quickest counts: the first pays for what was left behind before it. ``told`` is called with each key and its
+    place as its first run begins. An attempt that raises a HaptisymError has that for its answer. No attempt profits from
+    certified zeros that another one found.
+
+    >>> found = interleaved({"sum": lambda: sum(range(100)), "constant": lambda: 1}, 0.01)
+    >>> found["sum"].answer, found["sum"].seconds > found["constant"].seconds
+    (4950, True)
+    """
+    began, answers, first = perf_counter(), {}, {}
+    for at, (key, attempt) in enumerate(attempts.items()):
+        told(key, at)
+        first[key], answers[key] = _once(attempt)
+    turns: dict[Key, list[float]] = {key: [] for key in attempts}
+    with spared():
+        for _ in range(rounds):
+            if perf_counter() - began > budget:
+                break
+            for key in (key for key in attempts if first[key] <= budget / 8):
+                often = _IN_A_ROW if first[key] < _SHORT else 1
+                turns[key].append(min(_once(attempts[key])[0] for _ in range(often)))
+    taken = {key: turns[key] or [first[key]] for key in attempts}
+    return {key: Timed(statistics.median(x), answers[key], _spread(x)) for key, x in taken.items()}
+
+
+def _spread(turns: list[float]) -> float | None:
+    if len(turns) < 4:
+        return None
+    low, middle, high = statistics.quantiles(turns, n=4)
+    return (high - low) / (2 * middle)
+
+
+def _once(attempt: Callable[[], Any]) -> tuple[float, Any]:
+    forget()
+    started = perf_counter()
+    try:
+        answer = attempt()
+    except HaptisymError as refusal:
+        answer = refusal
+    return perf_counter() - started, answer
+
+
+def machine() -> dict[str, str]:
+    """What is measured on: interpreter, processor count and versions; "absent" for a package that is not installed."""
+
+    def of(name: str) -> str:
+        try:
+            return version(name)
+        except PackageNotFoundError:
+            return "absent"
+
+    return {
+        platform.python_implementation(): platform.python_version(),
+        "processors": f"{os.cpu_count()} x {platform.machine()}",
+        **{name: of(name) for name in _PACKAGES},
+    }
+
+
+# --- the answer ------------------------------------------------------------------------------------------------------
 
 _SCATTER = 0.15  # of the middle half of the repeats: quiet machines have 0.02 to 0.1
-BUSY = "This machine is busy: times are not to be trusted."
 
 
-def is_busy(rows: Sequence[Measurement]) -> bool:
-    """Whether the repeats scatter so much that something else was running."""
-    spreads = [x.spread for x in rows if x.spread is not None]
-    return bool(spreads) and median(spreads) > _SCATTER
+@dataclass(frozen=True)
+class Measurement:
+    """One measurement.
 
-
-def summary(rows: Sequence[Measurement]) -> str:
-    """What a digit costs, in a sentence; of a sweep what certainty costs; of times that scatter that they do."""
-    if is_busy(rows):
-        return BUSY
-    if rows and rows[0].task == "sweep":
-        return _of_sweep(rows)
-    proven = sorted((x for x in rows if x.task == "crossings" and x.proven), key=lambda x: x.digits)
-    if len(proven) < 2:
-        return _best(rows)
-    first, last = proven[0], proven[-1]
-    each = (last.seconds - first.seconds) / (last.digits - first.digits)
-    lost = sum((x.spread or 0) * x.seconds for x in (first, last))
-    grids = [x for x in rows if x.task == "crossings" and x.method.startswith("grid") and x.method[-1].isdigit()]
-    finest = max(grids, key=lambda x: x.seconds, default=None)
-    price = f"{duration(each)} a digit" if last.seconds - first.seconds > lost else "no time that shows"
-    return (
-        f"Here all crossings, proven, to {first.digits:.0f} digits take {duration(first.seconds)}; more digits cost {price}: "
-        f"{last.digits:.0f} of them take {duration(last.seconds)}" + (f"; {_grid(finest)}" if finest else "") + "."
-    )
-
-
-def _of_sweep(rows: Sequence[Measurement]) -> str:
-    ours = next((x for x in rows if x.proven), None)
-    if ours is None:
-        return "Here no set was answered with proof."
-    grids = [x for x in rows if not x.proven and x.sets]
-    told = [
-        f"a {x.method.partition(',')[0]} points takes {duration(x.seconds)} and counts {share_wrong(x)} wrong"
-        for x in grids
-    ]
-    said = f" ({not_reached(ours)})" if ours.left_open else ""
-    return (
-        f"Here a set is answered with proof in {duration(ours.seconds)}{said}" + "".join(f"; {x}" for x in told) + "."
-    )
-
-
-def not_reached(row: Measurement) -> str:
-    """Of a sweep, for how many sets the time was too short."""
-    return f"{row.left_open} of {row.asked} sets were not reached within the limit of time"
-
-
-def share_wrong(row: Measurement) -> str:
-    """``1.6 % of 500 sets``; "" of what is no sweep."""
-    if row.wrong is None or not row.sets:
-        return ""
-    share = f"{100 * row.wrong / row.sets:.2g} %" if row.wrong else "none"
-    return f"{share} of {row.sets} sets"
-
-
-def _grid(row: Measurement) -> str:
-    if not row.complete:
-        return f"a {row.method} points takes {duration(row.seconds)} and {wrong(row)}"
-    return f"a {row.method} points takes {duration(row.seconds)} for {row.digits:.1f} digits, and proves nothing"
-
-
-def _best(rows: Sequence[Measurement]) -> str:
-    best = max((x for x in rows if x.complete), key=lambda x: x.digits, default=None)
-    if best is None:
-        return "Here no method found all crossings and no others."
-    low = min((x for x in rows if x.complete), key=lambda x: x.seconds)
-    return (
-        f"Here {best.digits:.1f} digits take {duration(best.seconds)} ({best.method}), and the fastest way gives "
-        f"{low.digits:.1f} digits in {duration(low.seconds)} ({low.method})."
-    )
-
-
-def wrong(row: Measurement) -> str:
-    """What is wrong with a count of crossings; "" where nothing is."""
-    parts = [f"{word} {n}" for word, n in (("misses", row.missed), ("invents", row.invented)) if n]
-    return " and ".join(parts)
-
-
-def duration(seconds: float) -> str:
-    """A time with three digits and a readable unit.
-
-    >>> duration(0.00123456), duration(3.2e-7)
-    ('1.23 ms', '320 ns')
+    ``task`` : evaluate, crossings, delay, effects or simulation. ``digits`` : right decimal digits of the worst number.
+    ``seconds`` : median time; of ``evaluate`` for one frequency, of the other tasks for the whole answer. ``spread`` : half of
+    the range of the middle half of the repeats, over it; None of fewer than four. ``proven`` : whether the answer is proven.
+    ``missed``, ``invented`` : crossings that are there and not found, found and not there.
     """
-    for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us")):
-        if seconds >= unit:
-            return f"{float(f'{seconds / unit:.3g}'):g} {name}"
-    return f"{float(f'{seconds / 1e-9:.3g}'):g} ns"
+
+    task: str
+    method: str
+    digits: float
+    seconds: float
+    proven: bool
+    missed: int = 0
+    invented: int = 0
+    spread: float | None = None
+
+    def row(self) -> dict[str, Any]:
+        """As documents have it."""
+        return {key: x for key, x in asdict(self).items() if x is not None}
+
+    @property
+    def complete(self) -> bool:
+        """Whether no crossing is missed and none invented."""
+        return not (self.missed or self.invented)
+
+    @property
+    def wrong(self) -> str:
+        """What is wrong with a count of crossings; "" where nothing is."""
+        return wrong_words(self.missed, self.invented)
 
 
-def hard_summary(rows: Sequence[HardRow]) -> str:
-    """How many of the questions each side answers right, in a sentence."""
-    count = len({(row.family, row.case) for row in rows})
-    proven = [row for row in rows if row.ours and row.proven]
-    wrong = sum(row.verdict != "right" for row in proven)
-    usual = [row for row in rows if not row.ours and row.answered]
-    failed = sum(row.verdict != "right" for row in usual)
-    said = "none of them wrong" if not wrong else f"{wrong} of them WRONG"
-    return (
-        f"{count} hard questions: haptisym gives {len(proven)} proven answers, {said}; of {len(usual)} answers by the usual ways "
-        f"{failed} lose digits, miss crossings or invent some, and none says so."
-    )
+def wrong_words(missed: int, invented: int) -> str:
+    """``misses 2 and invents 1``; "" where nothing is wrong."""
+    return " and ".join(f"{word} {n}" for word, n in (("misses", missed), ("invents", invented)) if n)
 
 
-def worst_verdict(rows: Iterable[HardRow]) -> str:
-    """What goes wrong in some cases, all together; "" where nothing does."""
-    listed = list(rows)
-    missed, invented = sum(row.missed for row in listed), sum(row.invented for row in listed)
-    if missed or invented:
-        return " and ".join(f"{word} {n}" for word, n in (("misses", missed), ("invents", invented)) if n)
-    if any(row.verdict == "undecided" for row in listed):
-        return f"{sum(row.verdict == 'undecided' for row in listed)} undecided, and said so"
-    bad = [row for row in listed if row.verdict != "right"]
-    return min(bad, key=lambda row: row.digits).verdict if bad else ""
+@dataclass(frozen=True)
+class Omission:
+    """A method that was not measured, and why."""
+
+    task: str
+    method: str
+    reason: str
 
 
-Progressed = Callable[[str, float], None]
-"""Called with what is measured next and the share that is done, from 0 to 1."""
-_ROUNDS = 25
-_BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0, "simulation": 3.0, "sweep": 6.0}
-"""Seconds after which no repeats of a task are begun."""
-_FOR_REPEATS = 0.25
-"""The share of a limit after which no repeats are begun."""
+def front(rows: Iterable[Measurement]) -> tuple[Measurement, ...]:
+    """The rows that no other one beats in both digits and time, fastest first; those with wrong counts are left out.
+
+    >>> slow, fast, worse = (Measurement("evaluate", "", n, t, False) for n, t in ((30, 2.0), (15, 1.0), (14, 1.5)))
+    >>> front([slow, fast, worse]) == (fast, slow)
+    True
+    """
+    found: list[Measurement] = []
+    for row in sorted((x for x in rows if x.complete), key=lambda x: (x.seconds, -x.digits)):
+        if not found or row.digits > found[-1].digits:
+            found.append(row)
+    return tuple(found)
 
 
 @dataclass(frozen=True, repr=False)
@@ -183,12 +226,42 @@ class Cost(Answer):
     @property
     def busy(self) -> bool:
         """Whether the repeats scatter so much that something else was running: then no sentence is made of the times."""
-        return is_busy(self.rows)
+        spreads = [x.spread for x in self.rows if x.spread is not None]
+        return bool(spreads) and statistics.median(spreads) > _SCATTER
 
     @property
     def summary(self) -> str:
-        """What a digit costs here, in a sentence."""
-        return summary(self.rows)
+        """What a digit costs here, in a sentence; of times that scatter that they do."""
+        if self.busy:
+            return "This machine is busy: times are not to be trusted."
+        crossings = self.task("crossings")
+        proven = sorted((x for x in crossings if x.proven), key=lambda x: x.digits)
+        if len(proven) < 2:
+            return self._best()
+        first, last = proven[0], proven[-1]
+        each = (last.seconds - first.seconds) / (last.digits - first.digits)
+        lost = sum((x.spread or 0) * x.seconds for x in (first, last))
+        grids = [x for x in crossings if x.method.startswith("grid") and x.method[-1].isdigit()]
+        price = f"{duration(each)} a digit" if last.seconds - first.seconds > lost else "no time that shows"
+        said = (
+            f"Here all crossings, proven, to {first.digits:.0f} digits take {duration(first.seconds)}; more digits cost {price}: "
+            f"{last.digits:.0f} of them take {duration(last.seconds)}"
+        )
+        if grids:
+            x = max(grids, key=lambda x: x.seconds)
+            found = f"for {x.digits:.1f} digits, and proves nothing" if x.complete else f"and {x.wrong}"
+            said += f"; a {x.method} points takes {duration(x.seconds)} {found}"
+        return f"{said}."
+
+    def _best(self) -> str:
+        right = [x for x in self.rows if x.complete]
+        if not right:
+            return "Here no method found all crossings and no others."
+        best, low = max(right, key=lambda x: x.digits), min(right, key=lambda x: x.seconds)
+        return (
+            f"Here {best.digits:.1f} digits take {duration(best.seconds)} ({best.method}), and the fastest way gives "
+            f"{low.digits:.1f} digits in {duration(low.seconds)} ({low.method})."
+        )
 
     def task(self, name: str) -> tuple[Measurement, ...]:
         """The rows of one task."""
@@ -206,6 +279,44 @@ class Cost(Answer):
         }
 
 
+def duration(seconds: float) -> str:
+    """A time with three digits and a readable unit.
+
+    >>> duration(0.00123456), duration(3.2e-7)
+    ('1.23 ms', '320 ns')
+    """
+    for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us")):
+        if seconds >= unit:
+            return f"{float(f'{seconds / unit:.3g}'):g} {name}"
+    return f"{float(f'{seconds / 1e-9:.3g}'):g} ns"
+
+
+# --- what is asked ---------------------------------------------------------------------------------------------------
+
+Progressed = Callable[[str, float], None]
+"""Called with what is measured next and the share that is done, from 0 to 1."""
+_ROUNDS = 25
+_BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0, "simulation": 9.0}
+"""Seconds after which no repeats of a task are begun."""
+_DIGITS = 15
+"""Of the crossings whose time and shift are compared when delays are approximated or effects left out."""
+_PADE_ORDERS = range(1, 7)
+_MANY = 10_000  # frequencies at once
+
+
+@dataclass(frozen=True)
+class Task:
+    """Attempts at one question, each with the score of its answer."""
+
+    name: str
+    attempts: Mapping[Method, Attempt]
+    score: Callable[[Method, Any], Score]
+    left_out: tuple[Omission, ...] = ()
+    condition: float | None = None
+    per: Callable[[Method], int] = lambda method: 1
+    """By what the seconds of an attempt are divided."""
+
+
 def cost(scene: Scene | str | Path, *, quick: bool = False, told: Progressed = lambda what, share: None) -> Cost:
     """Measure what accuracy costs for a scene with numbers: the ratios, the crossings, delays, and each effect left out.
 
@@ -221,12 +332,7 @@ def cost(scene: Scene | str | Path, *, quick: bool = False, told: Progressed = l
     """
     scene = as_scene(scene)
     scene.knobs.need_numbers()
-    tasks = [
-        evaluate_task(scene, quick=quick),
-        crossings_task(scene, quick=quick),
-        *delay_tasks(scene),
-        *effects_tasks(scene),
-    ]
+    tasks = [_evaluate(scene, quick=quick), _crossings(scene, quick=quick), *_simpler(scene)]
     return _measured(scene, tasks, 0.1 if quick else 1.0, told)
 
 
@@ -243,49 +349,16 @@ def simulation_cost(
     >>> max(row.digits for row in rows) > 11, min(row.digits for row in rows) < 4
     (True, True)
     """
-    from haptisym.verbs.cost.sweeps import Recovery, simulation_methods
+    from haptisym.verbs.cost.recovery import Recovery
+    from haptisym.verbs.simulate.threads import one_thread
 
     scene = as_scene(scene)
     scene.knobs.need_numbers()
     question = Recovery(scene)
     with one_thread():  # as ``simulate`` has it
-        question.check()
-        attempts, left_out = prepared(simulation_methods(question), question, "simulation")
-        task = Task("simulation", attempts, lambda method, answer: question.score(answer), left_out)
-        return _measured(scene, [task], 0.3 if quick else 3.0, told)
-
-
-def sweep_cost(
-    scene: Scene | str | Path,
-    free: Sequence[str] = (),
-    *,
-    quick: bool = False,
-    limit: float | None = None,
-    told: Progressed = lambda what, share: None,
-) -> Cost:
-    """Measure what certainty costs a sweep: time for a set, and how often a grid of frequencies counts crossings wrong.
-
-    ``free`` : paths of the parameters that vary, all numbers of the display if not given; each over its range if the scene states
-    one, else from half of its value to twice, always the same random sets. Wrong is what exact arithmetic tells otherwise, on as
-    many sets as there is time for. ``limit`` : seconds for all of it; rows say how many sets were not reached (``left_open``).
-    LimitError where none could be answered exactly within it. SceneError for a scene with symbols, or nothing that varies.
-
-    >>> from haptisym.model.scenefile import load_scene
-    >>> ours, *grids = sweep_cost(load_scene("fu2019"), quick=True).rows
-    >>> ours.wrong, ours.proven, all(row.sets == ours.sets for row in grids)
-    (0, True, True)
-    """
-    from haptisym.verbs.cost.sweeps import sweep_task
-
-    scene = as_scene(scene)
-    scene.knobs.need_numbers()
-    paths = [free] if isinstance(free, str) else list(free)
-    patience = 0.2 if quick else 3.0
-    if limit is not None:
-        patience = min(patience, limit * _FOR_REPEATS / _BUDGETS["sweep"])
-    with limited(limit):
-        told("formulas", 0.0)
-        return _measured(scene, [sweep_task(scene, paths, quick=quick)], patience, told)
+        attempts, left_out = _prepared(question.methods(), question, "simulation")
+        task = Task("simulation", attempts, lambda _, answer: question.score(answer), left_out)
+        return _measured(scene, [task], 0.1 if quick else 1.0, told)
 
 
 def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed) -> Cost:
@@ -294,30 +367,131 @@ def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed
     rows: list[Measurement] = []
     left_out = [x for task in tasks for x in task.left_out]
     for task in tasks:
-        said = partial(_tell, told, task.name, done, count)
+
+        def said(method: Method, at: int, before: int = done, name: str = task.name) -> None:
+            told(f"{name}: {method.name}", (before + at) / count)
+
         timed = interleaved(task.attempts, patience * _BUDGETS[task.name], rounds=_ROUNDS, told=said)
         done += len(task.attempts)
         told(f"{task.name}: right digits", done / count)
         done += 1
-        left_out += [Omission(task.name, m.name, str(x.answer)) for m, x in timed.items() if _refused(x)]
-        rows += [_row(task, method, x) for method, x in timed.items() if not _refused(x)]
+        for method, x in timed.items():
+            if isinstance(x.answer, HaptisymError):
+                left_out.append(Omission(task.name, method.name, str(x.answer)))
+                continue
+            score, seconds = task.score(method, x.answer), x.seconds / task.per(method)
+            proven = method.proves and not getattr(x.answer, "undecided", 0)
+            counts = score.missed, score.invented, x.spread
+            rows.append(Measurement(task.name, method.name, score.digits, seconds, proven, *counts))
     told("", 1.0)
     return Cost(scene, tuple(rows), tuple(left_out), {x.name: x.condition for x in tasks if x.condition is not None})
 
 
-def _tell(told: Progressed, task: str, before: int, count: int, method: Method, at: int) -> None:
-    told(f"{task}: {method.name}", (before + at) / count)
+def _prepared(
+    methods: Iterable[Method], question: Any, task: str
+) -> tuple[dict[Method, Attempt], tuple[Omission, ...]]:
+    """The methods that fit a question, ready; and those that do not, with the reason."""
+    ready, left_out = {}, []
+    for method in methods:
+        try:
+            ready[method] = method.ready(question)
+        except (RefusedError, SceneError) as refusal:
+            left_out.append(Omission(task, method.name, str(refusal)))
+    return ready, tuple(left_out)
 
 
-def _refused(timed: Timed) -> bool:
-    return isinstance(timed.answer, HaptisymError)
+def _evaluate(scene: Scene, *, quick: bool) -> Task:
+    """The ratios along the band, by floats of several kinds and to many digits."""
+    few = RatioQuestion(scene.distortion(), _frequencies(scene, 10 if quick else 40))
+    count = len(few.omegas)
+    many = RatioQuestion(few.distortion, few.omegas * ((_MANY // 10 if quick else _MANY) // count))
+    methods = [x for x in RATIO_METHODS.values() if not x.packages and not (quick and x.held > 100)]
+    groups = [
+        _prepared([x for x in methods if x.at_once is at_once], question, "evaluate")
+        for at_once, question in ((True, many), (False, few))
+    ]
+    truth = few.truth(int(max(x.held for x in methods)) + 10)
+    return Task(
+        "evaluate",
+        {**groups[0][0], **groups[1][0]},
+        lambda method, answer: few.score(answer[:count], truth, method.held),
+        (*groups[0][1], *groups[1][1]),
+        few.condition,
+        lambda method: len((many if method.at_once else few).omegas),
+    )
 
 
-def _row(task: Task, method: Method, timed: Timed) -> Measurement:
-    score = task.score(method, timed.answer)
-    proven = method.proves and not getattr(timed.answer, "undecided", 0)
-    seconds = timed.seconds / task.per(method, timed.answer)
-    wrong, sets = score.wrong or (None, None)
-    late, asked = (len(left), timed.answer.asked) if (left := getattr(timed.answer, "left_open", ())) else (None, None)
-    counts = score.missed, score.invented, wrong, sets, late, asked
-    return Measurement(task.name, method.name, score.digits, seconds, proven, *counts, timed.spread)
+def _frequencies(scene: Scene, count: int) -> tuple[float, ...]:
+    """Evenly and logarithmically along the band, without 0."""
+    low, high = (float(x) for x in scene.band)
+    even = np.linspace(low, high, count + 1)[1:]
+    decades = np.geomspace(low or 1e-6 * high, high, count, endpoint=False)
+    return tuple(float(x) for x in np.union1d(even, decades))
+
+
+def _crossings(scene: Scene, *, quick: bool) -> Task:
+    """All crossings, by grids, eigenvalues and proof."""
+    left = ("grid of 10^6", "certified, 300 digits", "certified, 1000 digits") if quick else ()
+    question = Crossings.of(scene)
+    attempts, left_out = _prepared((x for x in CROSSINGS.values() if x.name not in left), question, "crossings")
+    return Task("crossings", attempts, _against(question), left_out, question.condition)
+
+
+def _against(question: Crossings) -> Callable[[Method, Found], Score]:
+    """The score of an answer against the certified crossings of a question, with digits to spare."""
+    known: dict[int, Found] = {}
+
+    def score(method: Method, answer: Found) -> Score:
+        digits = int(method.held) + 15
+        if digits not in known:
+            known[digits] = question.certified(digits)
+        return question.score(answer, known[digits], method.held)
+
+    return score
+
+
+def _simpler(scene: Scene) -> Iterator[Task]:
+    """The crossings with Pade approximants for delays, if there are any, and with each effect left out."""
+    d, chain, exact = scene.distortion(), scene.distortion().chain, Crossings.of(scene)
+    if any(x.has(exp) for x in d.perc.ring.functions):
+        others = {f"Pade, order {n}": partial(approximated, d, n) for n in _PADE_ORDERS}
+        yield _compared("delay", exact, "exact delay", others)
+    if scene.effects:
+        others = {f"without {x.name}": partial(without, chain, i) for i, x in enumerate(scene.effects)}
+        yield _compared("effects", exact, "all effects", others)
+
+
+def approximated(distortion: Distortion, order: int) -> Distortion:
+    """The closed forms with a Pade approximant of that order for every delay."""
+
+    def pade(exponent: Expr) -> Expr:
+        lag = -exponent / s
+        approximant: Expr = effects.pade_delay(abs(lag), order).matrix[0]
+        return approximant if lag > 0 else 1 / approximant
+
+    return Distortion.of(distortion.chain.map(lambda form: form.rewrite([cosh, sinh], exp).replace(exp, pade)))
+
+
+def without(chain: Chain, index: int) -> Distortion:
+    """The closed forms without one of the effects."""
+    left = (*chain.matrices[:index], *chain.matrices[index + 1 :])
+    return Distortion.of(Chain(chain.environment, chain.rendered, left))
+
+
+def _compared(task: str, exact: Crossings, name: str, others: Mapping[str, Callable[[], Distortion]]) -> Task:
+    """The crossings of the scene, and of simpler ones in its place: proven for them, but not for the scene."""
+
+    def ready(question: Crossings) -> Attempt:
+        _ = question.functions  # the equations are given to all
+        return partial(question.certified, _DIGITS)
+
+    attempts = {Method(name, ready, proves=True, ours=True, held=_DIGITS): ready(exact)}
+    left_out = []
+    for other, make in others.items():
+        try:
+            question = Crossings(make(), exact.threshold, exact.band)
+        except SceneError as error:
+            left_out.append(Omission(task, other, str(error)))
+        else:
+            attempts[Method(other, ready, ours=True, held=_DIGITS)] = ready(question)
+    return Task(task, attempts, _against(exact), tuple(left_out), exact.condition)

@@ -1,17 +1,14 @@
-"""The hard cases: a scene and a question each, put to our methods and to the usual ones.
+"""The hard cases: a scene and a question each on which the usual ways fail, put to our methods and to theirs.
 
-Cases on which the usual ways fail: a scene and a question each, gathered in families by what makes them hard.
-
-They are values, made here once, for the tests and for ``haptisym cost --hard-cases`` alike.
-
-The hard cases, each put to our methods and to the usual ones: digits, time, and a verdict.
+They are values, made here once, for the tests and for ``haptisym cost --hard-cases`` alike, gathered in families by what makes
+them hard. Each answer has right digits, a time and a verdict.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from math import isinf
 from typing import Any, ClassVar
 
@@ -25,10 +22,8 @@ from haptisym.model.catalogue import Effect
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Number
-from haptisym.verbs.cost.entry import hard_summary
-from haptisym.verbs.cost.measurement import HardRow
-from haptisym.verbs.cost.stopwatch import interleaved, machine
-from haptisym.verbs.cost.tasks import CROSSINGS, RATIO_METHODS, Crossings, Method, Question, RatioQuestion
+from haptisym.verbs.cost.contenders import CROSSINGS, RATIO_METHODS, Crossings, Method, Question, RatioQuestion, Score
+from haptisym.verbs.cost.entry import Measurement, interleaved, machine, wrong_words
 
 PAPER = (Rational(9, 5), 15, 100)
 """m, b, k of the paper's example."""
@@ -276,6 +271,33 @@ _CLOSE = 1.5  # digits: 30 units in the last place of a double
 _SPARE = 8  # digits of the reference beyond those of the methods
 
 
+@dataclass(frozen=True, kw_only=True)
+class HardRow(Measurement):
+    """One method's answer to one hard case; ``verdict``: right, how many digits are lost, what is wrong, or why there is none."""
+
+    family: str
+    case: str
+    condition: float
+    ours: bool
+    verdict: str
+
+    @property
+    def answered(self) -> bool:
+        """Whether the method fits the question at all."""
+        return not self.verdict.startswith("cannot")
+
+
+def worst_verdict(rows: Iterable[HardRow]) -> str:
+    """What goes wrong in some cases, all together; "" where nothing does."""
+    listed = list(rows)
+    if told := wrong_words(sum(row.missed for row in listed), sum(row.invented for row in listed)):
+        return told
+    if undecided := sum(row.verdict == "undecided" for row in listed):
+        return f"{undecided} undecided, and said so"
+    bad = [row for row in listed if row.verdict != "right"]
+    return min(bad, key=lambda row: row.digits).verdict if bad else ""
+
+
 class HardCases:
     """What the question is about: no scene of the user's, and so nothing is to be said beside the answer."""
 
@@ -311,8 +333,17 @@ class HardCosts(Answer):
 
     @property
     def summary(self) -> str:
-        """How many of the questions each side answers right."""
-        return hard_summary(self.rows)
+        """How many of the questions each side answers right, in a sentence."""
+        count = len({(row.family, row.case) for row in self.rows})
+        proven = [row for row in self.rows if row.ours and row.proven]
+        wrong = sum(row.verdict != "right" for row in proven)
+        usual = [row for row in self.rows if not row.ours and row.answered]
+        failed = sum(row.verdict != "right" for row in usual)
+        said = f"{wrong} of them WRONG" if wrong else "none of them wrong"
+        return (
+            f"{count} hard questions: haptisym gives {len(proven)} proven answers, {said}; of {len(usual)} answers by the usual "
+            f"ways {failed} lose digits, miss crossings or invent some, and none says so."
+        )
 
     @property
     def _about(self) -> Subject:
@@ -345,61 +376,39 @@ def hard_costs(
 def put(case: HardCase, methods: Sequence[Method] | None = None) -> list[HardRow]:
     """One hard case, put to some methods, or to all that fit its question."""
     question = case.question
-    chosen = methods or _methods(question)
+    is_ratio = isinstance(question, RatioQuestion)
+    chosen = methods or ([RATIO_METHODS[x] for x in VALUES] if is_ratio else [CROSSINGS[x] for x in COUNTS])
     attempts, refused = {}, {}
     for method in chosen:
         try:
             attempts[method] = method.ready(question)
         except HaptisymError as error:
-            refused[method] = str(error)
+            refused[method] = error
     timed = interleaved(attempts, _BUDGET, rounds=3)
+    refused |= {method: x.answer for method, x in timed.items() if isinstance(x.answer, HaptisymError)}
     digits = int(max(method.held for method in chosen)) + _SPARE
     truth: Any = question.truth(digits) if isinstance(question, RatioQuestion) else question.certified(digits)
+    condition = question.condition
+    assert condition is not None, "no hard case has a region"
     rows = []
     for method in chosen:
-        if method in refused or isinstance(timed[method].answer, HaptisymError):
-            reason = refused.get(method) or str(timed[method].answer)
-            rows.append(_row(case, method, verdict=f"cannot: {reason}"))
+        about: dict[str, Any] = {"family": case.family, "case": case.name, "condition": condition, "ours": method.ours}
+        row: Any = partial(HardRow, "evaluate" if is_ratio else "crossings", method.name, **about)
+        if method in refused:
+            rows.append(row(0.0, 0.0, proven=False, verdict=f"cannot: {refused[method]}"))
             continue
-        answer, seconds = timed[method].answer, timed[method].seconds
-        score = question.score(answer, truth, method.held)
-        undecided = getattr(answer, "undecided", 0)
-        rows.append(
-            _row(
-                case,
-                method,
-                digits=score.digits,
-                seconds=seconds,
-                proven=method.proves and not undecided,
-                missed=score.missed,
-                invented=score.invented,
-                verdict="undecided" if undecided else _verdict(score.digits, score.missed, score.invented, method.held),
-            )
-        )
+        x = timed[method]
+        score = question.score(x.answer, truth, method.held)
+        undecided = getattr(x.answer, "undecided", 0)
+        verdict, proven = "undecided" if undecided else _verdict(score, method.held), method.proves and not undecided
+        rows.append(row(score.digits, x.seconds, proven, score.missed, score.invented, verdict=verdict))
     return rows
 
 
-def _methods(question: RatioQuestion | Crossings) -> list[Method]:
-    return [RATIO_METHODS[x] for x in VALUES] if isinstance(question, RatioQuestion) else [CROSSINGS[x] for x in COUNTS]
-
-
-def _row(case: HardCase, method: Method, **found: Any) -> HardRow:
-    task = "evaluate" if isinstance(case.question, RatioQuestion) else "crossings"
-    condition = case.question.condition
-    assert condition is not None, "no hard case has a region"
-    return HardRow(
-        **{"task": task, "method": method.name, "digits": 0.0, "seconds": 0.0, "proven": False, **found},
-        family=case.family,
-        case=case.name,
-        condition=condition,
-        ours=method.ours,
-    )
-
-
-def _verdict(digits: float, missed: int, invented: int, held: float) -> str:
+def _verdict(score: Score, held: float) -> str:
     """Right but for a digit, worse by so many digits, wrong, or a wrong count."""
-    if missed or invented:
-        return " and ".join(f"{word} {n}" for word, n in (("misses", missed), ("invents", invented)) if n)
-    if digits >= held - _CLOSE:
+    if told := wrong_words(score.missed, score.invented):
+        return told
+    if score.digits >= held - _CLOSE:
         return "right"
-    return f"loses {held - digits:.0f} digits" if digits >= 1 else "wrong"
+    return f"loses {held - score.digits:.0f} digits" if score.digits >= 1 else "wrong"

@@ -1,22 +1,11 @@
-"""The questions of cost, and the methods that answer them: ours and the usual ones.
+"""Questions with certified answers, and the contenders that answer them: haptisym's ways and the usual ones.
 
-Questions with certified answers: the ratios at frequencies, the crossings on a band; and how right another answer is.
+Asked are the ratios at frequencies, and the crossings on a band. An answer may come from anywhere: floats of a formula, transfer
+functions with expanded coefficients, sign changes on a grid, eigenvalues of a companion matrix. It is held against a certified
+reference of higher precision. How hard the question itself is, whoever answers it, says its condition number.
 
-An answer may come from anywhere: floats of a formula, roots of a companion matrix, sign changes on a grid. It is held against
-a reference of higher precision. How hard the question itself is, whoever answers it, says its condition number.
-
-The usual ways to the ratios and the crossings, as their users go them: nothing here is proven, and none of it is haptisym's.
-
-Floats of H_perc - H_env as they are written, transfer functions with expanded coefficients, grids, eigenvalues of a companion
-matrix.
-
-The methods whose accuracy and time are compared: one table, each with what it needs and whether it proves its answer.
-
-Ours are there beside the usual ones: floats of H_perc - H_env as they are written, transfer functions with expanded
-coefficients, grids, eigenvalues of a companion matrix. ``prepare`` makes what a method may know beforehand (its formulas, its
-coefficients); only what it returns is timed.
-
-The questions of ``haptisym cost``: what is asked of a scene, by which methods, and how their answers are scored.
+The contenders stand in one table for each question, each with what it needs and whether it proves its answer. ``prepare`` makes
+what a method may know beforehand (its formulas, its coefficients); only what it returns is timed.
 """
 
 from __future__ import annotations
@@ -32,30 +21,29 @@ from typing import Any, TypeAlias
 import flint
 import numpy as np
 from flint import arb
-from sympy import Expr, Float, Integer, Rational, cosh, exp, lambdify, sinh
+from sympy import Expr, Float, Integer, Rational, lambdify
 
-from haptisym import effects
 from haptisym.interop import to_control, to_scipy
 from haptisym.judge.crossings import Criterion, Curve, find_crossings, noticed
 from haptisym.judge.peaks import ValueAt
+from haptisym.judge.regions import Sided
 from haptisym.kernel.errors import HaptisymError, SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import Chart, chart
 from haptisym.kernel.symbols import omega as omega_
 from haptisym.kernel.symbols import s
-from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part, Threshold, is_irrational_algebraic
 from haptisym.model.scene import Scene
+from haptisym.programs.floats import floats_of
 from haptisym.programs.values import Array
-from haptisym.verbs.cost.measurement import Omission, margin
 
 DOUBLE = 53 * log10(2)
 """Decimal digits that a double holds."""
 _LEAST = arb(2) ** -1075  # half the smallest double
-_LIKE_IT = Rational(1, 100)  # an answer with fewer than two right digits is no answer to that crossing
+_LIKE_IT = 0.01  # an answer with fewer than two right digits is no answer to that crossing
+_GROWTH_BITS = 1024  # of what may be 0, and so has no relative accuracy
 
 AnswerNumber: TypeAlias = Any  # a float, a flint.arb, or decimal digits as text
 
@@ -64,14 +52,12 @@ AnswerNumber: TypeAlias = Any  # a float, a flint.arb, or decimal digits as text
 class Score:
     """How right an answer is: right decimal digits of its worst number; crossings that it lacks and that are none.
 
-    A crossing that is missed has no right digits. ``wrong`` : of sets of parameters those with a wrong count, and how many
-    were held against the truth.
+    A crossing that is missed has no right digits.
     """
 
     digits: float
     missed: int = 0
     invented: int = 0
-    wrong: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -95,7 +81,7 @@ class RatioQuestion:
 
     def ratio(self, part: Part, omega: float, digits: int) -> Ball:
         """A ball around one ratio at one frequency."""
-        return _tight(SquareRoot(ValueAt(self.distortion.squared_ratios[part], _exact(omega))), digits)
+        return _tight(SquareRoot(ValueAt(self.distortion.squared_ratios[part], ExactNumber(Rational(omega)))), digits)
 
     @cached_property
     def condition(self) -> float:
@@ -105,16 +91,13 @@ class RatioQuestion:
     def _sensitivity(self, part: Part, omega: float) -> float:
         if not omega or not 0 < self.ratio(part, omega, 5) < arb("inf"):
             return 0.0
-        found = _Growth(self.distortion.squared_ratios[part], _exact(omega)).ball(_GROWTH_BITS)
+        found = _Growth(self.distortion.squared_ratios[part], ExactNumber(Rational(omega))).ball(_GROWTH_BITS)
         return abs(omega * float(found.mid()) / 2) if found.is_finite() else inf
 
     def score(self, answer: Iterable[Sequence[AnswerNumber]], truth: Sequence[Sequence[Ball]], held: float) -> Score:
         """The right digits of the worst of the values; no more than the ``held`` ones that their numbers can hold."""
         pairs = [p for given, true in zip(answer, truth, strict=True) for p in zip(given, true, strict=True)]
         return Score(min((right_digits(x, y, held) for x, y in pairs), default=held))
-
-
-_GROWTH_BITS = 1024  # of what may be 0, and so has no relative accuracy
 
 
 @dataclass(frozen=True)
@@ -203,14 +186,12 @@ class _Growth(RealNumber):
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
-            at, f = self.omega.ball(bits), self.function.function
-            above, below = (_growth(self.function, p, at) for p in (f.numerator, f.denominator))
+            at, f, axis = self.omega.ball(bits), self.function.function, self.function.axis
+            above, below = (
+                RealFunction(axis.derivative(p)).ball(at) / RealFunction(axis.function(p)).ball(at)
+                for p in (f.numerator, f.denominator)
+            )
             return above - below
-
-
-def _growth(function: RealFunction, polynomial: Polynomial, at: Ball) -> Ball:
-    axis = function.axis
-    return RealFunction(axis.derivative(polynomial)).ball(at) / RealFunction(axis.function(polynomial)).ball(at)
 
 
 def right_digits(given: AnswerNumber, true: Ball, held: float) -> float:
@@ -233,11 +214,7 @@ def right_digits(given: AnswerNumber, true: Ball, held: float) -> float:
             return held
         if true == 0:
             return 0.0
-        return _between(0.0, -float((error / abs(true).lower()).log().mid()) / log(10), held)
-
-
-def _between(least: float, x: float, most: float) -> float:
-    return min(max(least, x), most)
+        return min(max(0.0, -float((error / abs(true).lower()).log().mid()) / log(10)), held)
 
 
 def _matched(given: Sequence[AnswerNumber], true: Sequence[Ball], held: float, high: float) -> Score:
@@ -248,7 +225,7 @@ def _matched(given: Sequence[AnswerNumber], true: Sequence[Ball], held: float, h
         )
     left, free, digits = set(range(len(true))), set(range(len(given))), held
     for distance, i, j in near:
-        if i in left and j in free and distance <= float(_LIKE_IT) * (float(true[i].mid()) or high):
+        if i in left and j in free and distance <= _LIKE_IT * (float(true[i].mid()) or high):
             left.remove(i)
             free.remove(j)
             digits = min(digits, right_digits(given[j], true[i], held))
@@ -257,10 +234,6 @@ def _matched(given: Sequence[AnswerNumber], true: Sequence[Ball], held: float, h
 
 def _crossings(found: Chart, criterion: Criterion) -> list[RealNumber]:
     return [x.omega for x in find_crossings(found) if x.criterion == criterion]
-
-
-def _exact(omega: float) -> ExactNumber:
-    return ExactNumber(Rational(omega))
 
 
 def _tight(x: RealNumber, digits: int) -> Ball:
@@ -286,16 +259,16 @@ class RefusedError(HaptisymError):
 # The ratios at frequencies: they answer with a pair (r_r, r_i) for each frequency.
 
 
-def naive(distortion: Distortion, free: Sequence[Expr] = ()) -> Callable[..., tuple[Any, Any]]:
-    """H_env and H_perc - H_env on s = j omega, in complex floats as the formulas are written; of omega and what is ``free``."""
+def naive(distortion: Distortion) -> Callable[[Any], tuple[Any, Any]]:
+    """H_env and H_perc - H_env on s = j omega, in complex floats as the formulas are written."""
     chain = distortion.chain
     perceived = chain.rendered
     for a, b, c, d in chain.matrices:
         perceived = (a * perceived + b) / (c * perceived + d)
-    both = lambdify([s, *free], [_with_floats(x) for x in (chain.environment, perceived)], "numpy", cse=True)
+    both = lambdify(s, [_with_floats(x) for x in (chain.environment, perceived)], "numpy", cse=True)
 
-    def functions(omega: Array, *values: Array) -> tuple[Any, Any]:
-        H, G = both(1j * omega, *values)
+    def functions(omega: Any) -> tuple[Any, Any]:
+        H, G = both(1j * omega)
         return H, G - H
 
     return functions
@@ -317,13 +290,8 @@ def _ratios(H: Any, dH: Any, omega: Array) -> Array:
 
 
 def _quietly(function: Callable[[], Any]) -> Any:
-    with np.errstate(all="ignore"):  # what overflows or divides by zero is judged by its value
-        return function()
-
-
-def _silently(function: Callable[[], Any]) -> Any:
-    """Without the warnings of other packages, which are not about a user's own call."""
-    with warnings.catch_warnings():
+    """What overflows or divides by zero is judged by its value; warnings of other packages are not about a user's own call."""
+    with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return function()
 
@@ -336,23 +304,23 @@ def naive_way(question: RatioQuestion) -> Attempt:
 
 def control_way(question: RatioQuestion) -> Attempt:
     """The difference of two transfer functions of python-control."""
-    H, G = _silently(lambda: [to_control(x.expression()) for x in _rational(question.distortion)])
+    H, G = _quietly(lambda: [to_control(x.expression()) for x in _rational(question.distortion)])
     difference, omega = G - H, np.array(question.omegas)
-    return lambda: _silently(lambda: _ratios(H(1j * omega), difference(1j * omega), omega))
+    return lambda: _quietly(lambda: _ratios(H(1j * omega), difference(1j * omega), omega))
 
 
 def scipy_way(question: RatioQuestion) -> Attempt:
     """The difference of two frequency responses of ``scipy.signal``."""
     from scipy import signal
 
-    H, G = _silently(lambda: [to_scipy(x.expression()) for x in _rational(question.distortion)])
+    H, G = _quietly(lambda: [to_scipy(x.expression()) for x in _rational(question.distortion)])
     omega = np.array(question.omegas)
 
     def attempt() -> Array:
         felt, given = (signal.freqs(x.num, x.den, omega)[1] for x in (G, H))
         return _ratios(given, felt - given, omega)
 
-    return lambda: _silently(attempt)
+    return lambda: _quietly(attempt)
 
 
 def _rational(distortion: Distortion) -> tuple[Any, Any]:
@@ -362,6 +330,22 @@ def _rational(distortion: Distortion) -> tuple[Any, Any]:
 
 
 # Crossings: they answer with ``Found``.
+
+
+def margin(x: Criterion, omega: Any, H: Any, dH: Any) -> Any:
+    """Positive where a change dH of H is noticed: a ratio less its limit, or how many times a region must be enlarged, less 1."""
+    size = np.abs(H)
+    if x.joint:
+        return x.joint.enlarged(np.real(dH) / size, np.imag(dH) / size, lambda c: floats_of(c, omega)) - 1
+    part = np.real if x.part is Part.REAL else np.imag
+    ratio = np.abs(part(dH)) / size
+    if not isinstance(x.region, Sided):
+        return ratio - floats_of(x.threshold, omega)
+    grows = np.abs(part(H + dH)) - np.abs(part(H))
+    higher, lower = (floats_of(c, omega) for c in (x.region.higher, x.region.lower))
+    limit = np.where(grows > 0, higher, np.where(grows < 0, lower, np.maximum(higher, lower)))
+    least = 0.0 if x.region.floor is None else floats_of(x.region.floor, omega) / size
+    return ratio - np.maximum(limit, least)
 
 
 def grid_way(question: Crossings, count: int, *, brent: bool = False) -> Attempt:
@@ -492,6 +476,9 @@ def _certified(question: Crossings, digits: int) -> Attempt:
     return lambda: question.certified(digits)
 
 
+_ours = partial(Method, ours=True)
+_proof = partial(Method, ours=True, proves=True)
+
 NAIVE = Method("H_perc - H_env in floats", naive_way)
 RATIO_METHODS: Mapping[str, Method] = {
     x.name: x
@@ -499,166 +486,19 @@ RATIO_METHODS: Mapping[str, Method] = {
         NAIVE,
         Method("python-control", control_way, packages=("control",)),
         Method("scipy.signal", scipy_way, packages=("scipy.signal",)),
-        *(
-            Method(x, partial(_level, accuracy=x), proves=x == "certified", ours=True)
-            for x in ("fast", "double-double", "certified")
-        ),
-        *(
-            Method(f"{n} digits", partial(_digits, count=n), proves=True, ours=True, held=n, at_once=False)
-            for n in (30, 100, 300)
-        ),
+        *(_ours(x, partial(_level, accuracy=x)) for x in ("fast", "double-double")),
+        _proof("certified", partial(_level, accuracy="certified")),
+        *(_proof(f"{n} digits", partial(_digits, count=n), held=n, at_once=False) for n in (30, 100, 300)),
     )
 }
 """Ways to the ratios at given frequencies."""
-
 CROSSINGS: Mapping[str, Method] = {
     x.name: x
     for x in (
         *(Method(f"grid of 10^{n}", partial(grid_way, count=10**n)) for n in range(2, 7)),
         Method("grid of 10^4 + Brent", partial(grid_way, count=10**4, brent=True), packages=("scipy.optimize",)),
         Method("numpy.roots", companion_way),
-        *(
-            Method(f"certified, {n} digits", partial(_certified, digits=n), proves=True, ours=True, held=n)
-            for n in (15, 50, 100, 300, 1000)
-        ),
+        *(_proof(f"certified, {n} digits", partial(_certified, digits=n), held=n) for n in (15, 50, 100, 300, 1000)),
     )
 }
 """Ways to the crossings on a band."""
-
-
-_DIGITS = 15
-"""Of the crossings whose time and shift are compared when delays are approximated or effects left out."""
-_PADE_ORDERS = range(1, 7)
-_MANY = 10_000  # frequencies at once
-
-
-@dataclass(frozen=True)
-class Task:
-    """Attempts at one question, each with the score of its answer."""
-
-    name: str
-    attempts: Mapping[Method, Attempt]
-    score: Callable[[Method, Any], Score]
-    left_out: tuple[Omission, ...] = ()
-    condition: float | None = None
-    per: Callable[[Method, Any], int] = lambda method, answer: 1
-    """By what the seconds of an attempt are divided."""
-
-
-def prepared(methods: Iterable[Method], question: Any, task: str) -> tuple[dict[Method, Attempt], tuple[Omission, ...]]:
-    """The methods that fit a question, ready; and those that do not, with the reason."""
-    ready, left_out = {}, []
-    for method in methods:
-        try:
-            ready[method] = method.ready(question)
-        except (RefusedError, SceneError) as refusal:
-            left_out.append(Omission(task, method.name, str(refusal)))
-    return ready, tuple(left_out)
-
-
-def evaluate_task(scene: Scene, *, quick: bool) -> Task:
-    """The ratios along the band, by floats of several kinds and to many digits."""
-    few = RatioQuestion(scene.distortion(), _frequencies(scene, 10 if quick else 40))
-    count = len(few.omegas)
-    many = RatioQuestion(few.distortion, few.omegas * ((_MANY // 10 if quick else _MANY) // count))
-    methods = [x for x in RATIO_METHODS.values() if not x.packages and not (quick and x.held > 100)]
-    groups = [
-        prepared([x for x in methods if x.at_once is at_once], question, "evaluate")
-        for at_once, question in ((True, many), (False, few))
-    ]
-    truth = few.truth(int(max(x.held for x in methods)) + 10)
-    return Task(
-        "evaluate",
-        {**groups[0][0], **groups[1][0]},
-        lambda method, answer: few.score(answer[:count], truth, method.held),
-        (*groups[0][1], *groups[1][1]),
-        few.condition,
-        lambda method, _: len((many if method.at_once else few).omegas),
-    )
-
-
-def _frequencies(scene: Scene, count: int) -> tuple[float, ...]:
-    """Evenly and logarithmically along the band, without 0."""
-    low, high = (float(x) for x in scene.band)
-    even = np.linspace(low, high, count + 1)[1:]
-    decades = np.geomspace(low or 1e-6 * high, high, count, endpoint=False)
-    return tuple(float(x) for x in np.union1d(even, decades))
-
-
-def crossings_task(scene: Scene, *, quick: bool) -> Task:
-    """All crossings, by grids, eigenvalues and proof."""
-    left = ("grid of 10^6", "certified, 300 digits", "certified, 1000 digits") if quick else ()
-    methods = [x for x in CROSSINGS.values() if x.name not in left]
-    question = Crossings.of(scene)
-    attempts, left_out = prepared(methods, question, "crossings")
-    return Task("crossings", attempts, _against(question), left_out, question.condition)
-
-
-def _against(question: Crossings) -> Callable[[Method, Found], Score]:
-    """The score of an answer against the certified crossings of a question, with digits to spare."""
-    known: dict[int, Found] = {}
-
-    def score(method: Method, answer: Found) -> Score:
-        digits = int(method.held) + 15
-        if digits not in known:
-            known[digits] = question.certified(digits)
-        return question.score(answer, known[digits], method.held)
-
-    return score
-
-
-def delay_tasks(scene: Scene) -> Iterable[Task]:
-    """The crossings with Pade approximants for delays; nothing for a scene without any."""
-    d = scene.distortion()
-    if d.perc.ring.functions and any(x.has(exp) for x in d.perc.ring.functions):
-        others = {f"Pade, order {n}": partial(approximated, d, n) for n in _PADE_ORDERS}
-        yield _compared("delay", Crossings.of(scene), "exact delay", others)
-
-
-def approximated(distortion: Distortion, order: int) -> Distortion:
-    """The closed forms with a Pade approximant of that order for every delay."""
-    late = distortion.chain.map(lambda form: form.rewrite([cosh, sinh], exp).replace(exp, partial(_pade, order)))
-    return Distortion.of(late)
-
-
-def _pade(order: int, exponent: Expr) -> Expr:
-    lag = -exponent / s
-    approximant: Expr = effects.pade_delay(abs(lag), order).matrix[0]
-    return approximant if lag > 0 else 1 / approximant
-
-
-def effects_tasks(scene: Scene) -> Iterable[Task]:
-    """The crossings with each effect left out; nothing for a scene without any."""
-    if scene.effects:
-        chain = scene.distortion().chain
-        others = {f"without {x.name}": partial(without, chain, i) for i, x in enumerate(scene.effects)}
-        yield _compared("effects", Crossings.of(scene), "all effects", others)
-
-
-def without(chain: Chain, index: int) -> Distortion:
-    """The closed forms without one of the effects."""
-    left = (*chain.matrices[:index], *chain.matrices[index + 1 :])
-    return Distortion.of(Chain(chain.environment, chain.rendered, left))
-
-
-def _compared(task: str, exact: Crossings, name: str, others: Mapping[str, Callable[[], Distortion]]) -> Task:
-    """The crossings of the scene, and of simpler ones in its place: proven for them, but not for the scene."""
-    attempts = {_way(name, proves=True): _ready(exact)}
-    left_out = []
-    for other, make in others.items():
-        try:
-            question = Crossings(make(), exact.threshold, exact.band)
-        except SceneError as error:
-            left_out.append(Omission(task, other, str(error)))
-        else:
-            attempts[_way(other, proves=False)] = _ready(question)
-    return Task(task, attempts, _against(exact), tuple(left_out), exact.condition)
-
-
-def _way(name: str, *, proves: bool) -> Method:
-    return Method(name, _ready, proves=proves, ours=True, held=_DIGITS)
-
-
-def _ready(question: Crossings) -> Attempt:
-    _ = question.functions  # the equations are given to all
-    return partial(question.certified, _DIGITS)
