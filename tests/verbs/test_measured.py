@@ -23,7 +23,7 @@ import haptisym as hs
 from haptisym.kernel.symbols import omega as OMEGA  # noqa: N812
 from haptisym.model.jnd import Part, read_threshold
 from haptisym.model.measured import Slope, averages_for, coherence_for, disc_radius
-from haptisym.verbs.measured.entry import MOST_AVERAGES, MOST_COHERENCE, numerals, spread
+from haptisym.verbs.measured.entry import MOST_AVERAGES, MOST_COHERENCE, spread
 from haptisym.verbs.measured.judging import OPEN, joint_distance, lines_of, matched, part_distance, signs, values_of
 
 Called = Callable[..., tuple[int, str, str]]
@@ -412,21 +412,6 @@ def test_the_response_is_exact_and_is_judged_as_the_scene_is(tmp_path: Path, cal
 def test_frequencies_at_which_the_response_is_infinite_are_left_out() -> None:
     rotor = hs.Scene(hs.environments.expression("1/s + s"), (hs.effects.first_order_lag(5),), (0, 10))
     assert hs.sampled(rotor, points=11).omega.tolist() == list(range(1, 11))
-
-
-def test_numbers_of_long_documents_read_back_as_the_same_floats() -> None:
-    rng, tens = np.random.default_rng(3), 10.0 ** np.arange(-10, 20)
-    x = np.concatenate(
-        [
-            10.0 ** rng.uniform(-8, 18, 20_000),
-            np.round(10.0 ** rng.uniform(-5, 3, 5000), 4),
-            *(tens, np.nextafter(tens, 0), np.nextafter(tens, np.inf)),
-            [0, 5e-324, 1.7e308, 2.0**53, 0.1],
-        ]
-    )
-    for few in (True, False):
-        shown = [bytes(row).decode() for row in numerals(x, few=few)]
-        assert np.array_equal([json.loads(text) for text in shown], x)
 
 
 SPRING = hs.environments.mass_spring_damper(k=100)

@@ -282,12 +282,9 @@ def say(page: Document) -> None:
     )
 
 
-def say_document(document: Iterable[str]) -> None:
-    """A JSON document on standard output, in parts, or as one text."""
-    encoding = _encoding()
-    for part in (document,) if isinstance(document, str) else document:
-        write(escaped(part, encoding))
-    write("\n")
+def say_document(document: str) -> None:
+    """A JSON document on standard output."""
+    write(escaped(document, _encoding()) + "\n")
 
 
 def write(text: str) -> None:
@@ -681,7 +678,7 @@ def show(found: Answer, *, as_json: bool) -> None:
     keep_pages(found.document, found.to_json)
     if as_json:
         quiet()
-        say_document(found.json_parts())
+        say_document(found.to_json())
         return
     told = found.document()
     quiet()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from abc import abstractmethod
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, ClassVar, Protocol
@@ -83,10 +83,6 @@ class Answer(Shown):
     def to_json(self) -> str:
         """The same as text."""
         return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
-
-    def json_parts(self) -> Iterator[str]:
-        """The same in parts, for what is long."""
-        yield self.to_json()
 
     def figure(self) -> Any:
         """The figure, of matplotlib. NothingToDrawError where there is nothing in the answer to draw."""

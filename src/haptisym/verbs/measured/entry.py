@@ -1,39 +1,26 @@
-"""The two-step evaluation of a measured scene.
+"""The two-step evaluation of a measured scene, at the measured frequencies alone. Measured, never certified.
 
-What is told between the lines, where a bound on the slope is stated.
+Each line is judged by its disc (``judging``), and what would resolve the open ones is told: the coherence, the number of
+averages or the radius at which their discs decide.
 
-How far the border of a region moves over a cell of frequency, where its numbers are formulas in omega.
-
-Discs between the lines: each swept by the bound on the slope, over cells of frequency, and H_env over a cell as a disc.
-
-A cell lies between two neighbouring lines. Over all of it the truth lies in the disc of the left line as grown at the cell's
-right end, in the disc of the right line as grown at its left end, and so in the smallest disc around what both have in common.
-
-What is told between the lines, where a bound on the slope is stated: stretches that exceed, lie below or stay unresolved.
-
-Cells between neighbouring lines are halved until each is told or no wider than rounding: an end of a stretch that is told lies
+Between the lines something is told where a bound on the slope is stated: stretches that exceed, lie below or stay unresolved. A
+cell of frequency lies between two neighbouring lines. Over all of it the truth lies in the disc of the left line as grown at
+the cell's right end, in the disc of the right line as grown at its left end, and so in the smallest disc around what both have
+in common; H_env is a disc over a cell as well, and the border of a region moves by no more than ``spread`` where its numbers
+are formulas in omega. Cells are halved until each is told or no wider than rounding: an end of a stretch that is told lies
 within that of where the swept discs cease to tell, always on the safe side.
-
-The two-step evaluation of a measured scene, at the measured frequencies alone.
-
-What would resolve the open lines: the coherence, the number of averages or the radius at which their discs decide.
-
-The rows of a document with a million lines as text, a table of characters at once: every number reads back as itself.
-
-The two-step evaluation of a measured scene, at the measured frequencies alone. Measured, never certified.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import isfinite
-from typing import Any, ClassVar, NamedTuple, TypeAlias
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from sympy import Expr
 
 from haptisym.judge.answers import Answer
@@ -440,126 +427,6 @@ def _shares(values: Reals, *, most: float = np.inf, negated: bool = False) -> Sh
     return Share(half, every)
 
 
-Letters: TypeAlias = NDArray[np.uint8]
-
-_TOGETHER_ENTRY = 20_000
-"""Rows that are written at once: a table of all would need as much memory as the document."""
-_FEW = 1000
-"""Up to so many lines numbers are the shortest that read back; more have 17 digits, which takes a tenth of the time."""
-_EXACT = 10.0 ** np.arange(23)
-"""Powers of ten that floats hold exactly."""
-_LEAST = -6
-_DECADES = 10.0 ** np.arange(_LEAST, 17)
-"""Between which numbers are written by their digits; a product with a power of ``_EXACT`` is then a whole number of 17."""
-_SPLIT = 134217729.0
-_FOUR = np.frombuffer("".join(f"{i:04}" for i in range(10_000)).encode(), np.uint32)
-"""Four digits as one number of 32 bits."""
-_EXPONENTS = np.frombuffer("".join(f"e{i:+03}" for i in range(_LEAST, 17)).encode(), np.uint32)
-
-
-def row_texts(
-    columns: Sequence[tuple[str, Reals | None]], kinds: Any, end: Callable[[int], str], between: str
-) -> Iterator[str]:
-    """Rows, many at once, with ``between`` after each: ``columns`` by name, None for null, and what ends a row.
-
-    ``kinds`` : a number for each line; ``end`` : of the first line of a kind what all of that kind end with.
-
-    >>> columns = [("omega", np.array([1, 0.25])), ("radius", None)]
-    >>> list(row_texts(columns, np.array([7, 7]), lambda line: '"real": "below"', "; "))
-    ['{"omega":  1.0, "radius": null, "real": "below"}; {"omega": 0.25, "radius": null, "real": "below"}; ']
-    """
-    names, first, own = np.unique(kinds, return_index=True, return_inverse=True)
-    told = {name: end(int(line)) for name, line in zip(names.tolist(), first.tolist(), strict=True)}
-    ends, last = _left([f", {x}" for x in told.values()]), _left([f"}}{between}"])
-    for start in range(0, len(own), _TOGETHER_ENTRY):
-        some = slice(start, start + _TOGETHER_ENTRY)
-        parts: list[Letters] = []
-        for i, (name, row) in enumerate(columns):
-            label = f"{', ' if i else '{'}{json.dumps(name)}: "
-            parts += [_left([label]), _left(["null"]) if row is None else numerals(row[some], few=len(own) <= _FEW)]
-        yield _joined_in_entry([*parts, ends[own[some]], last], len(own[some]))
-
-
-def _left(texts: Sequence[str]) -> Letters:
-    """A table of texts, a row each; spaces fill it."""
-    width = max(map(len, texts), default=0)
-    return np.frombuffer("".join(x.ljust(width) for x in texts).encode("ascii"), np.uint8).reshape(len(texts), width)
-
-
-def _joined_in_entry(parts: Sequence[Letters], count: int) -> str:
-    """Tables side by side, one row after the other."""
-    whole = np.empty((count, sum(x.shape[1] for x in parts)), np.uint8)
-    at = 0
-    for x in parts:
-        whole[:, at : at + x.shape[1]] = x
-        at += x.shape[1]
-    return whole.tobytes().decode("ascii")
-
-
-def numerals(x: Reals, *, few: bool) -> Letters:
-    """Numbers as text, a row each, null for what is not finite.
-
-    >>> [bytes(row).decode() for row in numerals(np.array([0.1, 1 / 3, np.inf]), few=False)]
-    ['1.0000000000000000e-01', '3.3333333333333331e-01', '                  null']
-    """
-    x = np.asarray(x, dtype=float)
-    if few:
-        texts = [repr(v) if np.isfinite(v) else "null" for v in x.tolist()]
-        width = max(map(len, texts), default=0)
-        return _left([t.rjust(width) for t in texts])
-    plain = (x == 0) | ((x >= _DECADES[0]) & (x < _DECADES[-1]))
-    found = _by_digits(np.where(plain, x, 0.0))
-    if not plain.all():
-        others = numerals(x[~plain], few=True)
-        wide = max(found.shape[1], others.shape[1])
-        found, others = (np.pad(t, ((0, 0), (wide - t.shape[1], 0)), constant_values=ord(" ")) for t in (found, others))
-        found[~plain] = others
-    return found
-
-
-def _by_digits(x: Reals) -> Letters:
-    """``d.dddddddddddddddde+dd`` of numbers from 10^-6 to 10^16, and of 0; 17 digits, the nearest, 15 where they read back."""
-    decade = np.where(x == 0, -_LEAST, np.searchsorted(_DECADES, x, "right") - 1)
-    shift = 16 - _LEAST - decade
-    digits = _product(x, _EXACT[shift])
-    short = (digits + 50) // 100
-    digits = np.where(short / _EXACT[np.maximum(shift - 2, 0)] == x, np.where(shift >= 2, 100 * short, digits), digits)
-    found = np.empty((len(x), 22), np.uint8)
-    fours = [np.ndarray(len(x), np.uint32, found, at, (22,)) for at in (2, 6, 10, 14, 18)]  # columns of four letters
-    fours.pop()[:] = _EXPONENTS.take(decade)
-    while fours:
-        above = digits // 10_000
-        fours.pop()[:] = _FOUR.take(digits - 10_000 * above)
-        digits = above
-    found[:, 0], found[:, 1] = digits + ord("0"), ord(".")
-    return found
-
-
-def _product(x: Reals, power: Reals) -> Any:
-    """The whole number nearest to a product from 10^16 to 10^17: its float, which is whole, and what that lacks (Dekker)."""
-    found = x * power
-    (a, b), (c, d) = _halves(x), _halves(power)
-    return found.astype(np.int64) + np.rint(((a * c - found) + a * d + b * c) + b * d).astype(np.int64)
-
-
-def _halves(x: Reals) -> tuple[Reals, Reals]:
-    high = _SPLIT * x - (_SPLIT * x - x)
-    return high, x - high
-
-
-def listed(rows: Iterator[str], between: str) -> Iterator[str]:
-    """A list, in parts, of rows that end with ``between``; what is after the last is left out.
-
-    >>> "".join(listed(iter(["1,2,", "3,"]), ",")), "".join(listed(iter([]), ","))
-    ('[\\n    1,2,3\\n  ]', '[]')
-    """
-    last = None
-    for part in rows:
-        yield "[\n    " if last is None else last
-        last = part
-    yield "[]" if last is None else f"{last.removesuffix(between)}\n  ]"
-
-
 class Row(NamedTuple):
     """What is said of one line. ``radius`` : of the disc around the change, relative to ``|H_env|``; None where none is known."""
 
@@ -686,9 +553,6 @@ class MeasuredEvaluation(Answer):
         return MeasuredPercept(None, omega, *self.signs[near].label(near, i), self.signs[far].label(far, i))
 
     def _body(self) -> dict[str, Any]:
-        return self._told([_row(x) for x in self._rows()], [_percept(p) for p in self.percepts])
-
-    def _told(self, rows: Any, percepts: Any) -> dict[str, Any]:
         felt = self.scene.perceived
         return {
             "lines": len(self),
@@ -697,8 +561,8 @@ class MeasuredEvaluation(Answer):
             "averages": felt.averages,
             **({} if felt.welch is None else {"estimate": felt.welch.row()}),
             "confidence": None if self.lines.radius is None else felt.confidence,
-            "rows": rows,
-            "percepts": percepts,
+            "rows": [_row(x) for x in self._rows()],
+            "percepts": [_percept(p) for p in self.percepts],
             **({} if self.between is None else {"between": self.between.row(self.scene.slopes)}),
             "needed": None if self.needed is None else _needed(self.needed),
             "certified": self.certified,
@@ -706,50 +570,14 @@ class MeasuredEvaluation(Answer):
 
     def to_json(self) -> str:
         """As text, one line for each measured line."""
-        return "".join(self.json_parts())
 
-    def json_parts(self) -> Iterator[str]:
-        """The same in parts: a million lines make a quarter of a gigabyte."""
-        long = {"rows": self._row_texts, "percepts": self._percept_texts}
-        frame = {"schema": self._schema, "title": self.scene.title} | self._told(None, None) | self.scene.aside_keys()
-        for i, (key, x) in enumerate(frame.items()):
-            yield f"{',' if i else '{'}\n  {json.dumps(key)}: "
-            yield from listed(long[key](), _BETWEEN) if key in long else (_short(x),)
-        yield "\n}"
+        def told(key: str, value: Any) -> str:
+            if key in ("rows", "percepts") and value:
+                return "[\n    " + ",\n    ".join(map(json.dumps, value)) + "\n  ]"
+            return json.dumps(value, indent=2, ensure_ascii=False).replace("\n", "\n  ")
 
-    def _row_texts(self) -> Iterator[str]:
-        x = self.lines
-        numbers = {
-            "omega": x.omega,
-            "ratio_real": np.abs(x.change.real),
-            "ratio_imag": np.abs(x.change.imag),
-            "radius": x.radius,
-        }
-        codes = {part.value: self.verdict[part] for part in Part} | (
-            {"joint": self.joint.verdict} if self.joint else {}
-        )
-        kinds = np.zeros(len(self), dtype=int)
-        for own in codes.values():
-            kinds = 3 * kinds + own
-        return row_texts(
-            list(numbers.items()),
-            kinds,
-            lambda i: _inside({k: CODES[int(x[i])].value for k, x in codes.items()}),
-            _BETWEEN,
-        )
-
-    def _percept_texts(self) -> Iterator[str]:
-        for part in (*Part, None):
-            lines = np.flatnonzero(self.named(part))
-            if len(lines):
-                yield from self._felt_alike(part, lines)
-
-    def _felt_alike(self, part: Part | None, lines: Any) -> Iterator[str]:
-        def end(i: int) -> str:
-            told = _percept(self._percept(part, int(lines[i])))
-            return _inside({key: x for key, x in told.items() if key != "omega"})
-
-        return row_texts([("omega", self.lines.omega[lines])], self.kinds(part)[lines], end, _BETWEEN)
+        parts = (f"{json.dumps(key)}: {told(key, value)}" for key, value in self.to_dict().items())
+        return "{\n  " + ",\n  ".join(parts) + "\n}"
 
     def kinds(self, part: Part | None) -> Any:
         """A number for each line: the same where a part, or None for both together, is felt alike."""
@@ -758,19 +586,6 @@ class MeasuredEvaluation(Answer):
             own = self.signs[x]
             found = 1000 * found + 27 + 9 * own.environment + 3 * own.perceived + own.compared
         return found if part else 2 * found + self.real_nearer
-
-
-_BETWEEN = ",\n    "
-"""Two rows of a list in JSON."""
-
-
-def _inside(told: Mapping[str, Any]) -> str:
-    """Keys and values without the braces."""
-    return json.dumps(told)[1:-1]
-
-
-def _short(value: Any) -> str:
-    return json.dumps(value, indent=2, ensure_ascii=False).replace("\n", "\n  ")
 
 
 def _percept(p: MeasuredPercept) -> dict[str, Any]:

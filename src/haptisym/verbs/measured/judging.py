@@ -1,10 +1,7 @@
-"""Three-valued judgements of measured lines, against regions of every shape.
+"""Three-valued judgements of measured lines: where the disc of a change lies against the region of what is not noticed.
 
-How far a change lies from the border of what is not noticed: exact, for regions of every shape, at all lines at once.
-
-Positive outside, negative inside: a disc of radius r lies outside where the distance is above r, inside where it is at most -r.
-
-Three-valued judgements of measured lines: where the disc of a change lies against the region of what is not noticed.
+How far a change lies from the border of the region is exact, for regions of every shape, at all lines at once: positive outside,
+negative inside. A disc of radius r lies outside where the distance is above r, inside where it is at most -r.
 """
 
 from __future__ import annotations
