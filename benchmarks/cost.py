@@ -2,8 +2,7 @@
 
     python benchmarks/cost.py          (needs SciPy and python-control for the usual ways; what is missing is named and left out)
 
-Three scenes: the paper's example, one with a delay, one with hardly any damping; what a simulation's accuracy costs; the
-hard cases. The figures go to docs/figures.
+Three scenes: the paper's example, one with a delay, one with hardly any damping; the hard cases. The figures go to docs/figures.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ SCENES = {
     "satellite-contact": "satellite-contact",
     "light-damping": str(FIGURES / "light-damping.toml"),
 }
-SIMULATED = ("fu2019", "two-mass-resonance")
 
 
 def main() -> None:
@@ -30,10 +28,6 @@ def main() -> None:
         found = hs.cost(hs.load_scene(place))
         found.save_figure(FIGURES / f"cost-{name}.svg")
         print(f"\n=== {name} ===\n\n{found}")
-    for name in SIMULATED:
-        found = hs.simulation_cost(hs.load_scene(name))
-        found.save_figure(FIGURES / f"cost-simulation-{name}.svg")
-        print(f"\n=== simulation of {name} ===\n\n{found}")
     hard = hs.hard_costs()
     hard.save_figure(FIGURES / "hard-cases.svg")
     print(f"\n=== hard cases ===\n\n{hard}")

@@ -20,7 +20,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
         "One function for each verb of the command line; each returns an answer.",
         (
             "evaluate", "evaluate_all", "derive", "relevance", "require", "design_map", "stability", "sensitivity", "tolerances",
-            "sweep", "metrics", "peaks", "cost", "hard_costs", "simulation_cost", "sweep_cost", "jnd", "published", "simulate", "check", "release", "identify",
+            "sweep", "metrics", "peaks", "cost", "hard_costs", "jnd", "published", "simulate", "check", "release", "identify",
         ),
     ),
     "api-answers": (

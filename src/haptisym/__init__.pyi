@@ -21,7 +21,7 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import family_names, load_scene, load_scenes, parse_scene, parse_scenes, scene_names
 from haptisym.pages.latex import latex
 from haptisym.programs.accuracy import Accuracy
-from haptisym.verbs.cost.entry import Cost, cost, simulation_cost
+from haptisym.verbs.cost.entry import Cost, cost
 from haptisym.verbs.cost.hardcosts import HardCosts, hard_costs
 from haptisym.verbs.derive.derivation import Derivation, derive
 from haptisym.verbs.derive.verify import Verification, verify
@@ -140,7 +140,6 @@ __all__ = [
     "scene_names",
     "sensitivity",
     "simulate",
-    "simulation_cost",
     "sine",
     "stability",
     "sweep",

@@ -269,7 +269,6 @@ def test_a_file_on_a_full_disk_is_named(call, words: list[str]) -> None:  # type
         ("sweep fu2019 --vary evaluation.jnd=0.1:0.2:3 --workers 2", "--workers and --cluster need --out"),
         ("cost --hard-cases --environment liver", "--hard-cases brings its own scenes"),
         ("cost --hard-cases --quick", "--hard-cases brings its own scenes"),
-        ("cost --hard-cases --simulation", "--hard-cases brings its own scenes"),
         ("cost fu2019 --hard-cases", "--hard-cases brings its own scenes"),
         ("cost", "name a SCENE, or ask for --hard-cases"),
         ("evaluate fu2019 sidestick", "unexpected argument (sidestick)"),

@@ -237,7 +237,6 @@ def answers(path: Path) -> list[str]:
     measures: hs.Metrics = hs.metrics("fu2019")
     costs: hs.Cost = hs.cost(scene, quick=True)
     harder: hs.HardCosts = hs.hard_costs(told=lambda what, share: None)
-    simulated: hs.Cost = hs.simulation_cost(scene, quick=True)
     run: hs.Simulation = hs.simulate(scene, hs.sine(1, 3), extras=(hs.EncoderQuantisation(1e-6), hs.ForceSaturation(50)))
     both: tuple[hs.Simulation, ...] = hs.check(scene, amplitude="1 cm", count=3)
     motions = [hs.multisine(0.01, [1, 2]), hs.chirp(0.01, 1, 10, 5)]
@@ -261,7 +260,7 @@ def answers(path: Path) -> list[str]:
     except hs.SceneError as error:
         written.append(str(error))
     shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, design, slopes, boxes, kept]
-    shown += [person, known, first, measures, shakes, costs, harder, simulated, run, let_go, both, motions, sets, f, bench, exact, fitted]
+    shown += [person, known, first, measures, shakes, costs, harder, run, let_go, both, motions, sets, f, bench, exact, fitted]
     return [*written, *map(str, shown), str(path)]
 '''
 

@@ -230,13 +230,12 @@ CALLS: dict[str, Callable[[Any], str]] = {
     "scene_code": lambda x: hs.scene_code(x, hs.Language.C),
     "sensitivity": lambda x: hs.sensitivity(x).to_json(),
     "simulate": lambda x: str(hs.simulate(x, hs.sine("5 cm", 10)).estimates),
-    "simulation_cost": lambda x: hs.simulation_cost(x, quick=True).scene.title,
     "stability": lambda x: hs.stability(x, "postural-arm").to_json(),
     "sweep": lambda x: str(hs.sweep(x, {"effects.filter.omega_n": [40.0]}).bandwidth.values),
     "tolerances": lambda x: str(hs.tolerances(x, samples=0, limit=5).box.sides),
 }
 
-TIMED = {"cost", "simulation_cost"}  # minutes of measuring
+TIMED = {"cost"}  # minutes of measuring
 
 
 @pytest.mark.few("evaluate", "derive", "require", "stability")

@@ -325,14 +325,6 @@ def test_a_pade_approximant_gains_digits_with_its_order() -> None:
     assert not any(row.proven for name, row in rows.items() if name != "exact delay")
 
 
-@pytest.mark.slow
-def test_a_simulation_with_longer_steps_has_fewer_right_digits() -> None:
-    rows = {row.method: row.digits for row in hs.simulation_cost(hs.load_scene("fu2019"), quick=True).rows}
-    assert rows["steps of 7.2 rad"] < rows["steps of 3.6 rad"] < rows["steps of 0.9 rad"]
-    assert rows["steps of 0.9 rad"] > 11
-    assert rows["without filter"] < 2
-
-
 def test_all_ways_to_a_ratio_agree_where_none_loses_digits() -> None:
     spring = hs.environments.mass_spring_damper(k=100)
     behind_lag = hs.Scene(spring, (hs.effects.first_order_lag(20),))  # r_r = w^2/(w^2 + 400), r_i = 20 w/(w^2 + 400)
@@ -370,19 +362,12 @@ def test_wrong_command_lines_are_refused_before_anything_is_measured(arguments: 
         CliRunner().invoke(app, ["cost", *arguments], catch_exceptions=False, standalone_mode=False)
 
 
-@pytest.mark.parametrize("measure", [hs.cost, hs.simulation_cost])
-def test_a_scene_with_symbols_is_refused(measure: object) -> None:
+def test_a_scene_with_symbols_is_refused() -> None:
     scene = hs.Scene(
         hs.environments.mass_spring_damper(k=Symbol("k", positive=True)), (hs.effects.first_order_lag(20),)
     )
     with pytest.raises(SceneError, match="k = k is a symbol"):
-        measure(scene)  # type: ignore[operator]
-
-
-def test_a_scene_that_cannot_be_simulated_says_why() -> None:
-    scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.series("1/(s - 1)"),))
-    with pytest.raises(SceneError, match="not stable"):
-        hs.simulation_cost(scene)
+        hs.cost(scene)
 
 
 # --- JND regions -----------------------------------------------------------------------------------------------------

@@ -26,7 +26,6 @@ from haptisym.model.scenefile import load_scene
 @json_option
 @figure_option("digits against time")
 @click.option("--quick", is_flag=True, help="Fewer methods and repeats, for a first look.")
-@click.option("--simulation", is_flag=True, help="The simulation in time instead: steps, tolerances, periods, effects.")
 @click.option("--hard-cases", is_flag=True, help="Cases on which the usual ways fail, instead of a scene.")
 def cost(
     scene: str | None,
@@ -34,7 +33,6 @@ def cost(
     as_json: bool,
     figure: Path | None,
     quick: bool,
-    simulation: bool,
     hard_cases: bool,
 ) -> None:
     """Measure what accuracy costs in time, for a scene or on hard cases.
@@ -49,15 +47,13 @@ def cost(
     Examples:
       haptisym cost fu2019
       haptisym cost my-device.toml --quick --figure cost.png
-      haptisym cost fu2019 --simulation
       haptisym cost --hard-cases --json
     """
-    if hard_cases and (scene or quick or simulation or environment):
-        raise SceneError("--hard-cases brings its own scenes: leave out SCENE, --environment, --quick and --simulation")
+    if hard_cases and (scene or quick or environment):
+        raise SceneError("--hard-cases brings its own scenes: leave out SCENE, --environment and --quick")
     if scene is None and not hard_cases:
         raise SceneError("cost: name a SCENE, or ask for --hard-cases")
     from haptisym.verbs.cost.entry import cost as of_scene
-    from haptisym.verbs.cost.entry import simulation_cost
     from haptisym.verbs.cost.hardcosts import hard_costs
 
     with progress() as told:
@@ -68,7 +64,6 @@ def cost(
         if scene is None:
             found: Answer = hard_costs(told=said)
         else:
-            measure = simulation_cost if simulation else of_scene
-            found = measure(load_scene(scene, environment), quick=quick, told=said)
+            found = of_scene(load_scene(scene, environment), quick=quick, told=said)
     drawn(found, figure)
     show(found, as_json=as_json)

@@ -37,7 +37,6 @@ _TITLES = {
     "crossings": "Finding all crossings",
     "delay": "Approximating the delay",
     "effects": "Leaving an effect out",
-    "simulation": "Simulating in time",
 }
 
 

@@ -11,7 +11,6 @@ from haptisym.pages.words import RATIOS, lead, title
 from haptisym.verbs.cost.entry import Cost, Measurement, duration
 from haptisym.verbs.cost.hardcosts import FAMILIES, HardCosts, HardRow, worst_verdict
 from haptisym.writing.document import Block, Column, Document, Figure, Notes, Number, Paragraph, Phrase, Section, Table
-from haptisym.writing.layout import named
 
 _RATIOS = "The ratios ", RATIOS[Part.REAL], " and ", RATIOS[Part.IMAG]
 _TASKS: dict[str, Phrase] = {
@@ -19,7 +18,6 @@ _TASKS: dict[str, Phrase] = {
     "crossings": "The crossings on the band: time for all of them",
     "delay": "The crossings with approximated delays, against the exact ones",
     "effects": "The crossings with an effect left out, against all effects",
-    "simulation": (named("H_perc"), " recovered from a simulation in time, against the closed form"),
 }
 """What each task asks."""
 

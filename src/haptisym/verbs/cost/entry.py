@@ -1,8 +1,7 @@
 """What accuracy costs in time for a scene: measured live, against certified references of higher precision.
 
-Contenders take turns, so that a slow moment of a machine that others use too slows all of them alike (``interleaved``). Asked
-are the ratios, the crossings, these with approximated delays and with each effect left out; and of a simulation in time how
-well H_perc is recovered along the band.
+Contenders take turns, so that a slow moment of a machine that others use too slows all of them alike (``interleaved``). Asked are
+the ratios, the crossings, and these with approximated delays and with each effect left out.
 """
 
 from __future__ import annotations
@@ -140,7 +139,7 @@ _SCATTER = 0.15  # of the middle half of the repeats: quiet machines have 0.02 t
 class Measurement:
     """One measurement.
 
-    ``task`` : evaluate, crossings, delay, effects or simulation. ``digits`` : right decimal digits of the worst number.
+    ``task`` : evaluate, crossings, delay or effects. ``digits`` : right decimal digits of the worst number.
     ``seconds`` : median time; of ``evaluate`` for one frequency, of the other tasks for the whole answer. ``spread`` : half of
     the range of the middle half of the repeats, over it; None of fewer than four. ``proven`` : whether the answer is proven.
     ``missed``, ``invented`` : crossings that are there and not found, found and not there.
@@ -237,7 +236,7 @@ class Cost(Answer):
         crossings = self.task("crossings")
         proven = sorted((x for x in crossings if x.proven), key=lambda x: x.digits)
         if len(proven) < 2:
-            return self._best()
+            return "Here not all crossings are proven."
         first, last = proven[0], proven[-1]
         each = (last.seconds - first.seconds) / (last.digits - first.digits)
         lost = sum((x.spread or 0) * x.seconds for x in (first, last))
@@ -252,16 +251,6 @@ class Cost(Answer):
             found = f"for {x.digits:.1f} digits, and proves nothing" if x.complete else f"and {x.wrong}"
             said += f"; a {x.method} points takes {duration(x.seconds)} {found}"
         return f"{said}."
-
-    def _best(self) -> str:
-        right = [x for x in self.rows if x.complete]
-        if not right:
-            return "Here no method found all crossings and no others."
-        best, low = max(right, key=lambda x: x.digits), min(right, key=lambda x: x.seconds)
-        return (
-            f"Here {best.digits:.1f} digits take {duration(best.seconds)} ({best.method}), and the fastest way gives "
-            f"{low.digits:.1f} digits in {duration(low.seconds)} ({low.method})."
-        )
 
     def task(self, name: str) -> tuple[Measurement, ...]:
         """The rows of one task."""
@@ -296,7 +285,7 @@ def duration(seconds: float) -> str:
 Progressed = Callable[[str, float], None]
 """Called with what is measured next and the share that is done, from 0 to 1."""
 _ROUNDS = 25
-_BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0, "simulation": 9.0}
+_BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0}
 """Seconds after which no repeats of a task are begun."""
 _DIGITS = 15
 """Of the crossings whose time and shift are compared when delays are approximated or effects left out."""
@@ -334,31 +323,6 @@ def cost(scene: Scene | str | Path, *, quick: bool = False, told: Progressed = l
     scene.knobs.need_numbers()
     tasks = [_evaluate(scene, quick=quick), _crossings(scene, quick=quick), *_simpler(scene)]
     return _measured(scene, tasks, 0.1 if quick else 1.0, told)
-
-
-def simulation_cost(
-    scene: Scene | str | Path, *, quick: bool = False, told: Progressed = lambda what, share: None
-) -> Cost:
-    """Measure what accuracy costs a simulation in time: H_perc recovered along the band, against its closed form.
-
-    Steps, what is left of the transient, and the periods of the lock-in are varied one at a time; then each effect is left out.
-    Needs SciPy. SceneError for a scene that cannot be simulated.
-
-    >>> from haptisym.model.scenefile import load_scene
-    >>> rows = simulation_cost(load_scene("fu2019"), quick=True).rows
-    >>> max(row.digits for row in rows) > 11, min(row.digits for row in rows) < 4
-    (True, True)
-    """
-    from haptisym.verbs.cost.recovery import Recovery
-    from haptisym.verbs.simulate.threads import one_thread
-
-    scene = as_scene(scene)
-    scene.knobs.need_numbers()
-    question = Recovery(scene)
-    with one_thread():  # as ``simulate`` has it
-        attempts, left_out = _prepared(question.methods(), question, "simulation")
-        task = Task("simulation", attempts, lambda _, answer: question.score(answer), left_out)
-        return _measured(scene, [task], 0.1 if quick else 1.0, told)
 
 
 def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed) -> Cost:
