@@ -42,7 +42,7 @@ from haptisym.programs.stable import closed_program
 from haptisym.programs.steps import Steps, page_steps
 from haptisym.programs.values import Values
 from haptisym.writing.code.code import DIALECTS, CodeReader
-from haptisym.writing.code.computed import closed
+from haptisym.writing.code.entry import closed
 from haptisym.writing.code.languages import Language
 
 a, b, x0 = symbols("a b x0")

@@ -34,8 +34,7 @@ from haptisym.programs.program import Writer
 from haptisym.programs.steps import page_steps
 from haptisym.programs.values import Values
 from haptisym.writing.code.code import DIALECTS, Argument, CodeReader, Source, nearest_double
-from haptisym.writing.code.computed import closed
-from haptisym.writing.code.entry import distortion_code, scene_code, scene_program
+from haptisym.writing.code.entry import closed, distortion_code, scene_code, scene_program
 from haptisym.writing.code.languages import RESERVED, Language, comment, function_name, identifiers
 
 MP = mpmath.mp.clone()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from abc import abstractmethod
 from collections.abc import Collection
+from dataclasses import dataclass
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, ClassVar, Protocol
@@ -26,6 +27,21 @@ class Subject(Protocol):
 
     def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
         """As ``Scene.aside_keys``."""
+
+
+@dataclass(frozen=True)
+class NoScene:
+    """What a question is about that is no scene: it has a title, and nothing is to be said beside the answer."""
+
+    title: str
+
+    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
+        """Nothing: no parameter is nominal."""
+        return []
+
+    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+        """Nothing."""
+        return {}
 
 
 class Answer(Shown):

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 from sympy import Integer, Rational, pi
 
 from haptisym import effects, environments
-from haptisym.judge.answers import Answer, Subject
+from haptisym.judge.answers import Answer, NoScene
 from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.shown import counted
 from haptisym.model.catalogue import Effect
@@ -298,20 +298,6 @@ def worst_verdict(rows: Iterable[HardRow]) -> str:
     return min(bad, key=lambda row: row.digits).verdict if bad else ""
 
 
-class HardCases:
-    """What the question is about: no scene of the user's, and so nothing is to be said beside the answer."""
-
-    title = "The hard cases"
-
-    def asides(self, *_: object) -> list[str]:
-        """Nothing."""
-        return []
-
-    def aside_keys(self, *_: object) -> dict[str, Any]:
-        """Nothing."""
-        return {}
-
-
 @dataclass(frozen=True, repr=False)
 class HardCosts(Answer):
     """Every hard case with every method, measured."""
@@ -346,8 +332,8 @@ class HardCosts(Answer):
         )
 
     @property
-    def _about(self) -> Subject:
-        return HardCases()
+    def _about(self) -> NoScene:
+        return NoScene("The hard cases")
 
     def _body(self) -> dict[str, Any]:
         rows = [{**row.row(), "condition": None if isinf(row.condition) else row.condition} for row in self.rows]

@@ -1,13 +1,11 @@
-"""What a person's answers say of the just-noticeable difference, and what was published.
+"""What a person's answers say of the just-noticeable difference, ready for a scene, and what was published.
 
-What a person's answers say of the just-noticeable difference, ready for a scene. Estimated, never certified.
-
-The published thresholds as an answer: a table for reading, and for a program.
+Estimated, never certified.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from functools import cached_property
@@ -15,7 +13,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, ClassVar
 
-from haptisym.judge.answers import Answer
+from haptisym.judge.answers import Answer, NoScene
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import counted
 from haptisym.model.published import Published, published_by_name
@@ -24,21 +22,6 @@ from haptisym.verbs.jnd.tables import Answers, condensed, read_answers
 from haptisym.verbs.simulate.threads import one_thread
 
 METHODS = {"likelihood": "maximum likelihood", "psignifit": "psignifit 4"}
-
-
-@dataclass(frozen=True)
-class File:
-    """What an answer is about where that is no scene."""
-
-    title: str
-
-    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
-        """Nothing: no parameter is nominal."""
-        return []
-
-    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
-        """Nothing."""
-        return {}
 
 
 @dataclass(frozen=True, repr=False)
@@ -70,8 +53,8 @@ class Psychometric(Answer):
         return False
 
     @property
-    def _about(self) -> File:
-        return File(self.answers.name)
+    def _about(self) -> NoScene:
+        return NoScene(self.answers.name)
 
     @property
     def jnd(self) -> Estimate:
@@ -230,8 +213,8 @@ class PublishedThresholds(Answer, tuple[Published, ...]):
         return False
 
     @property
-    def _about(self) -> File:
-        return File("Published thresholds")
+    def _about(self) -> NoScene:
+        return NoScene("Published thresholds")
 
     def _body(self) -> dict[str, Any]:
         return {"thresholds": [_row_in_published(x) for x in self], "certified": self.certified}

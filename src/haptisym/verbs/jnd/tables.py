@@ -1,10 +1,7 @@
-"""Tables of answers in files, and the answers as they are counted.
+"""Answers of a person at several levels of a stimulus, and the files that hold them.
 
-Answers of a person at several levels of a stimulus, as they are counted.
-
-Which columns of a table hold levels and answers: the names that programs of psychophysics give them.
-
-Tables of answers in files: CSV of counts or of single answers, and results of psignifit 4 as JSON. Never a pickle.
+A file is a table of counts or of single answers (CSV), whose columns are known by the names that programs of psychophysics give
+them, or a result of psignifit 4 (JSON). Never a pickle.
 """
 
 from __future__ import annotations
@@ -12,9 +9,9 @@ from __future__ import annotations
 import csv
 import json
 import re
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from io import TextIOWrapper
 from itertools import chain
 from math import isfinite
@@ -248,7 +245,7 @@ def _refuse(path: Path, begins: bytes) -> None:
 def _read(path: Path, file: TextIO, named: Mapping[str, str], where: Mapping[str, str]) -> Answers:
     first = next((line for line in file if line.strip()), "")
     if not first.lstrip().startswith(("{", "[")):
-        return _Table.begun(first, file, named, where).answers(path.name)
+        return _from_table(path.name, first, file, named, where)
     if named or where:
         raise SceneError("this is a document of JSON, which has no columns: leave their names out")
     text = first + file.read(_MOST_CHARACTERS)
@@ -257,111 +254,68 @@ def _read(path: Path, file: TextIO, named: Mapping[str, str], where: Mapping[str
     return _from_psignifit(path.name, text)
 
 
-# One line after the other.
-
-
-@dataclass
-class _Table:
-    """Lines with the same cells are read once, however many there are."""
-
-    header: list[str]
-    columns: Columns
-    has_commas: bool
-    where: Mapping[int, str]
-    lines: Counter[tuple[str, ...]] = field(default_factory=Counter)
-    first: dict[tuple[str, ...], int] = field(default_factory=dict)
-    others: dict[str, set[str]] = field(default_factory=dict)
-
-    @classmethod
-    def begun(cls, first: str, file: TextIO, named: Mapping[str, str], where: Mapping[str, str]) -> _Table:
-        delimiter = max("\t;,", key=first.count)
+def _from_table(name: str, first: str, file: TextIO, named: Mapping[str, str], where: Mapping[str, str]) -> Answers:
+    delimiter = max("\t;,", key=first.count)
+    try:
+        header, *lines = [
+            [x.strip() for x in row] for row in csv.reader(chain([first], file), delimiter=delimiter)
+        ] or [[]]
+    except csv.Error as error:
+        raise SceneError(f"not a table: {error}") from None
+    _refuse_numbers(header)
+    columns, wanted = find_columns(header, named), {position(header, x): y for x, y in where.items()}
+    others = {i: set[str]() for i, x in enumerate(header) if x.lower() in TOLD and i not in wanted}
+    rows, half, count = [], 0, 0
+    for number, short in enumerate(lines, 2):
+        cells = short + [""] * (len(header) - len(short))
+        if not any(short) or any(cells[i] != value for i, value in wanted.items()):
+            continue
+        used, count = ["" if cells[i].lower() in _NOTHING else cells[i] for i in columns.used], count + 1
+        for i in others if used[-1] else ():
+            others[i] |= {cells[i]} - {""}
+        if not all(used):
+            half += any(used)
+            continue
         try:
-            [header, *_], lines = (
-                list(csv.reader([first], delimiter=delimiter)) or [[]],
-                csv.reader(file, delimiter=delimiter),
-            )
-            header = [x.strip() for x in header]
-            _refuse_numbers(header)
-            found = cls(
-                header,
-                find_columns(header, named),
-                delimiter != ",",
-                {position(header, x): y for x, y in where.items()},
-            )
-            found._count(lines)
-        except csv.Error as error:
-            raise SceneError(f"not a table: {error}") from None
-        return found
+            rows.append(_row(columns, used, has_commas=delimiter != ","))
+        except SceneError as error:
+            raise error.within(f"line {number}") from None
+    if wanted and not count:
+        raise SceneError(f"no line has {' and '.join(f'{header[i]} = {value[:40]}' for i, value in wanted.items())}")
+    if half == count > 0:
+        raise SceneError("no line has both a level and an answer")
+    notes = [f"{counted(half, 'line')} without a level or an answer left out"] if half else []
+    notes += [
+        f"{counted(len(x), 'value')} of {header[i]} put together; choose with --where {header[i]}=..."
+        for i, x in others.items()
+        if len(x) > 1
+    ]
+    return Answers(name, collected(rows), notes=tuple(notes))
 
-    def _count(self, lines: Iterator[list[str]]) -> None:
-        used, need = self.columns.used, max(chain(self.columns.used, self.where)) + 1
-        told = [(name, i) for i, name in enumerate(self.header) if name.lower() in TOLD and i not in self.where]
-        sets = [(self.others.setdefault(name, set()), i) for name, i in told]
-        wanted = tuple(self.where.items())
-        for number, cells in enumerate(lines, 2):
-            if len(cells) < need:
-                if any(cells):
-                    cells += [""] * (need - len(cells))
-                else:
-                    continue
-            if any(cells[i].strip() != value for i, value in wanted):
-                continue
-            key = tuple(["" if cells[i].strip().lower() in _NOTHING else cells[i] for i in used])
-            if key not in self.first:
-                self.first[key] = number
-            self.lines[key] += 1
-            for values, i in sets:
-                if i < len(cells) and cells[i] and key[-1]:
-                    values.add(cells[i])
 
-    def answers(self, name: str) -> Answers:
-        """What was answered."""
-        if self.where and not self.lines:
-            told = " and ".join(f"{self.header[i]} = {value[:40]}" for i, value in self.where.items())
-            raise SceneError(f"no line has {told}")
-        blank = sum(times for cells, times in self.lines.items() if not all(x.strip() for x in cells))
-        half = blank - sum(times for cells, times in self.lines.items() if not any(x.strip() for x in cells))
-        if half == sum(self.lines.values()) > 0:
-            raise SceneError("no line has both a level and an answer")
-        notes = [f"{counted(half, 'line')} without a level or an answer left out"] if half else []
-        notes += [
-            f"{counted(len(x), 'value')} of {key} put together; choose with --where {key}=..."
-            for key, x in self.others.items()
-            if len(x) > 1
-        ]
-        return Answers(name, collected(self._rows()), notes=tuple(notes))
-
-    def _rows(self) -> Iterator[tuple[float, int, int]]:
-        for cells, times in self.lines.items():
-            if all(x.strip() for x in cells):
-                try:
-                    yield self._row(cells, times)
-                except SceneError as error:
-                    raise error.within(f"line {self.first[cells]}") from None
-
-    def _row(self, cells: Sequence[str], times: int) -> tuple[float, int, int]:
-        level = self._number("level", cells[0])
-        if self.columns.answer is not None:
-            return level, times * _is_yes(cells[1]), times
-        count, trials = self._whole("k", cells[1]), self._whole("n", cells[2])
-        if count > trials:
-            raise SceneError(f"k = {count} is more than n = {trials}")
-        return level, times * count, times * trials
-
-    def _number(self, key: str, text: str) -> float:
-        try:
-            found = float(text.replace(",", ".") if self.has_commas else text)
-        except ValueError:
-            raise SceneError(f"{key}: {quoted(text)} is not a number") from None
-        if not isfinite(found):
-            raise SceneError(f"{key}: {quoted(text)} is not a finite number")
-        return found
-
-    def _whole(self, key: str, text: str) -> int:
-        found = self._number(key, text)
-        if found < 0 or found != int(found) or found > _MOST_TRIALS:
+def _row(columns: Columns, cells: Sequence[str], *, has_commas: bool) -> tuple[float, int, int]:
+    """Level, answers that count, and of how many."""
+    keys = ("level",) if columns.answer is not None else ("level", "k", "n")
+    level, *counts = (_number(key, x, has_commas=has_commas) for key, x in zip(keys, cells, strict=False))
+    if columns.answer is not None:
+        return level, _is_yes(cells[1]), 1
+    for key, x, text in zip(keys[1:], counts, cells[1:], strict=True):
+        if x < 0 or x != int(x) or x > _MOST_TRIALS:
             raise SceneError(f"{key}: {quoted(text)} is no count of answers: it must be a whole number")
-        return int(found)
+    count, trials = map(int, counts)
+    if count > trials:
+        raise SceneError(f"k = {count} is more than n = {trials}")
+    return level, count, trials
+
+
+def _number(key: str, text: str, *, has_commas: bool = False) -> float:
+    try:
+        found = float(text.replace(",", ".") if has_commas else text)
+    except ValueError:
+        raise SceneError(f"{key}: {quoted(text)} is not a number") from None
+    if not isfinite(found):
+        raise SceneError(f"{key}: {quoted(text)} is not a finite number")
+    return found
 
 
 def _refuse_numbers(header: Sequence[str]) -> None:

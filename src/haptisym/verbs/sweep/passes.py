@@ -61,13 +61,6 @@ class Found:
     first: Array
     """The sign at the band's low end, for each set."""
 
-    def of(self, some: Array, count: int) -> Found:
-        """Of some of the sets, numbered anew."""
-        number = np.full(count, -1)
-        number[some] = np.arange(len(some))
-        kept = number[self.sets] >= 0
-        return Found(number[self.sets[kept]], self.omega[kept], self.first[some])
-
 
 @dataclass(frozen=True)
 class Ordered:
@@ -259,31 +252,20 @@ class Pass:
         ends = np.fmin.reduce(
             [*(columns[f"first_crossing_{name}"] for name in parts), np.full(self.sets, self.band.high)]
         )
-        return {"bandwidth": np.where(clear, ends, ABSENT), "transparent": self._fraction(parts, columns)}
-
-    def _fraction(self, parts: Mapping[str, Found], columns: Columns) -> Array:
-        """The part of the band where all are negative."""
-        low, clear = self.band.low_fraction, []
-        for name, found in parts.items():
-            # with one crossing at most, a part is negative on one interval: from the low end or up to the high end
-            cross = np.nan_to_num(columns[f"first_crossing_{name}"] / self.band.high, nan=1.0)
-            clear.append((np.where(found.first < 0, low, cross), np.where(found.first < 0, cross, 1.0)))
-        starts, ends = zip(*clear, strict=True)
-        lengths: Array = np.maximum(np.minimum.reduce(ends) - np.maximum.reduce(starts), 0.0)
-        several = np.logical_or.reduce([columns[f"crossings_{name}"] > 1 for name in parts]).nonzero()[0]
-        if len(several):
-            lengths[several] = _alternating([found.of(several, self.sets) for found in parts.values()], low)
-        return lengths / (1.0 - low)
+        return {
+            "bandwidth": np.where(clear, ends, ABSENT),
+            "transparent": _fraction(list(parts.values()), self.band.low_fraction),
+        }
 
 
-def _alternating(parts: Sequence[Found], low: float) -> Array:
-    """The total length on which all are negative, from all crossings in order."""
+def _fraction(parts: list[Found], low: float) -> Array:
+    """The part of the band on which all are negative, from all crossings in order."""
     count = len(parts[0].first)
-    rows = Ordered.of(list(parts), low, count)
+    rows = Ordered.of(parts, low, count)
     following = np.append(rows.omega[1:], 1.0)
     following[:-1][rows.begins[1:]] = 1.0
     clear = (rows.signs < 0).all(axis=0)
-    return np.bincount(rows.sets, weights=(following - rows.omega) * clear, minlength=count)
+    return np.bincount(rows.sets, weights=(following - rows.omega) * clear, minlength=count) / (1.0 - low)
 
 
 AnswerRow: TypeAlias = dict[str, float]
