@@ -18,7 +18,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import counted
 from haptisym.model.published import Published, published_by_name
 from haptisym.verbs.jnd.fitting import Asked, Deviance, Estimate, Fit, grouped_words
-from haptisym.verbs.jnd.tables import Answers, condensed, read_answers
+from haptisym.verbs.jnd.tables import Answers, read_answers
 from haptisym.verbs.simulate.threads import one_thread
 
 METHODS = {"likelihood": "maximum likelihood", "psignifit": "psignifit 4"}
@@ -143,7 +143,7 @@ def jnd(
     ``method`` : "likelihood", or "psignifit", which is another package, and fits guesses and lapses itself. ``columns`` : which
     column holds "level", "count", "trials" or "answer"; ``where`` : only lines with these values.
     """
-    answers = condensed(data if isinstance(data, Answers) else read_answers(data, columns or {}, where or {}))
+    answers = data if isinstance(data, Answers) else read_answers(data, columns or {}, where or {})
     choices = answers.alternatives if alternatives is None else alternatives
     if answers.alternatives not in (None, choices):
         raise SceneError(f"{answers.name} says that there were {answers.alternatives} alternatives, not {choices}")
