@@ -1,10 +1,6 @@
-"""The figures of a measured evaluation.
+"""The figures of a measured evaluation: ratios with their discs against the thresholds, and both responses in the plane.
 
-Measured lines as figures have them: not too many, with their discs, over frequencies in a unit and on a scale that fit.
-
-Measured lines in the complex plane, each with its disc: both responses, and their changes with a region of the JND.
-
-The figures of a measured evaluation: ratios with their discs against the thresholds, and both responses in the plane.
+Not too many lines are drawn, each with its disc, over frequencies in a unit and on a scale that fit.
 """
 
 from __future__ import annotations

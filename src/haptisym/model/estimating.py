@@ -15,7 +15,7 @@ from sympy import pi
 
 from haptisym.kernel.errors import SceneError, meant
 from haptisym.kernel.reals import whole
-from haptisym.model.measured import CONFIDENCE, Complexes, Estimator, Measurement, Reals, Welch, one_row
+from haptisym.model.measured import CONFIDENCE, Complexes, Estimator, Measurement, Reals, Welch, one_row, spread_of
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
 
 _COHERENT = 0.5
@@ -248,7 +248,7 @@ def _response(
         if way is Estimator.H1:
             return _known(s.xf / s.xx), coherence, None
         H = _known(s.ff / np.conj(s.xf))
-        share = np.sqrt(_quantile(averages, confidence) * (1 - coherence) / coherence)
+        share = np.sqrt(spread_of(averages, confidence) * (1 - coherence) / coherence)
         return H, None, np.where(share < 1, np.abs(H) * share / (1 - share), np.inf)
 
 
@@ -261,16 +261,12 @@ def _known(given: Any) -> Complexes:
     return H
 
 
-def _quantile(averages: float, confidence: float) -> float:
-    return float(np.expm1(-np.log1p(-confidence) / (averages - 1)))
-
-
 def _fieller(s: _Spectra, averages: float, confidence: float) -> Reals:
     """Around S_rf/S_rx a disc that holds all H for which f - H x shows no coherence with r beyond chance.
 
     |S_rf - H S_rx|^2 <= c S_rr S_vv(H), v = f - H x, is a disc where |S_rx|^2 > c S_rr S_xx, and unbounded elsewhere.
     """
-    q = _quantile(averages, confidence)
+    q = spread_of(averages, confidence)
     c = q / (1 + q)
     below = np.square(np.abs(s.rx)) - c * s.rr * s.xx
     centre = (np.conj(s.rx) * s.rf - c * s.rr * s.xf) / below

@@ -103,7 +103,7 @@ def disc_radius(coherence: ArrayLike, averages: float, confidence: float = CONFI
     g2 = np.asarray(coherence, dtype=float)
     with np.errstate(divide="ignore"):
         noise = (1 - g2) / g2
-    found: Reals = np.sqrt(_spread(averages, confidence) * noise)
+    found: Reals = np.sqrt(spread_of(averages, confidence) * noise)
     return found
 
 
@@ -113,7 +113,7 @@ def coherence_for(radius: ArrayLike, averages: ArrayLike, confidence: float = CO
     >>> print(f"{coherence_for(0.1, 10):.7f}")
     0.9753056
     """
-    spread = _spread(averages, confidence)
+    spread = spread_of(averages, confidence)
     found: Reals = np.asarray(spread / (spread + np.square(radius)))
     return found
 
@@ -131,7 +131,7 @@ def averages_for(radius: ArrayLike, coherence: ArrayLike, confidence: float = CO
     return found
 
 
-def _spread(averages: ArrayLike, confidence: float) -> Any:
+def spread_of(averages: ArrayLike, confidence: float) -> Any:
     """2/(n-2) F(2, n-2; confidence)."""
     return np.expm1(-np.log1p(-confidence) / (np.asarray(averages, dtype=float) - 1))
 

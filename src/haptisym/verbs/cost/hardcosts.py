@@ -84,8 +84,7 @@ def _power(k: int) -> Rational:
     return Rational(10) ** k
 
 
-def _c(real: Number, imag: Number | None = None) -> Threshold:
-    return Threshold.of(real, imag)
+_c = Threshold.of
 
 
 # Values

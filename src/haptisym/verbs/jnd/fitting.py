@@ -1,14 +1,7 @@
-"""A psychometric function fitted to answers: the curve, its likelihood, intervals, and psignifit's fit.
+"""A psychometric function fitted to answers: a cumulative Gaussian between the rate of guesses and that of lapses.
 
-The psychometric function: a cumulative Gaussian between the rate of guesses and that of lapses.
-
-What a fit of a psychometric function holds: estimates with their intervals, and how well the curve fits.
-
-The likelihood of answers under a psychometric function, and where it is largest: freely, or with one quantity held.
-
-A psychometric function fitted to answers by maximum likelihood, with intervals from the profile of the likelihood.
-
-The same by psignifit 4: a Bayesian fit that allows for answers that vary more than by chance.
+By maximum likelihood, freely or with one quantity held, with intervals from the profile of the likelihood; or by psignifit 4, a
+Bayesian fit that allows for answers that vary more than by chance.
 """
 
 from __future__ import annotations

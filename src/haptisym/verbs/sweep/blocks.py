@@ -152,7 +152,7 @@ class SweepGrid:
 
     @property
     def _how(self) -> str:
-        if not self.kernel.is_polynomial:
+        if self.kernel.curves is None:
             return _ALL_EXACT
         return f"{_IN_FLOATS}{_WITH_SINES}" if self.kernel.has_waves else _IN_FLOATS
 

@@ -425,11 +425,6 @@ class Kernel:
         return Told.of(self.scene)
 
     @property
-    def is_polynomial(self) -> bool:
-        """Whether sets may be answered in floats; if not, each is answered exactly."""
-        return self.curves is not None
-
-    @property
     def has_waves(self) -> bool:
         """Whether there are delays, holds or powers s^alpha: these need sines, which only doubles have with a bound."""
         return self.curves is not None and self.curves.has_waves
