@@ -26,10 +26,11 @@ from haptisym.verbs.sweep.waves import (
     Factor,
     Family,
     Function,
+    Interpolants,
     Points,
     Variables,
+    halving,
     isolate,
-    judged,
     left_out,
     nodes,
     refine,
@@ -167,13 +168,20 @@ def bernstein(n: int, i: int, x: Any) -> Any:
 
 
 @pytest.mark.parametrize("degree", [1, 5, 14])
-def test_values_become_the_bernstein_coefficients_of_their_polynomial(degree: int) -> None:
+def test_values_become_the_bernstein_coefficients_of_their_polynomial_and_of_its_halves(degree: int) -> None:
     rng, n = np.random.default_rng(degree), nodes(degree)
     coefficients = rng.integers(-50, 50, degree + 1).astype(float)
     basis = np.array([[bernstein(degree, i, x) for i in range(degree + 1)] for x in n.high])
     found = n.matrix @ (basis @ coefficients)
     assert np.abs(found - coefficients).max() <= 100 * 2.0**-50 * n.amplified.max() * degree
     assert (n.amplified >= np.abs(n.matrix).sum(axis=1)).all()
+    for start, half in ((0.0, halving(degree)[0] @ coefficients), (0.5, halving(degree)[1] @ coefficients)):
+        for t in (0.0, 0.25, 0.8, 1.0):
+            own, whole = (
+                sum(c * bernstein(degree, i, x) for i, c in enumerate(row))
+                for row, x in ((half, t), (coefficients, start + t / 2))
+            )
+            assert own == pytest.approx(whole, abs=1e-9)
 
 
 @pytest.mark.parametrize("degree", [5, 14])
@@ -469,15 +477,24 @@ def test_what_is_told_of_polynomials_holds_for_all_that_they_may_stand_for() -> 
     b = np.sort(pick.uniform(-1, 1, (degree + 1, sets)), axis=0) * pick.choice([-1, 1], sets) + pick.uniform(-1, 1, sets)  # fmt: skip
     b[:, ::7] = pick.uniform(-1, 1, (degree + 1, len(b[0, ::7])))
     wrong, value, slope = (10.0 ** pick.uniform(-4, -0.3, sets) for _ in range(3))
-    ends = np.where(np.abs(b[[0, -1]]) > wrong + value, np.sign(b[[0, -1]]), 0)
-    none, one = judged(b, wrong, (value, slope), ends)
+    curves = Interpolants(b, wrong, (value, slope))
+    ends = curves.ends()
+    none, one = curves.judged(ends)
     t = np.linspace(0, 1, 81)[:, None]
     p = sum(bernstein(degree, k, t) * b[k] for k in range(degree + 1))
     rate = sum(bernstein(degree - 1, k, t) * np.diff(b, axis=0)[k] for k in range(degree))
     moved, bent = wrong + value, 2 * wrong + slope
+    assert (ends == np.where(np.abs(b[[0, -1]]) > moved, np.sign(b[[0, -1]]), 0)).all()
     keeps = (np.abs(p).min(axis=0) > moved) & (np.sign(p).min(axis=0) == np.sign(p).max(axis=0))
     rises = (np.abs(rate).min(axis=0) > bent) & (np.sign(rate).min(axis=0) == np.sign(rate).max(axis=0))
     known, opposite = (ends != 0).all(axis=0), ends[0] != ends[1]
     assert (keeps | (rises & known & ~opposite))[none].all()
     assert (rises & known & opposite)[one].all()
     assert min(none.sum(), one.sum()) > 100
+    halved = curves.of(np.arange(50)).halves()
+    for side, start in ((slice(50), 0.0), (slice(50, 100), 0.5)):
+        whole = sum(bernstein(degree, k, start + t / 2) * b[k, :50] for k in range(degree + 1))
+        part = sum(bernstein(degree, k, t) * halved.coefficients[k, side] for k in range(degree + 1))
+        assert np.abs(whole - part).max() < 1e-14
+        assert (halved.left_out[0][side] == value[:50]).all()
+        assert (halved.left_out[1][side] == slope[:50] / 2).all()  # of a function on half the way

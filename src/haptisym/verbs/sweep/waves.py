@@ -162,6 +162,17 @@ def nodes(degree: int, dtype: DTypeLike = np.float64) -> Nodes:
     return Nodes(degree, low_row, high_row, matrix, amplified * (1 + 1e-12))
 
 
+@lru_cache(maxsize=16)
+def halving(degree: int) -> tuple[Array, Array]:
+    """What takes Bernstein coefficients on a segment to those on its first and on its second half: exact, not negative.
+
+    >>> halving(1)[1].tolist()
+    [[0.5, 0.5], [0.0, 1.0]]
+    """
+    first = np.array([[comb(j, i) / 2**j for i in range(degree + 1)] for j in range(degree + 1)])
+    return first, first[::-1, ::-1].copy()
+
+
 def left_out(bound: Array, ratio: Array, degree: int) -> tuple[Array, Array]:
     """Bounds of |f - p| and, on [-1, 1], of |f' - p'|: ``bound`` is M, ``ratio`` is r >= 2."""
     n = degree + 1
@@ -419,7 +430,7 @@ _DEGREES, _DEGREE_AT_0 = (5, 10, 14), 6
 _NARROW = 2.0**-6
 _READY, _READY_AT_0 = 1e-6, 1e-4
 """How much of the size a remainder may be: else a segment is cut before anything is computed on it."""
-_MOST_CUTS, _MOST_CUTS_AT_0 = 45, 9
+_MOST_CUTS, _MOST_CUTS_AT_0, _MOST_HALVINGS = 40, 9, 5
 _AT_ONCE = 8192
 _MOST_OPEN = 200  # segments of a set: rounding hides what is to be found
 
@@ -480,10 +491,9 @@ class _Search:
         if len(some) < len(sets):
             f, sizes, left_out = f.of(some), sizes[some], (left_out[0][some], left_out[1][some])
         segments = _chosen(segments, ready)
-        ends, none, one = _interpolated(f, segments, sizes, left_out, degree)
+        ends, curves = _interpolated(f, segments, sizes, left_out, degree)
         self._told(segments, ends)
-        self.found.append(_chosen(segments, one))
-        return _joined([rest, _halves(_chosen(segments, ~(none | one)), by_ratio=any(self.f.power_degrees))])
+        return _joined([rest, *self._searched(segments, curves, ends)])
 
     def _told(self, segments: Segments, ends: Array) -> None:
         """Take note of the signs at the ends of segments: sets with one that is not certain become doubtful."""
@@ -491,6 +501,22 @@ class _Search:
         self.doubtful[sets[(ends == 0).any(axis=0) | ~(low < high)]] = True
         at_bottom = low == self.bottom
         self.first[sets[at_bottom]] = ends[0][at_bottom]
+
+    def _searched(self, segments: Segments, curves: Interpolants, ends: Array) -> list[Segments]:
+        """Cut polynomials, as long as they tell enough; the segments on which they do not."""
+        for _ in range(_MOST_HALVINGS):
+            none, one = curves.judged(ends)
+            self.found.append(_chosen(segments, one))
+            open_ = ~(none | one) & ~self.doubtful[segments[0]]
+            if not open_.any():
+                return []
+            curves, segments = curves.of(open_.nonzero()[0]).halves(), _halves(_chosen(segments, open_))
+            ends = curves.ends()
+        none, one = curves.judged(ends)
+        self.found.append(_chosen(segments, one))
+        sets, low, high = _chosen(segments, ~(none | one))
+        # children end where floats round to: the next ones outside leave no gap
+        return [(sets, np.maximum(np.nextafter(low, 0), self.bottom), np.minimum(np.nextafter(high, 1), 1.0))]
 
     def zeros(self) -> Zeros:
         found = _joined(self.found)
@@ -521,34 +547,56 @@ class _Search:
         return _joined(rest)
 
 
-def judged(coefficients: Array, wrong: Array, left_out: tuple[Array, Array], ends: Array) -> tuple[Array, Array]:
-    """Whether there is no zero for certain, and whether there is one.
+@dataclass(frozen=True)
+class Interpolants:
+    """Polynomials by their Bernstein coefficients, sets in columns; ``wrong``: a bound on the errors of all of them.
 
-    ``coefficients`` : of polynomials in Bernstein's basis, sets in columns; ``wrong`` : a bound on the errors of all of them.
-    ``left_out`` : how much the function may differ from the polynomial, and its slope over the degree from that of this one.
-    ``ends`` : the certain signs at both ends.
+    ``left_out``: how much the function may differ from the polynomial, and its slope over the degree from that of this one.
     """
-    value, slope = left_out
-    none = _one_sign(coefficients, wrong + value)
-    monotone = _one_sign(np.diff(coefficients, axis=0), (2 * wrong + slope) * _SLACK)
-    known = monotone & (ends != 0).all(axis=0)
-    return none | (known & (ends[0] == ends[1])), known & (ends[0] != ends[1])
+
+    coefficients: Array
+    wrong: Array
+    left_out: tuple[Array, Array]
+
+    def of(self, some: Array) -> Interpolants:
+        """For some of the sets."""
+        value, slope = self.left_out
+        return Interpolants(self.coefficients[:, some], self.wrong[some], (value[some], slope[some]))
+
+    def ends(self) -> Array:
+        """The certain signs at both ends."""
+        return _certain(self.coefficients[[0, -1]], self.wrong + self.left_out[0])
+
+    def judged(self, ends: Array) -> tuple[Array, Array]:
+        """Whether there is no zero for certain, and whether there is one, given the signs at the ends."""
+        value, slope = self.left_out
+        none = _one_sign(self.coefficients, self.wrong + value)
+        monotone = _one_sign(np.diff(self.coefficients, axis=0), (2 * self.wrong + slope) * _SLACK)
+        known = monotone & (ends != 0).all(axis=0)
+        return none | (known & (ends[0] == ends[1])), known & (ends[0] != ends[1])
+
+    def halves(self) -> Interpolants:
+        """Those on the first halves of the segments, then those on the second, by de Casteljau's weights."""
+        halves = [np.einsum("ji,ib->jb", w, self.coefficients) for w in halving(len(self.coefficients) - 1)]
+        value, slope = self.left_out
+        both = np.concatenate(halves, axis=1)
+        return Interpolants(both, np.tile(self.wrong, 2), (np.tile(value, 2), np.tile(slope / 2, 2)))
 
 
 def _interpolated(
     f: Function, segments: Segments, sizes: Array, left_out: tuple[Array, Array], degree: int
-) -> tuple[Array, Array, Array]:
-    """Signs at the ends of segments, and where there is no zero between them, and where one."""
+) -> tuple[Array, Interpolants]:
+    """Signs at the ends of segments, and what functions are there."""
     _, low, high = segments
     n = nodes(degree, sizes.dtype)
     values = f.values(low * n.low[:, None] + high * n.high[:, None])
     wrong = f.error(sizes, low, high)
     coefficients = np.einsum("ji,ib->jb", n.matrix, values)  # not a library's product: its order may depend on the sets
-    bound = n.amplified.max() * (wrong + error(sizes, degree + 3))
+    # the sum here, and those of all halvings
+    bound = n.amplified.max() * (wrong + error(sizes, (degree + 3) * (1 + _MOST_HALVINGS)))
     value, slope = left_out
     at_ends = np.array([f.error(f.sizes(low), low, low), wrong])  # at the low end sizes may be much smaller
-    ends = _certain(values[[0, -1]], at_ends)
-    return ends, *judged(coefficients, bound, (value, 2 * slope / degree), ends)
+    return _certain(values[[0, -1]], at_ends), Interpolants(coefficients, bound, (value, 2 * slope / degree))
 
 
 def _one_sign(values: Array, bounds: Array) -> Array:
@@ -613,6 +661,7 @@ def _halves(segments: Segments, *, by_ratio: bool = False) -> Segments:
 
 _MOST_ROUNDS = 60
 _FINE = 2e-13
+_INSIDE = 2.0**-49
 
 
 def refine(f: Function, low: Array, high: Array, tolerance: float) -> tuple[Array, Array]:
@@ -624,6 +673,7 @@ def refine(f: Function, low: Array, high: Array, tolerance: float) -> tuple[Arra
     with np.errstate(all="ignore"):
         low, high = (x.astype(f.above[0].rows.values.dtype) for x in (low, high))
         x = _approached(f, low, high)
+        low, high = low * (1 + _INSIDE), high * (1 - _INSIDE)  # a segment ends where floats round to, or beside it
         below, above = np.maximum(low, x * (1 - tolerance)), np.minimum(high, x * (1 + tolerance))
         return x, _signs(f, below) * _signs(f, above) < 0
 
