@@ -116,11 +116,12 @@ class InTerms(Region, Protocol):
         return tuple(x.squares[0] for x in found)
 
     def exceeded(self, d: Distortion) -> Signed:
-        found = tuple((*x.where, *map(_above_one, x.squares)) for x in self.terms(d))
+        found = tuple((*x.where, *map(above_one, x.squares)) for x in self.terms(d))
         return found[0][0] if len(found) == len(found[0]) == 1 else Lattice(found)
 
 
-def _above_one(square: RealFunction) -> RealFunction:
+def above_one(square: RealFunction) -> RealFunction:
+    """Positive where a square is above 1."""
     f = square.function
     return RealFunction(f.ring.function(f.numerator - f.denominator, f.denominator))
 
@@ -216,7 +217,7 @@ class Polygon(InTerms, Joint):
         return self._outside(d, tuple(Part))
 
     def projected(self, d: Distortion, part: Part) -> Signed:
-        return Lattice(tuple((*x.where, *map(_above_one, x.squares)) for x in self._outside(d, (part,))))
+        return Lattice(tuple((*x.where, *map(above_one, x.squares)) for x in self._outside(d, (part,))))
 
     def _outside(self, d: Distortion, parts: tuple[Part, ...]) -> tuple[Term, ...]:
         w = Change(d)
