@@ -47,6 +47,7 @@ from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands
+from haptisym.verbs.sweep.entry import in_floats
 from haptisym.verbs.tolerances.box import Box, box_of
 from haptisym.verbs.tolerances.heldbox import HeldInBox, held_in_box
 from haptisym.verbs.tolerances.search import OVERLAP, Cluster, Excess, beyond, clusters, excess_of
@@ -67,16 +68,50 @@ class One:
         return min((x[0] for x in self.crossings.values() if x), key=float, default=None)
 
 
-def drawn(box: Box, samples: int, seed: int) -> tuple[One, ...]:
-    """Sets of values drawn uniformly from the box, each answered with certainty."""
+@dataclass(frozen=True)
+class Drawn:
+    """A set of values that was drawn: what is told of it in floats, rad/s, and, where it is asked for, exactly."""
+
+    box: Box
+    values: Mapping[str, Expr]
+    first: float | None
+    bandwidth: float | None
+    transparent: bool | None
+
+    @cached_property
+    def exact(self) -> One:
+        """The same, certified."""
+        return one(self.box, self.values)
+
+    @property
+    def crossings(self) -> Mapping[str, tuple[RealNumber, ...]]:
+        """As of ``One``."""
+        return self.exact.crossings
+
+
+def drawn(box: Box, samples: int, seed: int) -> tuple[Drawn, ...]:
+    """Sets of values drawn uniformly from the box, each answered with certainty: in floats with a bound, or exactly."""
     draw = Random(seed)
     shares = ({side.name: Fraction(draw.getrandbits(24), (1 << 24) - 1) for side in box.sides} for _ in range(samples))
-    return tuple(in_time(_told(one(box, box.values(x)), n, samples) for n, x in enumerate(shares)))
+    sets = [box.values(x) for x in shares]
+    if not sets:
+        return ()
+    rows = np.array([[float(ExactNumber(x)) for x in values.values()] for values in sets]).T
+    columns, left = in_floats(box.scene, tuple(box.scene.ranges().values()), rows)
+    names = [x.name for x in noticed(box.scene.threshold)]
+    first = np.fmin.reduce([columns[f"first_crossing_{name}"] for name in names])
+    kept = sum(columns[f"crossings_{name}"] for name in names) == 0
+    unknown = set(left.tolist())
 
+    def told(n: int) -> Drawn:
+        tick(n, samples, "sets of values")
+        if n in unknown:
+            x = one(box, sets[n])
+            return Drawn(box, sets[n], _float(x.first), _float(x.bandwidth), x.transparent)
+        low, width = (None if np.isnan(x) else float(x) for x in (first[n], columns["bandwidth"][n]))
+        return Drawn(box, sets[n], low, width, bool(kept[n]) and width is not None)
 
-def _told(found: One, n: int, samples: int) -> One:
-    tick(n, samples, "sets of values")
-    return found
+    return tuple(in_time(map(told, range(samples))))
 
 
 _T = TypeVar("_T")
@@ -231,22 +266,23 @@ class Quantiles:
     transparent: int
 
 
-def quantiles(samples: Sequence[One]) -> Quantiles:
+def quantiles(samples: Sequence[Drawn]) -> Quantiles:
     """The quantiles of an answer's samples, of which there must be one at least."""
-    first = [None if x.first is None else float(x.first) for x in samples]
-    width = [None if x.bandwidth is None else float(x.bandwidth) for x in samples]
     beyond, never = float("inf"), -float("inf")  # no crossing on the band: beyond it; no bandwidth: less than any
+    first = sorted(samples, key=lambda x: beyond if x.first is None else x.first)
+    width = sorted(samples, key=lambda x: never if x.bandwidth is None else x.bandwidth)
+    places = {
+        p: max(ceil(p * len(samples) / 100) - 1, 0) for p in LEVELS
+    }  # the least that so many per cent do not exceed
     return Quantiles(
-        {p: _quantile([beyond if x is None else x for x in first], p) for p in LEVELS},
-        {p: _quantile([never if x is None else x for x in width], p) for p in LEVELS},
+        {p: _float(first[i].exact.first) for p, i in places.items()},
+        {p: _float(width[i].exact.bandwidth) for p, i in places.items()},
         sum(x.transparent is True for x in samples),
     )
 
 
-def _quantile(values: Sequence[float], per_cent: int) -> float | None:
-    """The least of the values that so many per cent of them do not exceed; None where it is infinite."""
-    found = sorted(values)[max(ceil(per_cent * len(values) / 100) - 1, 0)]
-    return found if abs(found) < float("inf") else None
+def _float(x: RealNumber | None) -> float | None:
+    return None if x is None else float(x)
 
 
 class Verdict(Enum):
@@ -289,7 +325,7 @@ class Tolerances(Answer):
     _figure: ClassVar[str] = "haptisym.figures.tolerances:tolerances_figure"
 
     box: Box
-    samples: tuple[One, ...]
+    samples: tuple[Drawn, ...]
     seed: int = 0
     budget: Budget | None = None
     held: tuple[HeldInBox, ...] = ()
@@ -396,18 +432,22 @@ class Tolerances(Answer):
     @cached_property
     def transparent(self) -> One | None:
         """A set of values for which the display is transparent on the band, certified; None if none was found."""
-        return next((x for x in self._witnesses() if x.transparent is True), None)
+        return self._witness(transparent=True)
 
     @cached_property
     def noticed(self) -> One | None:
         """A set of values for which it is not, certified; None if none was found."""
-        return next((x for x in self._witnesses() if x.transparent is False), None)
+        return self._witness(transparent=False)
 
-    def _witnesses(self) -> Iterator[One]:
-        yield self.nominal
-        yield from self.samples
-        if not self._always_noticed():
-            yield from self._corners
+    def _witness(self, *, transparent: bool) -> One | None:
+        """The nominal values, those drawn (floats tell which to answer exactly), or a corner."""
+        if self.nominal.transparent is transparent:
+            return self.nominal
+        own = in_time(x.exact for x in self.samples if x.transparent is transparent)
+        found = next((x for x in own if x.transparent is transparent), None)
+        if found or self._always_noticed():
+            return found
+        return next((x for x in self._corners if x.transparent is transparent), None)
 
     def _always_noticed(self) -> bool:
         """Whether some frequency is noticed whatever the values: one between clusters, at which a ratio exceeds for all."""
@@ -476,7 +516,7 @@ class Tolerances(Answer):
             "band": [float(x) for x in self.box.scene.band],
             "varying": sides,
             "verdict": self.verdict.value,
-            "witnesses": {"transparent": _witness(self.transparent), "noticed": _witness(self.noticed)},
+            "witnesses": {"transparent": _witness_row(self.transparent), "noticed": _witness_row(self.noticed)},
             "crossings": [self._enclosure_row(x) for x in self.enclosures],
             "bandwidth": None if self.bandwidth is None else [float(x) for x in self.bandwidth],
             **({"held": [x.row() for x in self.held]} if self.held else {}),
@@ -502,7 +542,7 @@ class Tolerances(Answer):
         return {"samples": len(self.samples), "seed": self.seed, **shown, "transparent": q.transparent}
 
 
-def _witness(one: One | None) -> dict[str, str] | None:
+def _witness_row(one: One | None) -> dict[str, str] | None:
     return None if one is None else _values(one.values)
 
 
