@@ -1,12 +1,7 @@
-"""The two-step evaluation of a scene: when a distortion is noticed, how it is felt, and whether that survives another JND model.
+"""The two-step evaluation of a scene: when a distortion is noticed, and how it is felt.
 
-Does the conclusion survive another JND model? Square, disc and diamond of its half widths, beside the scene's own region.
-
-The two-step evaluation of a scene: when a distortion is noticed, how it is felt, and whether that survives another JND model.
-
-What the digits of crossings took.
-
-The two-step evaluation of a scene: when a distortion is noticed, and how it is felt.
+Beside it: what the digits of the crossings took, and whether the conclusion survives another JND model: square, disc and diamond
+of its half widths, beside the scene's own region.
 """
 
 from __future__ import annotations
@@ -107,7 +102,13 @@ def compared(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> tu
     plain = Threshold.of(real, imag)
     shapes = {"square": SQUARE, "disc": Region(Shape.ELLIPSE), "diamond": Region(Shape.DIAMOND)}
     regions = {name: replace(plain, region=region) for name, region in shapes.items()} | {OWN: threshold}
-    return tuple(_answered(name, d, x, band) for name, x in regions.items())
+    found = []
+    for name, x in regions.items():
+        table = chart(curves(d, noticed(x)), *band)
+        first, clear = next(iter(find_crossings(table)), None), kept(table)
+        width = clear[0].high.omega if clear and clear[0].low is table.points[0] else None
+        found.append(Compared(name, x, first, width, clear, not table.undecided))
+    return tuple(found)
 
 
 def half_widths(threshold: Threshold) -> tuple[Expr, Expr]:
@@ -120,14 +121,6 @@ def half_widths(threshold: Threshold) -> tuple[Expr, Expr]:
     edges = Polygon(corners).edges
     across, up = (1 / max(max(edge[i], -edge[i]) for edge in edges) for i in (0, 1))
     return across, up
-
-
-def _answered(name: str, d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> Compared:
-    table = chart(curves(d, noticed(threshold)), *band)
-    found, clear = find_crossings(table), kept(table)
-    starts = bool(clear) and clear[0].low is table.points[0]
-    width = clear[0].high.omega if starts else None
-    return Compared(name, threshold, found[0] if found else None, width, clear, not table.undecided)
 
 
 class Effort(NamedTuple):

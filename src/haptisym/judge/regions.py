@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol, Self
 
 from sympy import Expr, Integer, S
 
@@ -127,34 +127,42 @@ def above_one(square: RealFunction) -> RealFunction:
 
 
 @dataclass(frozen=True)
-class Ellipse(InTerms, Joint):
-    """(x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2."""
+class _OfHalfWidths(InTerms, Joint):
+    """A region that is given by how far it reaches along both axes; ``projected`` : of an ellipse with a tilt."""
 
     real: Expr
     imag: Expr
     tilt: Expr = Integer(0)
-    kind: ClassVar[str] = "ellipse"
 
-    @property
-    def words(self) -> str:
-        return "an ellipse"
-
-    def terms(self, d: Distortion) -> tuple[Term, ...]:
+    def _scaled(self, d: Distortion) -> tuple[Change, RationalFunction, RationalFunction]:
+        """X/a and Y/b."""
         w = Change(d)
-        u, v, t = w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag), w.number(self.tilt)
-        square = w.over((u * u + v * v - w.number(Integer(2)) * t * u * v) / w.number(1 - self.tilt**2))
-        return (Term((), (square,)),)
+        return w, w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag)
 
     def projected(self, d: Distortion, part: Part) -> Signed:
-        w = Change(d)
-        own = w.part(part) / w.number(self.real if part is Part.REAL else self.imag)
-        return w.beyond(own * own / w.number(1 - self.tilt**2))
+        w, *own = self._scaled(d)
+        x = own[part is Part.IMAG]
+        return w.beyond(x * x / w.number(1 - self.tilt**2))
 
     def nearer(self, d: Distortion) -> Signed:
-        return _nearer(d, self.real, self.imag)
+        _, u, v = self._scaled(d)
+        return RealFunction((u * u - v * v).reduced())
 
-    def opened(self, limits: Mapping[Part, Expr]) -> Ellipse:
+    def opened(self, limits: Mapping[Part, Expr]) -> Self:
         return replace(self, **{part.value: x for part, x in limits.items()})
+
+
+@dataclass(frozen=True)
+class Ellipse(_OfHalfWidths):
+    """(x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2."""
+
+    kind: ClassVar[str] = "ellipse"
+    words: ClassVar[str] = "an ellipse"
+
+    def terms(self, d: Distortion) -> tuple[Term, ...]:
+        w, u, v = self._scaled(d)
+        twice = w.number(2 * self.tilt)
+        return (Term((), (w.over((u * u + v * v - twice * u * v) / w.number(1 - self.tilt**2)),)),)
 
     def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
         u, v, t = x / number(self.real), y / number(self.imag), number(self.tilt)
@@ -162,32 +170,15 @@ class Ellipse(InTerms, Joint):
 
 
 @dataclass(frozen=True)
-class Diamond(InTerms, Joint):
+class Diamond(_OfHalfWidths):
     """|x|/a + |y|/b <= 1: both sums x/a + y/b and x/a - y/b are at most 1 large."""
 
-    real: Expr
-    imag: Expr
     kind: ClassVar[str] = "diamond"
-
-    @property
-    def words(self) -> str:
-        return "a diamond"
+    words: ClassVar[str] = "a diamond"
 
     def terms(self, d: Distortion) -> tuple[Term, ...]:
-        w = Change(d)
-        u, v = w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag)
+        w, u, v = self._scaled(d)
         return tuple(Term((), (w.over(x * x),)) for x in (u + v, u - v))
-
-    def projected(self, d: Distortion, part: Part) -> Signed:
-        w = Change(d)
-        own = w.part(part) / w.number(self.real if part is Part.REAL else self.imag)
-        return w.beyond(own * own)
-
-    def nearer(self, d: Distortion) -> Signed:
-        return _nearer(d, self.real, self.imag)
-
-    def opened(self, limits: Mapping[Part, Expr]) -> Diamond:
-        return replace(self, **{part.value: x for part, x in limits.items()})
 
     def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
         return abs(x) / number(self.real) + abs(y) / number(self.imag)
@@ -199,10 +190,7 @@ class Polygon(InTerms, Joint):
 
     corners: tuple[Corner, ...]
     kind: ClassVar[str] = "polygon"
-
-    @property
-    def words(self) -> str:
-        return "a polygon"
+    words: ClassVar[str] = "a polygon"
 
     @property
     def edges(self) -> tuple[Corner, ...]:
@@ -285,13 +273,6 @@ def _extremes(values: Sequence[Expr]) -> list[Expr]:
     """Those among which the largest multiple is: the ends, where they are rational numbers."""
     listed = sorted(set(values), key=str)
     return [min(listed), max(listed)] if all(x.is_Rational for x in listed) else listed
-
-
-def _nearer(d: Distortion, real: Expr, imag: Expr) -> RealFunction:
-    """|X|/a against |Y|/b, as a difference of squares."""
-    w = Change(d)
-    u, v = w.part(Part.REAL) / w.number(real), w.part(Part.IMAG) / w.number(imag)
-    return RealFunction((u * u - v * v).reduced())
 
 
 def _not_smooth(words: str) -> SceneError:

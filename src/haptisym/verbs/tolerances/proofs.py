@@ -1,23 +1,12 @@
-"""What can be said about a scene whose parameters are known as ranges: verdicts, ends, and single sets.
-
-Single sets of values of a box, each answered with certainty; some are drawn at random.
-
-How far the crossings of a cluster go, over all values of the box: the ends of an enclosure.
-
-Where crossings are regular they move one way with each parameter whose slope keeps its sign, so that they go farthest on the
-face of the box on which all these stand at their ends. On that face the crossings take up less of the band, and there further
-slopes may keep their signs: so it goes on, until a corner is left, which is answered exactly, or a face that is bounded.
-
-Quantiles over sets of values that were drawn at random: estimates, for comparison with what is proven.
-
-What is said of a box of values: a verdict on the whole of it, and where its crossings lie.
-
-What can be said about a scene whose parameters are known as ranges: proven for all values in the box, or for none.
+"""What holds for a scene whose parameters are known as ranges: proven for all values in the box, or for none.
 
 Two things are kept apart. Proven: the verdict, by branch and bound over band and box in Taylor models (``search``) and by
 certified charts of single sets of values; the enclosures of the crossings. Estimated: quantiles over sets drawn at random.
 
-What holds for all values within the ranges of a scene.
+How far the crossings of a cluster go: where they are regular they move one way with each parameter whose slope keeps its sign,
+so that they go farthest on the face of the box on which all these stand at their ends. On that face the crossings take up less of
+the band, and there further slopes may keep their signs: so it goes on, until a corner is left, which is answered exactly, or a
+face that is bounded.
 """
 
 from __future__ import annotations
@@ -131,17 +120,14 @@ def one(box: Box, values: Mapping[str, Expr]) -> One:
     d = scene.distortion()
     criteria = noticed(scene.threshold)
     table = chart({x: x.function(d) for x in criteria}, *scene.band)
-    crossings = {x.name: tuple(p.omega for p in table.points if _crosses(p.orders.get(x, 0))) for x in criteria}
+    crossings = {  # at zeros of odd order, which change the sign
+        x.name: tuple(p.omega for p in table.points if (n := p.orders.get(x, 0)) > 0 and n % 2) for x in criteria
+    }
     intervals = kept(table)
     first = intervals[0] if intervals and intervals[0].low is table.points[0] else None
     whole = first is not None and first.high is table.points[-1]
     shown = values or {side.name: box.scene.knobs[side.name].value for side in box.sides}
     return One(shown, crossings, first.high.omega if first else None, None if table.undecided else whole)
-
-
-def _crosses(order: int) -> bool:
-    """Whether a zero of this order, not a pole, changes the sign."""
-    return order > 0 and order % 2 == 1
 
 
 TOLERANCE = Fraction(1, 1000)
@@ -241,14 +227,6 @@ def within(box: Box, x: RealNumber, cluster: Cluster) -> bool:
     low, high = box.scene.band
     share = (float(x) - float(low)) / float(high - low)
     return cluster.low - OVERLAP / 4 <= share <= cluster.high + OVERLAP / 4
-
-
-def end_of(
-    box: Box, criterion: Criterion, form: Excess, cluster: Cluster, one: Callable[..., One], *, highest: bool
-) -> End:
-    """How high (low) the crossings of a cluster go, for all values of the box."""
-    found = Face(box, criterion.name, {}, one).end(form, cluster, highest=highest)
-    return found or (at_share(box, cluster.high if highest else cluster.low), None)
 
 
 LEVELS = (5, 50, 95)
@@ -497,18 +475,17 @@ class Tolerances(Answer):
         return self.verdict is not Verdict.UNDECIDED and all(x.share for x in self.held)
 
     def _enclosure(self, criterion: Criterion, form: Excess, cluster: Cluster) -> Enclosure:
-        steady = self._steady(form, cluster)
+        moves = zip(self.box.sides, cluster.signs[1:], strict=True)
+        steady = {side.name: int(-sign * cluster.signs[0]) for side, sign in moves}
         alone = cluster.regular and cluster.inside
         own = [x for x in self.nominal.crossings[criterion.name] if within(self.box, x, cluster)]
         count = len(own) if alone and own else None
-        ends = [end_of(self.box, criterion, form, cluster, self.one, highest=highest) for highest in (False, True)]
-        (low, at_low), (high, at_high) = ends
+        face = Face(self.box, criterion.name, {}, self.one)
+        (low, at_low), (high, at_high) = (
+            face.end(form, cluster, highest=end) or (at_share(self.box, cluster.high if end else cluster.low), None)
+            for end in (False, True)
+        )
         return Enclosure(criterion, low, high, count, at_low, at_high, steady)
-
-    def _steady(self, form: Excess, cluster: Cluster) -> dict[str, int]:
-        """The way in which the crossings of a cluster move with each parameter."""
-        moves = [-sign * cluster.signs[0] for sign in cluster.signs[1:]]
-        return {side.name: int(n) for side, n in zip(self.box.sides, moves, strict=True)}
 
     def _body(self) -> dict[str, Any]:
         sides = [{"name": x.name, "low": float(x.low), "high": float(x.high)} for x in self.box.sides]
