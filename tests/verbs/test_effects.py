@@ -20,7 +20,7 @@ import haptisym as hs
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import s
-from haptisym.programs.series import series_arithmetic
+from haptisym.programs.links import series_arithmetic
 from haptisym.verbs.effects.differences import WIDTH, BallChain, BandPiece, Difference, Kept
 from haptisym.verbs.effects.relevance import CrossingEnclosure, Relevance
 

@@ -12,11 +12,11 @@ remembered, as subsets of effects share their beginnings.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf, nextafter
-from typing import Any, NamedTuple, Protocol, Self, TypeAlias, TypeVar
+from typing import Any, NamedTuple
 
 from flint import acb_series, arb, arb_series
 from sympy import Expr, Rational
@@ -33,8 +33,7 @@ from haptisym.model.chain import Chain
 from haptisym.model.distortion import part_of
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
-from haptisym.programs.links import links
-from haptisym.programs.series import BALL_SERIES, InSteps, Series, along_axis, series_arithmetic
+from haptisym.programs.links import BALL_SERIES, InSteps, Series, along_axis, links, series_arithmetic
 
 Kept = frozenset[int]
 """The effects of a scene that are there, by their places in it."""
@@ -140,22 +139,10 @@ class BallChain(Shown):
         return x.real if real else x.imag
 
 
-Bounds: TypeAlias = tuple[float, float]
-
 WIDTH = 2e-7
 """Of the enclosure of a supremum, relative to it."""
 _NOTHING = 1e-12  # a supremum below it is known well enough
 _MOST_CELLS = 1 << 15
-
-
-class Divisible(Protocol):
-    """A part of the domain that can be halved."""
-
-    def halves(self) -> tuple[Self, Self]:
-        """Its two parts, which together are all of it."""
-
-
-C = TypeVar("C", bound=Divisible)
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,42 +158,7 @@ class Supremum:
         return self.most < inf
 
 
-def supremum(whole: C, bounds: Callable[[C], Bounds], limit: float | None = None) -> Supremum:
-    """The supremum of a function over ``whole``.
-
-    ``bounds`` : of a cell, a value that the function reaches on it and one that it does not exceed there (both infinite only if
-    it is proven to be unbounded). The cell with the highest bound is halved until the enclosure is narrow, or, with a ``limit``,
-    until it is proven on which side of it the supremum lies (equal counts as below).
-
-    >>> @dataclass(frozen=True)
-    ... class Span:
-    ...     low: float
-    ...     high: float
-    ...     def halves(self):
-    ...         middle = (self.low + self.high) / 2
-    ...         return Span(self.low, middle), Span(middle, self.high)
-    >>> found = supremum(Span(0, 3), lambda x: (max(x.low * (2 - x.low), 0), max(x.high * (2 - x.low), 0)))
-    >>> found.least <= 1 <= found.most < 1.00001
-    True
-    """
-    least, most = bounds(whole)
-    waiting = Waiting([(most, whole)], lambda x: -x[0], most=_MOST_CELLS)
-    for most, cell in waiting:
-        if least >= most or _is_enough(least, most, limit):
-            break
-        halves = [(*bounds(half), half) for half in cell.halves()]
-        least = max(least, *(reached for reached, _, _ in halves))
-        waiting.add(*((bound, half) for _, bound, half in halves))
-    return Supremum(least, max([least, *(most for most, _ in waiting.rest)]))
-
-
-def _is_enough(least: float, most: float, limit: float | None) -> bool:
-    if limit is not None and (most <= limit or least > limit):
-        return True
-    return most - least <= max(WIDTH * least, _NOTHING)
-
-
-_NOTHING_DIFFERENCES = 1e-20  # in the middle of some pieces: then it is asked whether the functions are zero
+_ZERO = 1e-20  # in the middle of some pieces: then it is asked whether the functions are zero
 _DEEP = 8  # halvings until a piece that ball arithmetic cannot bound is looked at exactly; near its zero all pieces are loose
 _DEEPEST = 24  # halvings until that must tell
 
@@ -234,13 +186,19 @@ class Difference:
         if self.kept == self.balls.everything:
             return Supremum(0.0, 0.0)
         with series_arithmetic():
-            if self._looks_zero() and any(f.is_zero for f in self._functions):
+            looks_zero = all(min(map(_up, self._middle(BandPiece(3, i)))) < _ZERO for i in range(8))
+            if looks_zero and any(f.is_zero for f in self._functions):
                 return Supremum(0.0, 0.0)
-            return supremum(BandPiece(), self._bounds, limit)
-
-    def _looks_zero(self) -> bool:
-        pieces = (BandPiece(3, i) for i in range(8))
-        return all(_up(min(self._middle(piece), key=_up)) < _NOTHING_DIFFERENCES for piece in pieces)
+            least, most = self._bounds(BandPiece())
+            waiting = Waiting([(most, BandPiece())], lambda x: -x[0], most=_MOST_CELLS)
+            for most, piece in waiting:
+                known = least >= most or (limit is not None and (most <= limit or least > limit))
+                if known or most - least <= max(WIDTH * least, _NOTHING):
+                    break
+                halves = [(*self._bounds(half), half) for half in piece.halves()]
+                least = max(least, *(reached for reached, _, _ in halves))
+                waiting.add(*((bound, half) for _, bound, half in halves))
+            return Supremum(least, max([least, *(most for most, _ in waiting.rest)]))
 
     def _middle(self, piece: BandPiece) -> list[Ball]:
         """a - b and a + b over |H_env| in the middle of a piece."""
@@ -266,6 +224,10 @@ class Difference:
         return SupremumBounds(min(x.least for x in found), reached, min(x.most for x in found))
 
     def _bounds(self, piece: BandPiece) -> tuple[float, float]:
+        """A value that it reaches on a piece and one that it does not exceed there, both infinite where it is unbounded: proven.
+
+        The piece with the highest bound is halved until the enclosure is narrow.
+        """
         found = self.range(piece)
         if found.most == inf and piece.depth >= _DEEP:
             return self._exact_bounds(piece)

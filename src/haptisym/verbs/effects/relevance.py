@@ -33,7 +33,7 @@ from haptisym.model.jnd import Part, positive
 from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.programs.series import FLOATS, InSteps, series_arithmetic
+from haptisym.programs.links import FLOATS, InSteps, series_arithmetic
 from haptisym.verbs.effects.differences import BallChain, BandPiece, Difference, Kept, Supremum, SupremumBounds
 
 _DEPTH = 7  # of the pieces in whose middles ratios are sampled
