@@ -192,7 +192,7 @@ def _limits(d: Distortion, threshold: Threshold, part: Part) -> Iterator[tuple[T
     """The ways to notice one part, with the names of the limits of their squares."""
     own, lower, floor = threshold[part], threshold.lower(part), threshold.region.floor
     sided = Sided(part, own, own if lower is None else lower, floor)
-    names = [(part.value,)]
+    names: list[tuple[str, ...]] = [(part.value,)]
     if sided.has_sides:
         names += [(f"{part.value}.lower",), (part.value, f"{part.value}.lower")]
     for term, own_names in zip(sided.terms(d), names, strict=True):

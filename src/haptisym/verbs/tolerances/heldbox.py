@@ -213,7 +213,8 @@ class ClockPlane:
         clear, left, looked = list[Cell](), list[Cell](), 0
         whole: Cell = ((Fraction(0), Fraction(1)),) * (len(self.loops[0].ranges) - 2)
         sides = [(Fraction(i, _FIRST), Fraction(i + 1, _FIRST)) for i in range(_FIRST)]
-        waiting = deque((own, [[whole] for _ in self.loops]) for own in product(sides, sides))
+        grid: list[Cell] = [(a, b) for a in sides for b in sides]
+        waiting = deque((own, [[whole] for _ in self.loops]) for own in grid)
         try:
             while waiting and looked <= self.most:
                 own, rest = waiting.popleft()

@@ -89,7 +89,7 @@ def drawn(box: Box, samples: int, seed: int) -> tuple[Drawn, ...]:
     columns, left = in_floats(box.scene, tuple(box.scene.ranges().values()), rows)
     names = [x.name for x in noticed(box.scene.threshold)]
     first = np.fmin.reduce([columns[f"first_crossing_{name}"] for name in names])
-    kept = sum(columns[f"crossings_{name}"] for name in names) == 0
+    crossings = np.sum([columns[f"crossings_{name}"] for name in names], axis=0)
     unknown = set(left.tolist())
 
     def told(n: int) -> Drawn:
@@ -98,7 +98,7 @@ def drawn(box: Box, samples: int, seed: int) -> tuple[Drawn, ...]:
             x = one(box, sets[n])
             return Drawn(box, sets[n], _float(x.first), _float(x.bandwidth), x.transparent)
         low, width = (None if np.isnan(x) else float(x) for x in (first[n], columns["bandwidth"][n]))
-        return Drawn(box, sets[n], low, width, bool(kept[n]) and width is not None)
+        return Drawn(box, sets[n], low, width, bool(crossings[n] == 0) and width is not None)
 
     return tuple(in_time(map(told, range(samples))))
 
