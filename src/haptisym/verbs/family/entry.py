@@ -145,9 +145,7 @@ def compared_all(family: SceneFamily, answers: Mapping[str, Evaluation], own: Wo
     ``answers`` : of each environment, with its regions. ``own`` : what the JND itself says of all of them.
     """
     models = {x.name: x.threshold for x in next(iter(answers.values())).regions}
-    each = {
-        name: {who: next(x for x in e.regions if x.name == name) for who, e in answers.items()} for name in models
-    }
+    each = {name: {who: next(x for x in e.regions if x.name == name) for who, e in answers.items()} for name in models}
     return tuple(
         FamilyCompared(name, model, own if name == OWN else WorstCase.of(family, model), each[name])
         for name, model in models.items()
