@@ -430,21 +430,6 @@ def test_a_reversed_damper_is_outside_the_model_and_claims_no_percept() -> None:
     assert result.transparent == ()
 
 
-@pytest.mark.parametrize(
-    ("name", "method"),
-    [
-        ("fu2019", "certified polynomial roots"),
-        ("delayed-spring", "arctangents of certified polynomial roots"),
-        ("satellite-contact", "interval Newton in ball arithmetic"),
-    ],
-)
-def test_the_effort_names_the_method_and_grows_with_the_digits(name: str, method: str) -> None:
-    few, many = (hs.evaluate(hs.load_scene(name), digits=n).effort for n in (15, 300))
-    assert few.method == many.method
-    assert method in few.method
-    assert 15 * 3.3 < few.bits < 300 * 3.3 < many.bits
-
-
 # --- random scenes against Sturm's theorem, exact arithmetic and mpmath ----------------------------------------------
 
 

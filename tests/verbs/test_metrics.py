@@ -20,7 +20,7 @@ from sympy import Rational, lambdify
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.verbs.metrics.freeresponse import FreeResponse, free_response
-from haptisym.verbs.metrics.metric import Measured, MeasureForms, Metric, Metrics, Value
+from haptisym.verbs.metrics.metric import Measured, Metric, Metrics, Value
 
 STICK = environments.mass_spring_damper("1.8", 15, 100)
 
@@ -271,7 +271,7 @@ def points(scene: hs.Scene, count: int = 5) -> list[float]:
 @pytest.mark.parametrize("name", SCENES)
 def test_every_closed_form_has_the_value_of_complex_arithmetic_in_numbers_and_in_symbols(name: str) -> None:
     scene = SCENES[name]
-    forms = MeasureForms(scene)
+    forms = Measured(hs.evaluate(scene)).forms
     known = {p.symbol: float(p.value) for p in scene.parameters}
     for w in points(scene, 1):
         a, b, c, d, env, rendered = ports(name, w)
@@ -285,7 +285,7 @@ def test_every_closed_form_has_the_value_of_complex_arithmetic_in_numbers_and_in
         for form in forms(*expected):
             for found in (form.numeric, form.symbolic):
                 if found is None:
-                    assert expected[form.name] is None or (found is form.symbolic and forms.symbolic is None)
+                    assert expected[form.name] is None or (found is form.symbolic and form.symbols is None)
                     continue
                 value = complex(lambdify([hs.s, hs.omega, *known], found.expression())(1j * w, w, *known.values()))
                 assert value == pytest.approx(expected[form.name], rel=1e-8)

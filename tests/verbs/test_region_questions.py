@@ -315,41 +315,6 @@ def test_a_peak_where_the_limit_changes_is_said_to_be_one() -> None:
     assert "the limit changes" in str(hs.peaks(scene))
 
 
-LEFT_OUT = {**REQUIRED, "far floor": {"real": 0.1, "imag": {"higher": 0.1, "lower": 0.05}, "floor": "8 + omega"}}
-
-
-@pytest.mark.few("polygon", "limits for each way")
-@pytest.mark.parametrize("name", LEFT_OUT)
-def test_crossings_of_the_full_scene_lie_where_a_few_effects_with_a_bound_say(name: str) -> None:
-    fast = (hs.effects.first_order_lag(20000, name="amplifier"), hs.effects.delay("10 us"))
-    full = hs.Scene(PAPER.environment, (*PAPER.effects, *fast), PAPER.band, LEFT_OUT[name])
-    found = hs.evaluate(full, tolerance="3 %")
-    assert found.relevance is not None
-    assert [e.name for e in found.relevance.dropped] == ["amplifier", "delay"]
-    crossings = [(x.criterion.name, float(x.omega)) for x in hs.evaluate(full).crossings]
-    enclosed = [(x.criterion.name, x.bounds, x.certain) for x in found.relevance.crossings]
-    for part, w in crossings:
-        assert any(part == name and low <= w <= high for name, (low, high), _ in enclosed)
-    for part, (low, high), certain in enclosed:
-        assert high - low < 2
-        assert not certain or any(part == name and low <= w <= high for name, w in crossings)
-
-
-@pytest.mark.slow
-@given(jnds(), st.integers(0, 10**6))
-def test_with_any_region_no_crossing_of_the_full_scene_is_elsewhere(jnd: dict[str, Any], n: int) -> None:
-    display = (
-        hs.effects.shunt(m="1/10", b="2/5"), hs.effects.second_order_lowpass(20 + n % 41, "1/2"),
-        hs.effects.first_order_lag(1500 + n, name="fast"),
-    )  # fmt: skip
-    scene = hs.Scene(hs.environments.mass_spring_damper(0.5 + n % 3, 1 + n % 7, 20 + n % 101), display, (0, 20), jnd)
-    enclosed = hs.relevance(scene, ["0.01", "0.03", "0.002"][n % 3]).crossings
-    crossings = hs.evaluate(scene).crossings
-    for x in crossings:
-        own = [y.bounds for y in enclosed if y.criterion.name == x.criterion.name]
-        assert any(low * (1 - 1e-14) <= float(x.omega) <= high * (1 + 1e-14) for low, high in own)
-
-
 def test_several_environments_take_a_region() -> None:
     family = hs.SceneFamily({"paper": with_jnd(ELLIPSE), "heavy": with_jnd(ELLIPSE, m="3 kg")})
     found = hs.evaluate_all(family)

@@ -15,7 +15,7 @@ from haptisym.figures import pen
 from haptisym.figures.style import dress, limit, name_frequency, scale_of, spread, text_width
 from haptisym.kernel.errors import SceneError
 from haptisym.model.jnd import Part
-from haptisym.programs.series import series_arithmetic
+from haptisym.programs.links import series_arithmetic
 from haptisym.programs.values import Array
 from haptisym.verbs.effects.differences import BandPiece
 from haptisym.verbs.effects.relevance import Relevance

@@ -113,7 +113,7 @@ def enclosures_figure(a: Tolerances) -> Figure:
 
 
 def _has_rows(a: Tolerances) -> bool:
-    return bool(a.enclosures) or any(any(x.crossings.values()) for x in (a.nominal, *a.samples))
+    return bool(a.enclosures) or any(a.nominal.crossings.values()) or any(any(x.crossings.values()) for x in a.samples)
 
 
 def _height(a: Tolerances) -> float:

@@ -1,15 +1,15 @@
-"""Step 1, when: the criteria that are judged, and the frequencies at which a distortion becomes noticeable.
+"""Step 1, when: the criteria that are judged, and the frequencies at which a distortion becomes, or stops being, noticeable.
 
-Criteria: what is judged of a display at every frequency, each a real function of omega that must not be positive.
-
-Step 1, when: the frequencies at which a distortion becomes, or stops being, noticeable.
+A criterion is a real function of omega that must not be positive: r^2 - c^2 of a ratio, or what a JND region makes of a change.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
+from functools import partial
+from operator import attrgetter
 from typing import Any, TypeAlias
 
 from sympy import Expr, Integer
@@ -46,8 +46,8 @@ class Criterion:
     words: str
     symbol: str
     rule: str
-    measure: Measure
-    sampled: Callable[[Any], Any] | None = None
+    measure: Measure = field(compare=False)
+    sampled: Callable[[Any], Any] | None = field(default=None, compare=False)
     threshold: Expr = Integer(0)
     part: Part | None = None
     kept: str = "transparent on the whole band"
@@ -111,41 +111,35 @@ def level(measure: RealFunction, limit: Expr) -> RealFunction | Level:
     return RealFunction(found.reduced() if limit.has(omega) else found)
 
 
-def _square_real(d: Distortion) -> RealFunction:
-    return d.squared_ratios[Part.REAL]
-
-
-def _square_imag(d: Distortion) -> RealFunction:
-    return d.squared_ratios[Part.IMAG]
-
-
-def _ratio_real(values: Any) -> Any:
-    return values.ratio_real
-
-
-def _ratio_imag(values: Any) -> Any:
-    return values.ratio_imag
-
-
 def _given_away(d: Distortion) -> RealFunction:
     return RealFunction(d.perc_response.imag.axis.zero) - d.perc_response.imag
 
 
+def _square(part: Part, d: Distortion) -> RealFunction:
+    return d.squared_ratios[part]
+
+
 _JND: Mapping[Part, Criterion] = {
-    part: Criterion(name, f"{words} part", symbol, f"{symbol} <= c_{name}", square, ratio, part=part)
-    for part, name, words, symbol, square, ratio in (
-        (Part.REAL, "real", "real", "r_r", _square_real, _ratio_real),
-        (Part.IMAG, "imag", "imaginary", "r_i", _square_imag, _ratio_imag),
+    part: Criterion(
+        part.value, f"{words} part", symbol, f"{symbol} <= c_{part.value}",
+        partial(_square, part), attrgetter(f"ratio_{part.value}"), part=part,
     )
-}
+    for part, words, symbol in ((Part.REAL, "real", "r_r"), (Part.IMAG, "imaginary", "r_i"))
+}  # fmt: skip
 
 
 def noticed(threshold: Threshold) -> tuple[Criterion, ...]:
     """What must hold so that nothing is noticed: r_r <= c_real and r_i <= c_imag, eq. (4), or that a region is not left."""
-    region = threshold.region
-    if region.shape is not Shape.SQUARE:
-        return (_joint(_shaped(threshold)),)
-    return tuple(_of_part(threshold, part) for part in Part)
+    own = threshold.region
+    if own.shape is Shape.SQUARE:
+        return tuple(_of_part(threshold, part) for part in Part)
+    region: Joint = Ellipse(threshold.real, threshold.imag, own.tilt)
+    if own.shape is Shape.POLYGON:
+        region = Polygon(own.corners)
+    elif own.shape is Shape.DIAMOND:
+        region = Diamond(threshold.real, threshold.imag)
+    rule = f"dH/|H_env| within the {region.kind}"
+    return (Criterion(JOINT, "both parts at once", "r_j", rule, region, threshold=Integer(1), region=region),)
 
 
 def _of_part(threshold: Threshold, part: Part) -> Criterion:
@@ -155,20 +149,6 @@ def _of_part(threshold: Threshold, part: Part) -> Criterion:
         return plain
     sided = Sided(part, own, own if lower is None else lower, floor)
     return replace(plain, measure=sided, region=sided, rule=f"|{plain.component} dH| within its limit")
-
-
-def _shaped(threshold: Threshold) -> Joint:
-    region = threshold.region
-    if region.shape is Shape.POLYGON:
-        return Polygon(region.corners)
-    if region.shape is Shape.DIAMOND:
-        return Diamond(threshold.real, threshold.imag)
-    return Ellipse(threshold.real, threshold.imag, region.tilt)
-
-
-def _joint(region: Joint) -> Criterion:
-    rule = f"dH/|H_env| within the {region.kind}"
-    return Criterion(JOINT, "both parts at once", "r_j", rule, region, threshold=Integer(1), region=region)
 
 
 JOINT = "joint"
@@ -278,11 +258,8 @@ def curves(
 def find_crossings(chart: Chart) -> tuple[Crossing, ...]:
     """All crossings on the band in ascending order; () means proved none."""
     criteria = judged(chart)
-    return tuple(_crossing(point, x) for point in chart.points for x in criteria if _is_crossing(point, x))
-
-
-def _is_crossing(point: Point, x: Criterion) -> bool:
-    return point.orders.get(x, 0) > 0 and x not in point.undecided
+    found = ((p, x) for p in chart.points for x in criteria if p.orders.get(x, 0) > 0 and x not in p.undecided)
+    return tuple(_crossing(p, x) for p, x in found)
 
 
 def _crossing(point: Point, x: Criterion) -> Crossing:

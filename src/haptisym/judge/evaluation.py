@@ -1,22 +1,15 @@
-"""The two-step evaluation of a scene: when a distortion is noticed, how it is felt, and whether that survives another JND model.
+"""The two-step evaluation of a scene: when a distortion is noticed, and how it is felt.
 
-Does the conclusion survive another JND model? Square, disc and diamond of its half widths, beside the scene's own region.
-
-The two-step evaluation of a scene: when a distortion is noticed, how it is felt, and whether that survives another JND model.
-
-What the digits of crossings took.
-
-The two-step evaluation of a scene: when a distortion is noticed, and how it is felt.
+Beside it: whether the conclusion survives another JND model: square, disc and diamond of its half widths, beside the scene's own.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, Protocol
 
 from sympy import Expr
 
@@ -49,13 +42,10 @@ from haptisym.judge.percepts import (
     without_friction,
 )
 from haptisym.judge.regions import Polygon
-from haptisym.kernel.analytic import Turned
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.polynomials import PolynomialFactor, Root
-from haptisym.kernel.reals import ExactNumber, RealNumber, bits_for, whole
+from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.kernel.shown import Shown, counted, titled
-from haptisym.kernel.zeros import Zero
 from haptisym.model.catalogue import Effect
 from haptisym.model.caveats import caveats
 from haptisym.model.distortion import Distortion
@@ -107,7 +97,13 @@ def compared(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> tu
     plain = Threshold.of(real, imag)
     shapes = {"square": SQUARE, "disc": Region(Shape.ELLIPSE), "diamond": Region(Shape.DIAMOND)}
     regions = {name: replace(plain, region=region) for name, region in shapes.items()} | {OWN: threshold}
-    return tuple(_answered(name, d, x, band) for name, x in regions.items())
+    found = []
+    for name, x in regions.items():
+        table = chart(curves(d, noticed(x)), *band)
+        first, clear = next(iter(find_crossings(table)), None), kept(table)
+        width = clear[0].high.omega if clear and clear[0].low is table.points[0] else None
+        found.append(Compared(name, x, first, width, clear, not table.undecided))
+    return tuple(found)
 
 
 def half_widths(threshold: Threshold) -> tuple[Expr, Expr]:
@@ -120,43 +116,6 @@ def half_widths(threshold: Threshold) -> tuple[Expr, Expr]:
     edges = Polygon(corners).edges
     across, up = (1 / max(max(edge[i], -edge[i]) for edge in edges) for i in (0, 1))
     return across, up
-
-
-def _answered(name: str, d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> Compared:
-    table = chart(curves(d, noticed(threshold)), *band)
-    found, clear = find_crossings(table), kept(table)
-    starts = bool(clear) and clear[0].low is table.points[0]
-    width = clear[0].high.omega if starts else None
-    return Compared(name, threshold, found[0] if found else None, width, clear, not table.undecided)
-
-
-class Effort(NamedTuple):
-    """What the crossings' digits took: the method that encloses them, the least working precision, bits, and the time, s."""
-
-    method: str
-    bits: int
-    seconds: float
-
-
-_POLYNOMIAL = "certified polynomial roots"
-_METHODS = {
-    Root: _POLYNOMIAL,
-    Turned: "arctangents of certified polynomial roots",
-    Zero: "interval Newton in ball arithmetic",
-    ExactNumber: "closed form",
-}
-
-
-def effort(numbers: Iterable[RealNumber], digits: int, seconds: float) -> Effort:
-    """Of numbers that took that long to that many digits."""
-    kinds = {_method(x) for x in numbers}
-    return Effort(", ".join(sorted(kinds)) or "none needed", bits_for(digits), seconds)
-
-
-def _method(x: RealNumber) -> str:
-    if isinstance(x, Zero) and isinstance(x.factor, PolynomialFactor):
-        return _POLYNOMIAL
-    return _METHODS.get(type(x), "bisection")
 
 
 class LeftOut(Protocol):
@@ -204,8 +163,7 @@ class Evaluation(Answer):
     ``digits``: decimal digits shown of each crossing. ``undecided``: where
     something stayed open at the precision limit (a tangency of a scene with delays): empty for every rational scene.
     ``relevance`` : what was left out, where a tolerance was given; all answers are then those of the pruned scene, ``scene``.
-    ``isolation`` : seconds in which everything that happens on the band was found and set apart. ``regions`` : where other JND
-    models were asked about, what each says.
+    ``regions`` : where other JND models were asked about, what each says.
     """
 
     _schema: ClassVar[str] = "haptisym.evaluation/1"
@@ -218,7 +176,6 @@ class Evaluation(Answer):
     stable: bool | None
     digits: int = 15
     relevance: LeftOut | None = None
-    isolation: float = field(default=0.0, compare=False)
     regions: tuple[Compared, ...] = ()
 
     def _line(self) -> str:
@@ -341,15 +298,6 @@ class Evaluation(Answer):
         """Whether every number here is proven, none estimated, and nothing was left undecided."""
         return not self.undecided and (self.bandwidths is None or self.bandwidths.certified)
 
-    @cached_property
-    def effort(self) -> Effort:
-        """How the crossings are computed to their digits, and in which time: that of ``isolation`` and of refining them now."""
-        started = time.perf_counter()
-        for crossing in self.crossings:
-            crossing.omega.digits(self.digits)
-        seconds = self.isolation + time.perf_counter() - started
-        return effort((crossing.omega for crossing in self.crossings), self.digits, seconds)
-
     def _body(self) -> dict[str, Any]:
         changeovers = {"environment": self.changeovers_environment, "perceived": self.changeovers_perceived}
         return {
@@ -405,11 +353,9 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut |
     digits = whole("digits", digits)
     scene.knobs.need_numbers()
     distortion = scene.distortion()
-    started = time.perf_counter()
     table = chart(curves(distortion, noticed(scene.threshold)), *scene.band)
-    isolation = time.perf_counter() - started
     stable = force_is_stable(scene, distortion)
-    return Evaluation(scene, distortion, table, stable, digits, left_out, isolation)
+    return Evaluation(scene, distortion, table, stable, digits, left_out)
 
 
 def _interval(x: Interval) -> list[float]:

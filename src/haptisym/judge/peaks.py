@@ -1,18 +1,13 @@
-"""Where a distortion is largest, and how large: peaks of the ratios, and of how many times a region must be enlarged.
+"""Where a distortion is largest, and how large: peaks of the ratios, and the largest values of real functions, exact.
 
-Local maxima of how many times a region must be enlarged: of the square that counts, which changes along the band.
-
-Where a distortion is largest, and how large: the local maxima of the ratios, exact.
-
-JND regions that grow together with one number: how large that number must be so that a change is not noticed.
-
-A change is outside at frequencies at which all ``where`` of a term are positive, as soon as all its squares exceed the square
-of the number, relative to its nominal value. What of a term does not depend on the number belongs to its ``where``.
+What is judged of a part or a region is an envelope: a change is outside at frequencies at which all ``where`` of a term are
+positive, as soon as all its squares exceed 1. So at each frequency the square that counts is the largest, over the terms that
+hold there, of their least ones; a local maximum is one of that square, or lies where another one takes over.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from itertools import combinations
@@ -25,7 +20,7 @@ from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, noticed
-from haptisym.judge.regions import Change, Term
+from haptisym.judge.regions import Term
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.polynomials import PolynomialFactor, Root, the_one
@@ -34,9 +29,6 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Key, Point, Signs, chart
 from haptisym.kernel.shown import Shown, counted, titled
 from haptisym.kernel.zeros import Zero
-from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.jnd import Part, Shape, Threshold
-from haptisym.model.parameters import ExactRange
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 
@@ -57,15 +49,10 @@ class Maximum(NamedTuple):
 
 @dataclass(frozen=True)
 class Envelope:
-    """What a criterion judges: the largest, over the terms that hold at a frequency, of their least squares."""
+    """What is judged under a ``name``: the largest, over the terms that hold at a frequency, of their least squares."""
 
-    criterion: Criterion
+    name: Hashable
     terms: tuple[Term, ...]
-
-    @classmethod
-    def of(cls, x: Criterion, d: Distortion) -> Envelope:
-        """Of a criterion: the terms of its region, or the square that it measures."""
-        return cls(x, x.region.terms(d) if x.region else (Term((), (x.measure(d),)),))
 
     @cached_property
     def squares(self) -> dict[_Place, RealFunction]:
@@ -79,7 +66,7 @@ class Envelope:
         return found | {(self, "where", i, k): f for i, term in enumerate(self.terms) for k, f in enumerate(term.where)}
 
     def __hash__(self) -> int:
-        return hash(self.criterion)
+        return hash(self.name)
 
     def top(self, point: Point) -> Maximum | None:
         """The maximum at a point inside of the band; None where there is none, or no bound."""
@@ -251,16 +238,15 @@ def peaks(scene: Scene | str | Path, *, limit: float | None = SECONDS) -> Peaks:
     scene = as_scene(scene)
     scene.knobs.need_numbers()
     d = scene.distortion()
-    envelopes = [Envelope.of(x, d) for x in noticed(scene.threshold)]
-    functions: dict[Key, RealFunction] = {}
-    for envelope in envelopes:
-        functions |= envelope.functions()
+    judged = {x: x.region.terms(d) if x.region else (Term((), (x.measure(d),)),) for x in noticed(scene.threshold)}
+    envelopes = {x: Envelope(x, terms) for x, terms in judged.items()}
+    functions = {key: f for envelope in envelopes.values() for key, f in envelope.functions().items()}
     with limited(limit):
         table = chart(functions, *scene.band)
     found = (
-        Peak(envelope.criterion, point.omega, top.square, top.jump)
+        Peak(x, point.omega, top.square, top.jump)
         for point in table.points[1:-1]
-        for envelope in envelopes
+        for x, envelope in envelopes.items()
         if (top := envelope.top(point))
     )
     return Peaks(scene, found, (point.omega for point in table.undecided))
@@ -368,100 +354,3 @@ def _algebraic(polynomial: list[fmpq], near: Callable[[int], Ball]) -> Expr:
     root = the_one([x for f in factors for x in f.positive_roots()], near)
     minimal = Poly([c for (c,) in root.factor.coefficients[::-1]], Symbol("x"))
     return CRootOf(minimal, root.index + minimal.count_roots(None, 0))
-
-
-Group: TypeAlias = frozenset[str]
-"""Numbers of a JND, by name, that grow together; empty: none of a term does."""
-
-SCALE: Group = frozenset({"scale"})
-
-
-def moved(threshold: Threshold) -> dict[Group, ExactRange]:
-    """What moves apart, with the range of its size relative to the nominal one."""
-    alike = threshold.real == threshold.imag and threshold.region.lower == (None, None)
-    found: dict[Group, ExactRange] = {}
-    for name, (low, high) in threshold.ranges.items():
-        nominal = nominal_of(threshold, name)
-        found[frozenset({name})] = low / nominal, high / nominal
-    real, imag = frozenset({"real"}), frozenset({"imag"})
-    if alike and real in found and found[real] == found.get(imag):
-        own = found.pop(real)
-        del found[imag]
-        found[real | imag] = own
-    return found
-
-
-def nominal_of(threshold: Threshold, name: str) -> Expr:
-    """The nominal value of what has a range."""
-    named = {
-        "scale": threshold.region.size,
-        "real": threshold.real,
-        "imag": threshold.imag,
-        "floor": threshold.region.floor,
-    }
-    named |= dict(zip(("real.lower", "imag.lower"), threshold.region.lower, strict=True))
-    found = named[name]
-    assert found is not None
-    return found
-
-
-def split(d: Distortion, threshold: Threshold) -> dict[Group, tuple[Term, ...]] | None:
-    """The terms by what moves them; None where one is moved by two ranges, or a region of several parts by one of its numbers."""
-    groups = moved(threshold)
-    if groups.keys() == {SCALE}:
-        return {SCALE: tuple(t for x in noticed(threshold) for t in _scaled(d, threshold, x))}
-    if threshold.region.shape is not Shape.SQUARE:
-        return None
-    found: dict[Group, list[Term]] = {}
-    for part in Part:
-        for where, limits in _sides(d, threshold, part):
-            own = [group for group in groups if not group.isdisjoint(limits)]
-            if len(own) > 1:
-                return None
-            group = own[0] if own else Group()
-            squares = tuple(square for name, square in limits.items() if name in group)
-            fixed = tuple(above_one(square) for name, square in limits.items() if name not in group)
-            found.setdefault(group, []).append(Term((*where, *fixed), squares))
-    return {group: tuple(terms) for group, terms in found.items()}
-
-
-def _scaled(d: Distortion, threshold: Threshold, x: Criterion) -> Iterator[Term]:
-    if x.part is None:
-        assert x.region
-        yield from x.region.terms(d)
-        return
-    for where, limits in _sides(d, threshold, x.part):
-        yield Term(where, tuple(limits.values()))
-
-
-def _sides(
-    d: Distortion, threshold: Threshold, part: Part
-) -> Iterator[tuple[tuple[RealFunction, ...], Mapping[str, RealFunction]]]:
-    """Of one part, each way in which it changes: where it does, and the square of the change in each limit, by its name.
-
-    Where a part is exactly as large as it was, at single frequencies, nothing is said: what is noticed is so beside it.
-    """
-    w = Change(d)
-    square = w.part(part) * w.part(part)
-    own, lower, floor = threshold[part], threshold.lower(part), threshold.region.floor
-    least = {} if floor is None else {"floor": RealFunction((square / w.number(floor) ** 2).reduced())}
-
-    def within(name: str, limit: Expr) -> dict[str, RealFunction]:
-        return {name: w.over(square / w.number(limit) ** 2), **least}
-
-    if lower is None:
-        yield (), within(part.value, own)
-        return
-    env, perc = (part_of(x, part).function for x in (d.env_response, d.perc_response))
-    growth = RealFunction((perc * perc - env * env).reduced())
-    if growth.is_zero:  # the larger limit holds throughout
-        yield (), within(part.value, own) | within(f"{part.value}.lower", lower)
-        return
-    yield (growth,), within(part.value, own)
-    yield (RealFunction(-growth.function),), within(f"{part.value}.lower", lower)
-
-
-def above_one(square: RealFunction) -> RealFunction:
-    """Positive where a square is above 1."""
-    f = square.function
-    return RealFunction(f.ring.function(f.numerator - f.denominator, f.denominator))

@@ -1,9 +1,4 @@
-"""Step 2, how: as which mechanical property a noticeable distortion is felt, friction among them.
-
-Step 2, how: as which mechanical property a noticeable distortion is felt, and as more or less of it.
-
-Whether the friction of a display is noticed: a percept of its own, beside stiffness, mass and damping.
-"""
+"""Step 2, how: as which mechanical property a noticeable distortion is felt, and as more or less of it; friction among them."""
 
 from __future__ import annotations
 

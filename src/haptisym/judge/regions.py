@@ -5,10 +5,11 @@ A region with 0 inside is judged by how many times it must be enlarged to hold t
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Self
 
 from sympy import Expr, Integer, S
 
@@ -25,40 +26,6 @@ class Term(NamedTuple):
 
     where: tuple[RealFunction, ...]
     squares: tuple[RealFunction, ...]
-
-
-class Region(Protocol):
-    """What is judged of a change at each frequency, and what is drawn of it."""
-
-    def __call__(self, d: Distortion) -> RealFunction:
-        """The square of what must not exceed 1; SceneError where that is not one smooth function."""
-
-    def terms(self, d: Distortion) -> tuple[Term, ...]:
-        """All ways to be outside; the square of how many times the region must be enlarged is the largest of their least ones."""
-
-    def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
-        """The squares of which the largest must not exceed 1; SceneError where it is not made of such."""
-
-    def exceeded(self, d: Distortion) -> Signed:
-        """Positive where the change is noticed."""
-
-    def opened(self, limits: Mapping[Part, Expr]) -> Region:
-        """With other limits for some parts."""
-
-
-class Joint(Region, Protocol):
-    """A region that judges both parts at once."""
-
-    kind: ClassVar[str]
-
-    def projected(self, d: Distortion, part: Part) -> Signed:
-        """Positive where one part of the change, the other taken as 0, is outside."""
-
-    def nearer(self, d: Distortion) -> Signed:
-        """Positive where the real part is nearer its own limit than the imaginary part."""
-
-    def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
-        """How many times the region must be enlarged, in floats; ``number`` : the floats of an exact number."""
 
 
 @dataclass(frozen=True)
@@ -96,64 +63,107 @@ class Change:
         return RealFunction((x / self.square - self.number(limit) ** 2).reduced())
 
 
-class InTerms(Region, Protocol):
-    """A region of which all is told by its terms."""
+class Region(ABC):
+    """What is judged of a change at each frequency, and what is drawn of it: all is told by its terms."""
 
     @property
+    @abstractmethod
     def words(self) -> str:
         """What it is called in a sentence, with its article."""
 
+    @abstractmethod
+    def terms(self, d: Distortion) -> tuple[Term, ...]:
+        """All ways to be outside; the square of how many times the region must be enlarged is the largest of their least ones."""
+
+    @abstractmethod
+    def opened(self, limits: Mapping[Part, Expr]) -> Region:
+        """With other limits for some parts."""
+
     def __call__(self, d: Distortion) -> RealFunction:
+        """The square of what must not exceed 1; SceneError where that is not one smooth function."""
         found = self.squares(d)
         if len(found) > 1:
-            raise _not_smooth(self.words)
+            raise self._not_smooth
         return found[0]
 
     def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
+        """The squares of which the largest must not exceed 1; SceneError where it is not made of such."""
         found = self.terms(d)
         if any(x.where or len(x.squares) > 1 for x in found):
-            raise _not_smooth(self.words)
+            raise self._not_smooth
         return tuple(x.squares[0] for x in found)
 
+    @property
+    def _not_smooth(self) -> SceneError:
+        return SceneError(f"{self.words} makes no smooth ratio, which this question needs: a square and an ellipse do")
+
     def exceeded(self, d: Distortion) -> Signed:
-        found = tuple((*x.where, *map(_above_one, x.squares)) for x in self.terms(d))
+        """Positive where the change is noticed."""
+        found = tuple((*x.where, *map(above_one, x.squares)) for x in self.terms(d))
         return found[0][0] if len(found) == len(found[0]) == 1 else Lattice(found)
 
 
-def _above_one(square: RealFunction) -> RealFunction:
+class Joint(Region):
+    """A region that judges both parts at once."""
+
+    kind: ClassVar[str]
+
+    @abstractmethod
+    def projected(self, d: Distortion, part: Part) -> Signed:
+        """Positive where one part of the change, the other taken as 0, is outside."""
+
+    @abstractmethod
+    def nearer(self, d: Distortion) -> Signed:
+        """Positive where the real part is nearer its own limit than the imaginary part."""
+
+    @abstractmethod
+    def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
+        """How many times the region must be enlarged, in floats; ``number`` : the floats of an exact number."""
+
+
+def above_one(square: RealFunction) -> RealFunction:
+    """Positive where a square is above 1."""
     f = square.function
     return RealFunction(f.ring.function(f.numerator - f.denominator, f.denominator))
 
 
 @dataclass(frozen=True)
-class Ellipse(InTerms, Joint):
-    """(x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2."""
+class _OfHalfWidths(Joint):
+    """A region that is given by how far it reaches along both axes; ``projected`` : of an ellipse with a tilt."""
 
     real: Expr
     imag: Expr
     tilt: Expr = Integer(0)
-    kind: ClassVar[str] = "ellipse"
 
-    @property
-    def words(self) -> str:
-        return "an ellipse"
-
-    def terms(self, d: Distortion) -> tuple[Term, ...]:
+    def _scaled(self, d: Distortion) -> tuple[Change, RationalFunction, RationalFunction]:
+        """X/a and Y/b."""
         w = Change(d)
-        u, v, t = w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag), w.number(self.tilt)
-        square = w.over((u * u + v * v - w.number(Integer(2)) * t * u * v) / w.number(1 - self.tilt**2))
-        return (Term((), (square,)),)
+        return w, w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag)
 
     def projected(self, d: Distortion, part: Part) -> Signed:
-        w = Change(d)
-        own = w.part(part) / w.number(self.real if part is Part.REAL else self.imag)
-        return w.beyond(own * own / w.number(1 - self.tilt**2))
+        w, *own = self._scaled(d)
+        x = own[part is Part.IMAG]
+        return w.beyond(x * x / w.number(1 - self.tilt**2))
 
     def nearer(self, d: Distortion) -> Signed:
-        return _nearer(d, self.real, self.imag)
+        _, u, v = self._scaled(d)
+        return RealFunction((u * u - v * v).reduced())
 
-    def opened(self, limits: Mapping[Part, Expr]) -> Ellipse:
+    def opened(self, limits: Mapping[Part, Expr]) -> Self:
         return replace(self, **{part.value: x for part, x in limits.items()})
+
+
+@dataclass(frozen=True)
+class Ellipse(_OfHalfWidths):
+    """(x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2."""
+
+    kind: ClassVar[str] = "ellipse"
+    words = "an ellipse"
+
+    def terms(self, d: Distortion) -> tuple[Term, ...]:
+        w, u, v = self._scaled(d)
+        twice = w.number(2 * self.tilt)
+        return (Term((), (w.over((u * u + v * v - twice * u * v) / w.number(1 - self.tilt**2)),)),)
 
     def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
         u, v, t = x / number(self.real), y / number(self.imag), number(self.tilt)
@@ -161,47 +171,27 @@ class Ellipse(InTerms, Joint):
 
 
 @dataclass(frozen=True)
-class Diamond(InTerms, Joint):
+class Diamond(_OfHalfWidths):
     """|x|/a + |y|/b <= 1: both sums x/a + y/b and x/a - y/b are at most 1 large."""
 
-    real: Expr
-    imag: Expr
     kind: ClassVar[str] = "diamond"
-
-    @property
-    def words(self) -> str:
-        return "a diamond"
+    words = "a diamond"
 
     def terms(self, d: Distortion) -> tuple[Term, ...]:
-        w = Change(d)
-        u, v = w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag)
+        w, u, v = self._scaled(d)
         return tuple(Term((), (w.over(x * x),)) for x in (u + v, u - v))
-
-    def projected(self, d: Distortion, part: Part) -> Signed:
-        w = Change(d)
-        own = w.part(part) / w.number(self.real if part is Part.REAL else self.imag)
-        return w.beyond(own * own)
-
-    def nearer(self, d: Distortion) -> Signed:
-        return _nearer(d, self.real, self.imag)
-
-    def opened(self, limits: Mapping[Part, Expr]) -> Diamond:
-        return replace(self, **{part.value: x for part, x in limits.items()})
 
     def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
         return abs(x) / number(self.real) + abs(y) / number(self.imag)
 
 
 @dataclass(frozen=True)
-class Polygon(InTerms, Joint):
+class Polygon(Joint):
     """p x + q y <= 1 for each edge: outside where p Re dH + q Im dH is positive and larger than |H_env|."""
 
     corners: tuple[Corner, ...]
     kind: ClassVar[str] = "polygon"
-
-    @property
-    def words(self) -> str:
-        return "a polygon"
+    words = "a polygon"
 
     @property
     def edges(self) -> tuple[Corner, ...]:
@@ -216,7 +206,7 @@ class Polygon(InTerms, Joint):
         return self._outside(d, tuple(Part))
 
     def projected(self, d: Distortion, part: Part) -> Signed:
-        return Lattice(tuple((*x.where, *map(_above_one, x.squares)) for x in self._outside(d, (part,))))
+        return Lattice(tuple((*x.where, *map(above_one, x.squares)) for x in self._outside(d, (part,))))
 
     def _outside(self, d: Distortion, parts: tuple[Part, ...]) -> tuple[Term, ...]:
         w = Change(d)
@@ -244,7 +234,7 @@ class Polygon(InTerms, Joint):
 
 
 @dataclass(frozen=True)
-class Sided(InTerms):
+class Sided(Region):
     """One part, with a limit for a magnitude that grows and one for a magnitude that shrinks, or with a floor, or both.
 
     Where the part is as large as it was, the larger limit holds, so that what is not noticed is a closed set.
@@ -284,14 +274,3 @@ def _extremes(values: Sequence[Expr]) -> list[Expr]:
     """Those among which the largest multiple is: the ends, where they are rational numbers."""
     listed = sorted(set(values), key=str)
     return [min(listed), max(listed)] if all(x.is_Rational for x in listed) else listed
-
-
-def _nearer(d: Distortion, real: Expr, imag: Expr) -> RealFunction:
-    """|X|/a against |Y|/b, as a difference of squares."""
-    w = Change(d)
-    u, v = w.part(Part.REAL) / w.number(real), w.part(Part.IMAG) / w.number(imag)
-    return RealFunction((u * u - v * v).reduced())
-
-
-def _not_smooth(words: str) -> SceneError:
-    return SceneError(f"{words} makes no smooth ratio, which this question needs: a square and an ellipse do")

@@ -1,13 +1,11 @@
-"""A program in ball arithmetic at single points, and values of closed forms there.
+"""A program in ball arithmetic at single points: enclosures of its results, as tight as asked for.
 
-A program in ball arithmetic: enclosures of its results at single points, as tight as asked for.
-
-Values of closed forms at single points, as exact as anyone asks: limits, poles, and the last word where balls have none.
+Beside it values of closed forms there, as exact as anyone asks: limits, poles, and the last word where balls have none.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf, nan
@@ -77,13 +75,10 @@ class BallPoint:
     def balls(self, bits: int) -> dict[str, Ball]:
         """Balls around all results, computed with that many bits."""
         with flint.ctx.workprec(bits):
-            known: dict[int, Ball] = dict(_constants(self.program, bits))
-            for i, step in enumerate(self.program.operations):
-                if step.name == "input":
-                    known[i] = arb(self.inputs[step.arguments[0]])
-                elif step.name != "constant":
-                    known[i] = FUNCTIONS[step.name](*(known[x] for x in step.arguments))
-            return {name: known[x] for name, x in self.program.results.items()}
+            found: Mapping[str, Ball] = self.program.run(
+                FUNCTIONS, [*map(arb, self.inputs)], _constants(self.program, bits)
+            )
+            return dict(found)
 
 
 def nearest_double(ball: Ball, bits: int) -> float | None:

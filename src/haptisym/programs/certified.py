@@ -1,6 +1,4 @@
-"""Floats that are proven, point by point: double-doubles with a bound of their error, and balls.
-
-A program in double-doubles: twice the digits of floats, vectorised, with a bound of the error if asked for.
+"""Floats that are proven, point by point: double-doubles with a bound of their error, and balls for what that leaves open.
 
 A number is the unevaluated sum hi + lo of two doubles, ``|lo| <= ulp(hi)/2``. Sums, products, quotients and roots are those of
 Joldes, Muller and Popescu, "Tight and rigorous error bounds for basic building blocks of double-word arithmetic" (2017),
@@ -9,15 +7,13 @@ algorithms 6, 10 and 17; products of floats without fused multiply-add after Dek
 room for the rounding of the bounds themselves. What overflows becomes not-a-number, with no bound.
 
 Sines, cosines and powers are taken by ball arithmetic, point by point: no bound rests on a library of mathematical functions.
-
-Floats that are proven, point by point: double-doubles with a bound of their error, and balls for what that leaves open.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from math import inf, nan
 from typing import Any, NamedTuple, TypeAlias
 
@@ -31,7 +27,7 @@ from haptisym.kernel.reals import Ball, RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.programs.balls import FUNCTIONS, BallPoint, PointValue, constant_ball, nearest_double
 from haptisym.programs.floats import nearest
-from haptisym.programs.program import Operation, Program
+from haptisym.programs.program import Program
 
 BLOCK = 4096
 _SPLIT = 134217729.0  # 2^27 + 1
@@ -188,32 +184,25 @@ class Doubles:
 
     def run(self, inputs: Sequence[Any], size: int) -> dict[str, Doubled]:
         """The results for inputs that are floats or arrays of that size."""
-        names, results = list(self.program.results), self.program.results
+        names = list(self.program.results)
         found = {name: Doubled(np.empty(size), np.empty(size), np.empty(size)) for name in names}
         with np.errstate(all="ignore"):
             for start in range(0, size, BLOCK):
                 part = slice(start, start + BLOCK)
                 known = self._block([x if np.ndim(x) == 0 else x[part] for x in inputs])
                 for name in names:
-                    for whole, piece in zip(found[name], known[results[name]], strict=True):
+                    for whole, piece in zip(found[name], known[name], strict=True):
                         whole[part] = piece if piece is not None else nan
         return found
 
-    def _block(self, inputs: Sequence[Any]) -> dict[int, Doubled]:
-        known = dict(self.constants)
-        for i, step in enumerate(self.program.operations):
-            if step.name == "input":
-                given = np.asarray(inputs[step.arguments[0]])[()]  # a single number as a NumPy float
-                known[i] = Doubled(given, np.zeros_like(given), np.zeros_like(given) if self.bounded else None)
-            elif step.name != "constant":
-                arguments = [known[x] for x in step.arguments]
-                function = _ARITHMETIC.get(step.name)
-                known[i] = function(*arguments) if function else self._by_balls(step, arguments)
-        return known
+    def _block(self, inputs: Sequence[Any]) -> dict[str, Doubled]:
+        floats = (np.asarray(x)[()] for x in inputs)  # a single number as a NumPy float
+        given = [Doubled(x, np.zeros_like(x), np.zeros_like(x) if self.bounded else None) for x in floats]
+        by_balls = {name: partial(self._by_balls, function) for name, function in FUNCTIONS.items()}
+        return self.program.run(by_balls | _ARITHMETIC, given, self.constants)
 
-    def _by_balls(self, step: Operation, arguments: Sequence[Doubled]) -> Doubled:
+    def _by_balls(self, function: Callable[..., Ball], *arguments: Doubled) -> Doubled:
         """A function that is no arithmetic, point by point."""
-        function = FUNCTIONS[step.name]
         columns = np.broadcast_arrays(*(0.0 if x is None else x for argument in arguments for x in argument))
         shape = columns[0].shape
         with flint.ctx.workprec(_BITS):

@@ -1,12 +1,7 @@
-"""A program in floats, block by block, and how large and small its steps can get.
+"""A program in floats: block by block, so that all that is computed stays in the cache, into buffers made once.
 
-sin x/x in floats, to within some roundings.
-
-A program in floats: block by block, so that all that is computed stays in the cache, into buffers made once.
-
-How large and how small the steps of a program can get: where floats can neither overflow nor lose digits to underflow.
-
-Rational formulas in omega, in floats.
+Beside it how large and how small its steps can get: where floats can neither overflow nor lose digits to underflow; and
+sin x/x, to within some roundings.
 """
 
 from __future__ import annotations

@@ -1,19 +1,27 @@
-"""A chain in links, each a program in s of its own: what is felt behind an effect from what is felt before it.
+"""A chain in links, each a program in s of its own, and its arithmetics: power series over balls, and arrays of complex floats.
 
-The formulas are those of ``stable``, in complex numbers: felt G and dH + felt (G - 1) behind a gain, and so on.
+What is felt behind an effect follows from what is felt before it. The formulas are those of ``stable``, in complex numbers:
+felt G and dH + felt (G - 1) behind a gain, and so on.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import operator
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import Any, TypeAlias
 
-from sympy import Expr, Rational, Symbol
+import flint
+import numpy as np
+from flint import acb, acb_series, arb
+from sympy import Expr, I, Rational, Symbol
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.kernel.symbols import s
+from haptisym.programs.balls import constant_ball
 from haptisym.programs.program import Program, Writer, phi
 from haptisym.programs.stable import Author, less_one, runs
 
@@ -99,3 +107,127 @@ def _smooth(f: RationalFunction) -> tuple[Polynomial, Polynomial, Sequence[Expr]
     above, below = (x.compose(*gens) for x in both)
     common = ring.variable ** min(int(e[0]) for x in (above, below) for e in x.monoms())
     return above / common, below / common, meanings
+
+
+Series: TypeAlias = Any  # flint's acb_series and arb_series, which ship no types
+
+_BITS, _LONGEST = 96, 64
+
+
+@contextmanager
+def series_arithmetic() -> Iterator[None]:
+    """The precision and length of series that are computed inside; what was set before is restored."""
+    longest = flint.ctx.cap
+    with flint.ctx.workprec(_BITS):
+        flint.ctx.cap = _LONGEST
+        try:
+            yield
+        finally:
+            flint.ctx.cap = longest
+
+
+def along_axis(x: Any, terms: int) -> Series:
+    """s = j omega as a series in the distance from the frequency x, or from each in a ball x."""
+    return acb_series([acb(0, x), acb(0, 1)], prec=terms)
+
+
+def divided(above: Series, below: Series) -> Series:
+    """The quotient, not a number where the denominator may vanish."""
+    if isinstance(below, acb_series):
+        if below[0].contains(0):
+            return acb_series([acb(arb.nan(), arb.nan())] * below.prec, prec=below.prec)
+        return (above if isinstance(above, acb_series) else acb_series([above], prec=below.prec)) / below
+    return above / below if isinstance(above, acb) else above * (1 / below)
+
+
+def _phi(x: Series) -> Series:
+    """(1 - exp(-x))/x: near 0 as the mean of exp(-x u) for u from 0 to 1, so is each derivative, times (-u)^k."""
+    z = x[0]
+    if not z.contains(0):
+        return divided(1 - (-x).exp(), x)
+    mean, factor, coefficients = (-z).union(acb(0)).exp(), acb(1), []
+    for k in range(x.prec):
+        factor = factor / (k + 1)
+        coefficients.append(mean * factor * (-1) ** k)
+    moved = x - z
+    total = acb_series([0], prec=x.prec)
+    for c in reversed(coefficients):
+        total = total * moved + c
+    return total
+
+
+def _complex(value: Any) -> Any:
+    return acb(0, 1) if value == I else acb(constant_ball(value))
+
+
+_COMMON: dict[str, Callable[..., Any]] = {
+    "add": operator.add,
+    "sub": operator.sub,
+    "mul": operator.mul,
+    "neg": operator.neg,
+}
+BALL_SERIES: Mapping[str, Callable[..., Any]] = {
+    **_COMMON,
+    "constant": _complex,
+    "div": divided,
+    "exp": lambda x: x.exp(),
+    "phi": _phi,
+    "power": lambda x, order: (x.log() * order).exp(),
+}
+FLOATS: Mapping[str, Callable[..., Any]] = {
+    **_COMMON,
+    "constant": lambda value: complex(_complex(value)),
+    "div": operator.truediv,
+    "exp": np.exp,
+    "phi": lambda x: -np.expm1(-x) / x,
+    "power": lambda x, order: x**order,
+}
+
+
+_Step: TypeAlias = tuple[int, Callable[..., Any] | None, tuple[int, ...]]
+"""Of a program: its place, what it computes (None for an input), and from which steps."""
+
+
+@dataclass(frozen=True, eq=False)
+class InSteps:
+    """A program whose first input is s: what needs s alone is computed once, and then what needs the other inputs."""
+
+    program: Program
+    operations: Mapping[str, Callable[..., Any]]
+
+    def known(self, s: Any) -> list[Any]:
+        """All steps that s tells, None for the others."""
+        found = list(self._constants)
+        for i, f, arguments in self._steps[0]:
+            found[i] = s if f is None else f(*[found[x] for x in arguments])
+        return found
+
+    def results(self, known: Sequence[Any], inputs: Sequence[Any] = ()) -> tuple[Any, ...]:
+        """The results in order, for inputs after s."""
+        found = list(known)
+        for i, f, arguments in self._steps[1]:
+            found[i] = inputs[arguments[0] - 1] if f is None else f(*[found[x] for x in arguments])
+        return tuple([found[x] for x in self.program.results.values()])
+
+    @cached_property
+    def _constants(self) -> list[Any]:
+        """The constants at their places, None elsewhere; at the precision of the first use, which all others share."""
+        constant = self.operations["constant"]
+        return [constant(x.value) if x.name == "constant" else None for x in self.program.operations]
+
+    @cached_property
+    def _steps(self) -> tuple[list[_Step], list[_Step]]:
+        first: list[_Step] = []
+        later: list[_Step] = []
+        of_s: set[int] = set()
+        for i, step in enumerate(self.program.operations):
+            if step.name == "constant":
+                of_s.add(i)
+                continue
+            row = i, self.operations.get(step.name), step.arguments
+            if step.arguments[0] == 0 if step.name == "input" else of_s.issuperset(step.arguments):
+                of_s.add(i)
+                first.append(row)
+            else:
+                later.append(row)
+        return first, later

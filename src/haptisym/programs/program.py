@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from flint import fmpq
 from sympy import Add, Expr, Function, Mul, Pow, Rational, Symbol, cos, exp, sin, sinc
@@ -13,6 +13,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 
 _ZERO, _ONE = fmpq(0), fmpq(1)
+V = TypeVar("V")
 
 
 class sincm1(Function):  # type: ignore[misc]  # noqa: N801 - named as SymPy names functions
@@ -66,6 +67,18 @@ class Program:
                 step = self.operations[x]
                 waiting += step.arguments if step.name != "input" else ()
         return sorted(used)
+
+    def run(
+        self, functions: Mapping[str, Callable[..., V]], inputs: Sequence[V], known: Mapping[int, V]
+    ) -> dict[str, V]:
+        """The results by name in an arithmetic of ``functions``; ``known`` : its constants, by their places."""
+        found = dict(known)
+        for i, step in enumerate(self.operations):
+            if step.name == "input":
+                found[i] = inputs[step.arguments[0]]
+            elif i not in found:
+                found[i] = functions[step.name](*[found[x] for x in step.arguments])
+        return {name: found[x] for name, x in self.results.items()}
 
 
 @dataclass

@@ -1,7 +1,5 @@
 """A distortion as a straight-line program whose floats keep their digits, and its closed forms as one.
 
-A distortion as a straight-line program whose floats keep their digits.
-
 What cancels for every parameter is cancelled before there are numbers: each effect gives its relative distortion p + j q =
 G - 1 in lowest terms. Effects in a row are put together by 1 + P' + j Q' = (g + j Q)(1 + p + j q), with g = Re G of those so
 far: P' = P + g p - Q q telescopes and keeps its digits at low frequencies, and Q' = g q + Q (1 + p) is taken from the

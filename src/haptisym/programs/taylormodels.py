@@ -1,6 +1,4 @@
-"""Functions over many small boxes at once, with proven bounds: Taylor models, and programs and formulas in them.
-
-Functions over many small boxes at once, with proven bounds: Taylor models of second order for values and slopes.
+"""Functions over many small boxes at once, with proven bounds: Taylor models of second order for values and slopes.
 
 A ``Model`` is a function of t in [-1, 1]^n as ``c0 + c1.t + t.c2.t``, and a radius ``r`` that bounds all the rest, together with
 the same for each of its n slopes d/dt_i: rows of the arrays, the value first; and all that for each of many boxes. What
@@ -8,9 +6,7 @@ intervals lose where a variable occurs twice, models keep to third order. Of man
 alone: n^2 numbers then, where n^3 take most of the time. Floats, with every rounding error in ``r``: a model is
 a proof, not an estimate. Where ``r`` is not finite nothing is known.
 
-A program in Taylor models: proven bounds on its results and their slopes, over many boxes of inputs at once.
-
-Rational formulas over cells, in Taylor models.
+Programs and rational formulas run in them.
 """
 
 from __future__ import annotations

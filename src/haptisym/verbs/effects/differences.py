@@ -1,57 +1,39 @@
-"""By how much ratios differ between a scene and some of its effects: bounds all over the band.
+"""By how much r_r and r_i differ between a scene with all of its effects and with some of them: proven bounds all over the band.
 
-A scene along its band in ball arithmetic: on each piece of the band a power series whose coefficients are proven.
+With a and b the parts of dH it is ``| |a| - |b| |/|H_env| = min(|a - b|, |a + b|)/|H_env|``: a minimum of two smooth functions,
+so that no sign has to be known. Ball arithmetic bounds them piece by piece, on each piece of the band by a power series whose
+coefficients are proven; where it cannot (a pole of H_perc, a zero of H_env that does not cancel, a power of omega at 0) the exact
+functions decide. The largest value is enclosed by branch and bound.
 
 The links of the chain run in truncated series, without the zeros of H_env on the axis: a free mass at omega = 0 and a resonance
 without damping, where ratios are limits, are as good as any other place. What is felt behind the first effects is
 remembered, as subsets of effects share their beginnings.
-
-The largest value of a function on an interval, between two proven bounds: by branch and bound.
-
-By how much r_r and r_i differ between a scene with all of its effects and with some of them, everywhere on the band: proven.
-
-With a and b the parts of dH it is ``| |a| - |b| |/|H_env| = min(|a - b|, |a + b|)/|H_env|``: a minimum of two smooth functions,
-so that no sign has to be known. Ball arithmetic bounds them piece by piece; where it cannot (a pole of H_perc, a zero of H_env
-that does not cancel, a power of omega at 0) the exact functions decide.
-
-Where a region may, and where it must, be left by a scene whose distortion is known but for a bound on each part.
-
-The changes of Re dH and Im dH, relative to ``|H_env|``, by what was left out are at most e_r and e_i large. Of a region that
-judges both parts, how many times it must be enlarged is sublinear: it changes at most by what the box of these changes takes.
-Of one part |x| changes at most by e, and ``P^2 - E^2``, P and E that part of H_perc and H_env, whose sign tells whether it
-grows, at most by e P^2 + (e + e^2) |H_env|^2; |X| > F + e |H_env| where X^2 > (1 + e) F^2 + (e + e^2) |H_env|^2.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import inf, nextafter, sqrt
-from typing import Any, NamedTuple, Protocol, Self, TypeAlias, TypeVar
+from math import inf, nextafter
+from typing import Any, NamedTuple
 
 from flint import acb_series, arb, arb_series
 from sympy import Expr, Rational
 
 from haptisym.judge.crossings import level
 from haptisym.judge.peaks import largest
-from haptisym.judge.regions import Change, Diamond, Ellipse, Polygon, Region, Sided
 from haptisym.kernel.budget import Waiting
-from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.lattices import Lattice, Signed
 from haptisym.kernel.reals import Ball, SquareRoot, expression_ball
 from haptisym.kernel.response import RealFunction, on_axis
-from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import chart
 from haptisym.kernel.shown import Shown, counted
-from haptisym.kernel.symbols import omega
 from haptisym.model.chain import Chain
-from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.jnd import Part, positive
+from haptisym.model.distortion import part_of
+from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
-from haptisym.programs.links import links
-from haptisym.programs.series import BALL_SERIES, InSteps, Series, along_axis, series_arithmetic
+from haptisym.programs.links import BALL_SERIES, InSteps, Series, along_axis, links, series_arithmetic
 
 Kept = frozenset[int]
 """The effects of a scene that are there, by their places in it."""
@@ -157,22 +139,10 @@ class BallChain(Shown):
         return x.real if real else x.imag
 
 
-Bounds: TypeAlias = tuple[float, float]
-
 WIDTH = 2e-7
 """Of the enclosure of a supremum, relative to it."""
 _NOTHING = 1e-12  # a supremum below it is known well enough
 _MOST_CELLS = 1 << 15
-
-
-class Divisible(Protocol):
-    """A part of the domain that can be halved."""
-
-    def halves(self) -> tuple[Self, Self]:
-        """Its two parts, which together are all of it."""
-
-
-C = TypeVar("C", bound=Divisible)
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,42 +158,7 @@ class Supremum:
         return self.most < inf
 
 
-def supremum(whole: C, bounds: Callable[[C], Bounds], limit: float | None = None) -> Supremum:
-    """The supremum of a function over ``whole``.
-
-    ``bounds`` : of a cell, a value that the function reaches on it and one that it does not exceed there (both infinite only if
-    it is proven to be unbounded). The cell with the highest bound is halved until the enclosure is narrow, or, with a ``limit``,
-    until it is proven on which side of it the supremum lies (equal counts as below).
-
-    >>> @dataclass(frozen=True)
-    ... class Span:
-    ...     low: float
-    ...     high: float
-    ...     def halves(self):
-    ...         middle = (self.low + self.high) / 2
-    ...         return Span(self.low, middle), Span(middle, self.high)
-    >>> found = supremum(Span(0, 3), lambda x: (max(x.low * (2 - x.low), 0), max(x.high * (2 - x.low), 0)))
-    >>> found.least <= 1 <= found.most < 1.00001
-    True
-    """
-    least, most = bounds(whole)
-    waiting = Waiting([(most, whole)], lambda x: -x[0], most=_MOST_CELLS)
-    for most, cell in waiting:
-        if least >= most or _is_enough(least, most, limit):
-            break
-        halves = [(*bounds(half), half) for half in cell.halves()]
-        least = max(least, *(reached for reached, _, _ in halves))
-        waiting.add(*((bound, half) for _, bound, half in halves))
-    return Supremum(least, max([least, *(most for most, _ in waiting.rest)]))
-
-
-def _is_enough(least: float, most: float, limit: float | None) -> bool:
-    if limit is not None and (most <= limit or least > limit):
-        return True
-    return most - least <= max(WIDTH * least, _NOTHING)
-
-
-_NOTHING_DIFFERENCES = 1e-20  # in the middle of some pieces: then it is asked whether the functions are zero
+_ZERO = 1e-20  # in the middle of some pieces: then it is asked whether the functions are zero
 _DEEP = 8  # halvings until a piece that ball arithmetic cannot bound is looked at exactly; near its zero all pieces are loose
 _DEEPEST = 24  # halvings until that must tell
 
@@ -239,38 +174,35 @@ class SupremumBounds:
 
 @dataclass(frozen=True)
 class Difference:
-    """|r with all effects - r with some| as a function of omega, for one part of one scene.
-
-    ``signed`` : |a - b|/|H_env| instead, which is what a region that tells signs apart asks for.
-    """
+    """|r with all effects - r with some| as a function of omega, for one part of one scene."""
 
     scene: Scene
     balls: BallChain
     kept: Kept
     part: Part
-    signed: bool = False
 
     def supremum(self, limit: float | None = None) -> Supremum:
         """Its least upper bound on the band; with a limit only as narrow as it takes to say on which side of it that lies."""
         if self.kept == self.balls.everything:
             return Supremum(0.0, 0.0)
         with series_arithmetic():
-            if self._looks_zero() and any(f.is_zero for f in self._functions):
+            looks_zero = all(min(map(_up, self._middle(BandPiece(3, i)))) < _ZERO for i in range(8))
+            if looks_zero and any(f.is_zero for f in self._functions):
                 return Supremum(0.0, 0.0)
-            return supremum(BandPiece(), self._bounds, limit)
-
-    def _looks_zero(self) -> bool:
-        pieces = (BandPiece(3, i) for i in range(8))
-        return all(_up(min(self._middle(piece), key=_up)) < _NOTHING_DIFFERENCES for piece in pieces)
+            least, most = self._bounds(BandPiece())
+            waiting = Waiting([(most, BandPiece())], lambda x: -x[0], most=_MOST_CELLS)
+            for most, piece in waiting:
+                known = least >= most or (limit is not None and (most <= limit or least > limit))
+                if known or most - least <= max(WIDTH * least, _NOTHING):
+                    break
+                halves = [(*self._bounds(half), half) for half in piece.halves()]
+                least = max(least, *(reached for reached, _, _ in halves))
+                waiting.add(*((bound, half) for _, bound, half in halves))
+            return Supremum(least, max([least, *(most for most, _ in waiting.rest)]))
 
     def _middle(self, piece: BandPiece) -> list[Ball]:
         """a - b and a + b over |H_env| in the middle of a piece."""
-        return [series[0] for series in self._changes(piece, whole=False)]
-
-    def _changes(self, piece: BandPiece, *, whole: bool) -> tuple[Series, ...]:
-        """The series of a - b and, where signs do not matter, of a + b."""
-        minus, plus = self.balls.changes(piece, self.kept, self.part, whole=whole)
-        return (minus,) if self.signed else (minus, plus)
+        return [series[0] for series in self.balls.changes(piece, self.kept, self.part, whole=False)]
 
     def stays_within(self, limit: Expr) -> bool | None:
         """Whether it exceeds an exact number nowhere, by the exact functions: also where it just reaches it. None: undecided."""
@@ -285,13 +217,17 @@ class Difference:
 
     def range(self, piece: BandPiece) -> SupremumBounds:
         """Its range on a piece; unbounded above where ball arithmetic tells no bound."""
-        middle, whole = (self._changes(piece, whole=x) for x in (False, True))
+        middle, whole = (self.balls.changes(piece, self.kept, self.part, whole=x) for x in (False, True))
         h = self.balls.radius(piece)
         found = [_Expansion(*pair, h) for pair in zip(middle, whole, strict=True)]
         reached = max(map(min, zip(*(x.values for x in found), strict=True)))
         return SupremumBounds(min(x.least for x in found), reached, min(x.most for x in found))
 
     def _bounds(self, piece: BandPiece) -> tuple[float, float]:
+        """A value that it reaches on a piece and one that it does not exceed there, both infinite where it is unbounded: proven.
+
+        The piece with the highest bound is halved until the enclosure is narrow.
+        """
         found = self.range(piece)
         if found.most == inf and piece.depth >= _DEEP:
             return self._exact_bounds(piece)
@@ -313,11 +249,11 @@ class Difference:
 
     @cached_property
     def _functions(self) -> tuple[RealFunction, ...]:
-        """a - b and, where signs do not matter, a + b, exact."""
+        """a - b and a + b, exact."""
         full = self.scene.distortion()
         perceived, env = full.chain.perceived(sorted(self.kept)), full.env
         both = (full.perc - perceived, full.perc + perceived - env - env)
-        return tuple(part_of(on_axis(x.reduced()), self.part) for x in both[: 1 if self.signed else 2])
+        return tuple(part_of(on_axis(x.reduced()), self.part) for x in both)
 
     @cached_property
     def squares(self) -> tuple[RealFunction, ...]:
@@ -354,89 +290,3 @@ def _up(x: Ball) -> float:
 def _down(x: Ball) -> float:
     """A float that |x| is not below."""
     return max(nextafter(float(x.abs_lower()), -inf), 0.0) if x.is_finite() else 0.0
-
-
-ChangeBounds = Mapping[Part, Rational]
-"""Of the change of each part, relative to |H_env|."""
-
-
-class Levels(NamedTuple):
-    """Not positive: the region is not left for certain; ``must`` : positive where it is left for certain."""
-
-    may: Signed | None
-    """None where it may be left anywhere."""
-    must: Signed
-
-
-def levels(region: Region, d: Distortion, change: ChangeBounds, band: tuple[Expr, Expr]) -> Levels:
-    """The functions of a scene without some effects that tell where the full one may, and must, leave a region."""
-    if isinstance(region, Sided):
-        return _of_part(region, d, change[region.part], band)
-    reach = _reach(region, change, band)
-    must = _at(region, d, 1 + reach)
-    return Levels(_at(region, d, 1 - reach) if reach < 1 else None, must)
-
-
-def _at(region: Region, d: Distortion, times: Expr) -> Lattice:
-    """Positive where a region must be enlarged more often than that."""
-    number = Change(d).number(times**2)
-    return Lattice(
-        tuple((*x.where, *(RealFunction((f.function - number).reduced()) for f in x.squares)) for x in region.terms(d))
-    )
-
-
-def _reach(region: Region, change: ChangeBounds, band: tuple[Expr, Expr]) -> Rational:
-    """How many times a region must be enlarged to hold every change within the bounds; rounded up."""
-    e, f = change[Part.REAL], change[Part.IMAG]
-    if isinstance(region, Polygon):
-        edges = [[_root(_most(x**2, band)) for x in edge] for edge in region.edges]
-        return max(p * e + q * f for p, q in edges)
-    assert isinstance(region, Diamond | Ellipse)
-    u, v = e / region.real, f / region.imag
-    if isinstance(region, Diamond):
-        return _most(u + v, band)
-    return _root(_most((u + v) ** 2 / (1 - region.tilt**2), band))
-
-
-def _most(x: Expr, band: tuple[Expr, Expr]) -> Rational:
-    """The largest value of a number, or of a formula that is never negative, on the band; rounded up."""
-    if not x.has(omega):
-        return Rational(x)
-    found = largest(RealFunction(Ring().axis.convert(x).reduced()), *band)
-    assert found is not None  # a region is one on the whole band
-    high = found.bounds(60)[1]
-    return Rational(high.numerator, high.denominator)
-
-
-def _root(x: Rational) -> Rational:
-    return Rational(nextafter(sqrt(nextafter(float(x), inf)), inf))
-
-
-def _of_part(x: Sided, d: Distortion, e: Rational, band: tuple[Expr, Expr]) -> Levels:
-    w = Change(d)
-    own, size = w.part(x.part), w.square
-    square = w.over(own * own).function
-    spread = w.number(e + e**2) * size
-    env, perc = (part_of(f, x.part).function for f in (d.env_response, d.perc_response))
-    grown, unsure = perc * perc - env * env, w.number(e) * perc * perc + spread
-    floor = [] if x.floor is None else [w.number(x.floor) ** 2]
-    far = [w.number(1 + e) * own * own + spread - f for f in floor]
-    sure = [own * own - w.number(1 + e) * f - spread for f in floor]
-
-    def above(limit: Expr) -> list[RationalFunction]:
-        """|x| above a limit; nothing where the limit is not positive."""
-        return [square - w.number(limit) ** 2] if _is_positive(limit, band) else []
-
-    ways = [((), x.higher)] if not x.has_sides else [((grown,), x.higher), ((-grown,), x.lower)]
-    may = [[*(g + unsure for g in way), *above(limit - e), *far] for way, limit in ways]
-    must = [[*(g - unsure for g in way), *above(limit + e), *sure] for way, limit in ways]
-    must.append([*above(x.higher + e), *above(x.lower + e), *sure])
-    return Levels(_lattice(may) if all(may) else None, _lattice(must))
-
-
-def _is_positive(limit: Expr, band: tuple[Expr, Expr]) -> bool:
-    return positive(limit, *band) if limit.has(omega) else bool(limit > 0)
-
-
-def _lattice(terms: list[list[RationalFunction]]) -> Lattice:
-    return Lattice(tuple(tuple(RealFunction(f.reduced()) for f in term) for term in terms))

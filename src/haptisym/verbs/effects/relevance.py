@@ -1,16 +1,8 @@
-"""Which effects of a scene matter, and the fewest that do.
+"""Which effects of a scene matter for a tolerance: how much each changes r_r and r_i, and the fewest that do for all, with proof.
 
-The fewest effects that give the ratios of a whole scene within a tolerance: found by sampling, decided by proof.
-
-Which effects of a scene matter: how much each changes the ratios, and the fewest that do.
-
-Which effects of a scene matter: how much each changes the distortion ratios, and the fewest that do for all, with proof.
-
-``|r_full - r_kept| <= bound`` at every frequency of the band. So the full scene meets its threshold c only where the kept scene's
-ratio lies between c - bound and c + bound, and the chart of the kept scene at these two levels encloses all its crossings. Of a
-region ``enclosing`` has the two levels.
-
-Which effects of a scene matter for a tolerance.
+The fewest effects are found by sampling and decided by proof: ``|r_full - r_kept| <= bound`` at every frequency of the band. So
+the full scene meets its threshold c only where the kept scene's ratio lies between c - bound and c + bound, and the chart of the
+kept scene at these two levels encloses all its crossings. Of a region of another shape it is said that they are on the band.
 """
 
 from __future__ import annotations
@@ -41,8 +33,8 @@ from haptisym.model.jnd import Part, positive
 from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.programs.series import FLOATS, InSteps, series_arithmetic
-from haptisym.verbs.effects.differences import BallChain, BandPiece, Difference, Kept, Supremum, SupremumBounds, levels
+from haptisym.programs.links import FLOATS, InSteps, series_arithmetic
+from haptisym.verbs.effects.differences import BallChain, BandPiece, Difference, Kept, Supremum, SupremumBounds
 
 _DEPTH = 7  # of the pieces in whose middles ratios are sampled
 _MOST_SUBSETS = 1 << 12  # that are gone through: all of 12 effects
@@ -273,28 +265,19 @@ class Relevance(Answer):
             yield CrossingEnclosure(criterion, point.omega, point.omega, certain=False)
 
     def _levels(self, criterion: Criterion) -> dict[str, Signed]:
-        """Functions of the kept scene: ``high`` positive where the full one is above, ``low`` negative where it is below."""
+        """Functions of the kept scene: ``high`` positive where the full one is above, ``low`` negative where it is below.
+
+        None for a region: its crossings may be anywhere on the band.
+        """
         d = self.pruned.distortion()
-        if criterion.region:
-            found = levels(criterion.region, d, self._signed, self.pruned.band) if self._signed else None
-            low = {"low": found.may} if found and found.may else {}
-            return low | ({"high": found.must} if found else {})
-        assert criterion.part is not None
+        if criterion.part is None or criterion.region:
+            return {}
         c, square = criterion.threshold, criterion.measure(d)
         bound = Rational(*self.bound[criterion.part].most.as_integer_ratio())
         high: dict[str, Signed] = {"high": replace(criterion, threshold=c + bound).exceeded(square)}
         if positive(c - bound, *self.pruned.band) if c.has(omega) else (c - bound).evalf() > 0:
             high["low"] = replace(criterion, threshold=c - bound).exceeded(square)
         return high
-
-    @cached_property
-    def _signed(self) -> dict[Part, Rational] | None:
-        """How much leaving out all others changes Re dH and Im dH, relative to |H_env|; None where that has no bound."""
-        places = frozenset(i for i, e in enumerate(self.scene.effects) if e in self.pruned.effects)
-        found = {part: Difference(self.scene, self.balls, places, part, signed=True).supremum().most for part in Part}
-        if inf in found.values():
-            return None
-        return {part: Rational(*most.as_integer_ratio()) for part, most in found.items()}
 
     @cached_property
     def operations(self) -> tuple[int, int]:

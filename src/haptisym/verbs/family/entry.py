@@ -1,10 +1,6 @@
-"""What one display does to several environments at once: each, all, the worst, and which one binds.
+"""What one display does to several environments at once: each, where all stay transparent, and which one binds.
 
-What holds for every environment of a family at once, judged by one JND: the worst case, and who binds there.
-
-Does the conclusion for several environments survive another JND model?
-
-What one display does to several environments at once: each, where all stay transparent, and which one binds.
+All are judged by one JND, or by square, disc and diamond of its half widths, where it is asked whether the conclusion survives.
 """
 
 from __future__ import annotations
@@ -149,15 +145,11 @@ def compared_all(family: SceneFamily, answers: Mapping[str, Evaluation], own: Wo
     ``answers`` : of each environment, with its regions. ``own`` : what the JND itself says of all of them.
     """
     models = {x.name: x.threshold for x in next(iter(answers.values())).regions}
-    each = {name: {who: _of(e, name) for who, e in answers.items()} for name in models}
+    each = {name: {who: next(x for x in e.regions if x.name == name) for who, e in answers.items()} for name in models}
     return tuple(
         FamilyCompared(name, model, own if name == OWN else WorstCase.of(family, model), each[name])
         for name, model in models.items()
     )
-
-
-def _of(e: Evaluation, name: str) -> Compared:
-    return next(x for x in e.regions if x.name == name)
 
 
 @dataclass(frozen=True, repr=False)

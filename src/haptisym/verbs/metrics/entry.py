@@ -1,8 +1,4 @@
-"""The measures of transparency that the field uses, side by side with the JND verdict.
-
-Where measures of transparency and the JND verdict disagree, in sentences.
-
-The measures of transparency that the field uses, side by side with the JND verdict.
+"""The measures of transparency that the field uses, side by side with the JND verdict, and where they disagree with it.
 
 Each with its closed form, proven numbers, its source and how well that is known. Derivation: 15_metrics.
 """
@@ -12,13 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from sympy import Integer
-
 from haptisym.judge.crossings import Criterion, kept
 from haptisym.judge.evaluation import evaluate
 from haptisym.judge.peaks import largest
 from haptisym.kernel.budget import SECONDS, limited
-from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot, short
+from haptisym.kernel.reals import RealNumber, SquareRoot, short
 from haptisym.kernel.response import RealFunction, squared_modulus
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Point, chart
@@ -29,9 +23,8 @@ from haptisym.verbs.metrics.metric import (
     FAR,
     TOO_LARGE,
     WITHIN_3_DB,
-    Bands,
+    ZERO,
     Measured,
-    MeasureForms,
     Metric,
     Metrics,
     Value,
@@ -70,13 +63,8 @@ def disagreements(m: Measured) -> Iterable[str]:
         yield _STRICT
     if noticed and covers(m.inside, e.chart):
         yield _COARSE
-    if e.transparent and m.llewellyn is not None and _only_points(m.llewellyn):
+    if e.transparent and m.llewellyn is not None and all(x.low is x.high for x in m.llewellyn):
         yield _ACTIVE
-
-
-def _only_points(bands: Bands) -> bool:
-    """Whether a set holds single frequencies at most."""
-    return all(x.low is x.high for x in bands)
 
 
 def metrics(scene: Scene | str | Path, *, absolute_stability: bool = False, limit: float | None = SECONDS) -> Metrics:
@@ -94,45 +82,29 @@ def metrics(scene: Scene | str | Path, *, absolute_stability: bool = False, limi
     """
     scene = as_scene(scene)
     with limited(limit):
-        return _measured(scene, tell_absolute=absolute_stability)
-
-
-def _measured(scene: Scene, *, tell_absolute: bool) -> Metrics:
-    m = Measured(evaluate(scene))
-    forms = MeasureForms(scene)
-    rows = (
-        _ratio,
-        _relative,
-        _range,
-        _sensitivity,
-        passivity_measure,
-        absolute_stability_measure,
-        _effective,
-        _free,
-        _free_of_a_helicopter,
-    )
-    return Metrics(m.evaluation, tuple(row(m, forms) for row in rows), tuple(disagreements(m)), m, tell_absolute)
+        m = Measured(evaluate(scene))
+        found = (
+            _ratio(m), _relative(m), _range(m), _sensitivity(m),
+            passivity_measure(m), absolute_stability_measure(m), _effective(m),
+            _free(m.free, m, "aeroplanes", "A, attachment 2, table A2A"),
+            _free(m.free_of_a_helicopter, m, "helicopters", "C, attachment 2, table C2A"),
+        )  # fmt: skip
+        return Metrics(m.evaluation, found, tuple(disagreements(m)), m, absolute_stability)
 
 
 def _modulus_at_ends(function: RationalFunction, m: Measured, what: str) -> list[Value]:
     """|f| at both ends of the band."""
     square = squared_modulus(function)
     points = chart({"": square}, *m.band).points
-    found = [value_at(square, points[i], "") for i in (0, -1)]
-    return [
-        Value(f"{what} at {end} end", None if x is None else _root(x), m.unit)
-        for end, x in zip(("low", "high"), found, strict=True)
-    ]
-
-
-def _root(square: RealNumber) -> RealNumber:
-    return square if isinstance(square, ExactNumber) and square.value == 0 else SquareRoot(square)
+    found = {end: value_at(square, points[i], "") for end, i in (("low", 0), ("high", -1))}
+    roots = {end: x if x is None or x == ZERO else SquareRoot(x) for end, x in found.items()}
+    return [Value(f"{what} at {end} end", x, m.unit) for end, x in roots.items()]
 
 
 def _largest(square: RealFunction, m: Measured) -> RealNumber | None:
     """The largest of a modulus on the band, None where unbounded."""
     if square.is_zero:
-        return ExactNumber(Integer(0))
+        return ZERO
     found = largest(square, *m.band)
     return None if found is None else SquareRoot(found)
 
@@ -140,14 +112,14 @@ def _largest(square: RealFunction, m: Measured) -> RealNumber | None:
 # The measures
 
 
-def _ratio(m: Measured, forms: MeasureForms) -> Metric:
+def _ratio(m: Measured) -> Metric:
     edges = [p for p in m.edges.points if any(_passes(p, x) for x in WITHIN_3_DB)]
     values = [Value(_edge(p), p.omega, "rad/s") for p in edges]
     inside = kept(m.edges)
     upto = "the band" if m.reach == m.band[1] else f"{FAR} times the band's high end"
     return Metric(
         "transmitted impedance ratio",
-        forms("Gamma"),
+        m.forms("Gamma"),
         (*values, Value(f"within 3 dB (up to {upto})", inside, "rad/s")),
         "Lawrence (1993): transparent where the displayed impedance is the environment's, Z_t = Z_e",
         "as the EuroVR knowledge base cites it: read; ratio and 3 dB edges derived",
@@ -174,7 +146,7 @@ def _edge(p: Point) -> str:
     return f"{x.name} edge, {'rising' if (p.after[x] > 0) == (x is TOO_LARGE) else 'falling'}"
 
 
-def _relative(m: Measured, forms: MeasureForms) -> Metric:
+def _relative(m: Measured) -> Metric:
     square = relative_square(m.d)
     circle = (
         f"at most {float(100 * m.relative.threshold):.6g} %"
@@ -183,7 +155,7 @@ def _relative(m: Measured, forms: MeasureForms) -> Metric:
     )
     return Metric(
         "relative distortion",
-        forms("Theta"),
+        m.forms("Theta"),
         (
             Value(circle, m.within, "rad/s"),
             Value("largest on the band", _largest(square, m)),
@@ -200,7 +172,7 @@ _RELATIVE = (
 _IN_CIRCLE = "where it is in that circle no change leaves the region; the JND test asks less, as the region is larger"
 
 
-def _range(m: Measured, forms: MeasureForms) -> Metric:
+def _range(m: Measured) -> Metric:
     least, most, width = m.port.least, m.port.most, m.port.width
     values = [Value("|Z_min| everywhere", None, m.unit)] if least is None else _modulus_at_ends(least, m, "|Z_min|")
     for name, function in (("|Z_max|", most), ("|Z_width|", width)):
@@ -210,7 +182,7 @@ def _range(m: Measured, forms: MeasureForms) -> Metric:
     verdict = f"where there is nothing, {empty} is felt; a rigid environment is felt as {'rigid' if most is None else 'Z_max'}"
     return Metric(
         "impedance range",
-        forms("Z_min", "Z_max", "Z_width"),
+        m.forms("Z_min", "Z_max", "Z_width"),
         tuple(values),
         "Hashtrudi-Zaad and Salcudean (2001): minimum and dynamic range (width) of the transmitted impedance",
         "abstract read; the formulas are limits of the two-port, derived (15_metrics)",
@@ -218,12 +190,12 @@ def _range(m: Measured, forms: MeasureForms) -> Metric:
     )
 
 
-def _sensitivity(m: Measured, forms: MeasureForms) -> Metric:
+def _sensitivity(m: Measured) -> Metric:
     square = m.sensitivity_square
     value = None if square is None else _largest(square, m)
     return Metric(
         "sensitivity",
-        forms("dH_perc/dH_env"),
+        m.forms("dH_perc/dH_env"),
         (Value("largest |dH_perc/dH_env| on the band", value),),
         "derivative of H_perc by H_env",
         "derived (15_metrics)",
@@ -231,14 +203,14 @@ def _sensitivity(m: Measured, forms: MeasureForms) -> Metric:
     )
 
 
-def _effective(m: Measured, forms: MeasureForms) -> Metric:
+def _effective(m: Measured) -> Metric:
     names = {"k": "stiffness", "m": "mass", "b": "damping"}
     values = [
         Value(f"{names[key]} at {short(w)} rad/s", x, m.units[key]) for w, row in m.effective for key, x in row.items()
     ]
     return Metric(
         "effective impedance",
-        forms("k_perc", "m_perc", "b_perc"),
+        m.forms("k_perc", "m_perc", "b_perc"),
         tuple(values),
         "step 2 of Fu, van Paassen and Mulder (2019)",
         "verified",
@@ -246,15 +218,7 @@ def _effective(m: Measured, forms: MeasureForms) -> Metric:
     )
 
 
-def _free(m: Measured, _: MeasureForms) -> Metric:
-    return _by_table(m, m.free, "aeroplanes", "A, attachment 2, table A2A")
-
-
-def _free_of_a_helicopter(m: Measured, _: MeasureForms) -> Metric:
-    return _by_table(m, m.free_of_a_helicopter, "helicopters", "C, attachment 2, table C2A")
-
-
-def _by_table(m: Measured, found: FreeResponse, of: str, table: str) -> Metric:
+def _free(found: FreeResponse, m: Measured, of: str, table: str) -> Metric:
     values = [
         Value(x.name, "none" if x.perceived is None else x.perceived, x.unit, x.environment, x.tolerance, x.passes)
         for x in found.checks

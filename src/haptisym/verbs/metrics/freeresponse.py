@@ -63,33 +63,21 @@ class Motion:
 
     def value(self, t: Ball, order: int = 0) -> Ball:
         """A derivative at a time."""
-        total = acb(0)
-        for p, row in self._terms:
-            for k, q in enumerate(row):
-                part = sum(
-                    (
-                        comb(order, n) * perm(k, n) * acb(t) ** (k - n) * p ** (order - n)
-                        for n in range(min(k, order) + 1)
-                    ),
-                    acb(0),
-                )
-                total += q * part * (p * acb(t)).exp()
-        return total.real
+        terms = (
+            q * _derived(k, order, acb(t), p) * (p * acb(t)).exp() for p, row in self._terms for k, q in enumerate(row)
+        )
+        return sum(terms, acb(0)).real
 
     def most(self, low: Ball, high: Ball, order: int = 0) -> Ball:
         """A bound on the size of a derivative between two times."""
-        total = arb(0)
-        for p, row in self._terms:
-            for k, q in enumerate(row):
-                part = sum(
-                    (
-                        comb(order, n) * perm(k, n) * high ** (k - n) * abs(p) ** (order - n)
-                        for n in range(min(k, order) + 1)
-                    ),
-                    arb(0),
-                )
-                total += abs(q) * part * (p.real * low).exp()
-        return total
+        return sum(
+            (
+                abs(q) * _derived(k, order, high, abs(p)) * (p.real * low).exp()
+                for p, row in self._terms
+                for k, q in enumerate(row)
+            ),
+            arb(0),
+        )
 
     @cached_property
     def _terms(self) -> list[tuple[Any, list[Any]]]:
@@ -148,7 +136,7 @@ class Motion:
             low_end, high_end = cells.pop()
             if self._is_apart(low_end, high_end, level, order):
                 continue
-            if self._is_steady(low_end, high_end, order):
+            if self._is_apart(low_end, high_end, Rational(0), order + 1):  # it is monotonic
                 signs = [_sign(self._at(t, order) - expression_ball(level)) for t in (low_end, high_end)]
                 if signs[0] != signs[1]:
                     found.append(Passage(self, level, order, low_end, high_end))
@@ -173,8 +161,10 @@ class Motion:
             off = abs(self.value(_arb((low + high) / 2), order) - expression_ball(level))
             return bool(off > self.most(_arb(low), _arb(high), order + 1) * _arb((high - low) / 2))
 
-    def _is_steady(self, low: Fraction, high: Fraction, order: int) -> bool:
-        return self._is_apart(low, high, Rational(0), order + 1)
+
+def _derived(k: int, order: int, t: Any, p: Any) -> Any:
+    """A derivative of t^k exp(p t), over exp(p t)."""
+    return sum(comb(order, n) * perm(k, n) * t ** (k - n) * p ** (order - n) for n in range(min(k, order) + 1))
 
 
 def _arb(x: Fraction) -> Ball:
@@ -271,10 +261,8 @@ class Swings:
     def crossings(self) -> list[Passage]:
         """Of zero: all while the motion is larger than 5 %, and at least three where the slowest motion swings for ever."""
         motion, until = self.motion, self.motion.end
-        found = motion.passages(Rational(0), 0, until)
-        while len(found) < 3 and not self.motion.slowest.imag.contains(0):
+        while len(found := motion.passages(Rational(0), 0, until)) < 3 and not motion.slowest.imag.contains(0):
             until *= 2
-            found = motion.passages(Rational(0), 0, until)
         return found
 
     @cached_property

@@ -1,18 +1,9 @@
-"""One measure of transparency: closed forms, functions, criteria, two-ports, and every passive hand.
+"""The measures of transparency: the exact functions that they are read off, their closed forms, charts and rows.
 
-A chain of effects as one two-port: what it does to every environment, and to none in particular.
-
-The closed forms of the measures of transparency, in the scene's symbols where these are few, and in its numbers.
-
-The criteria of the field's measures: the 3 dB edges, relative distortion, and Llewellyn's conditions on the axis.
-
-Llewellyn's criterion as a whole: its conditions on the axis at all frequencies, and those on the poles of the two-port.
-
-The exact functions that measures of transparency are read off, and their charts.
-
-One measure of transparency: its closed forms, its proven numbers, its source, and what it says.
-
-Whether every passive hand may hold a display, and with every passive environment: two of the field's measures.
+A chain of effects is one two-port: what it does to every environment, and to none in particular. Beside it stand the criteria
+of the field: the 3 dB edges, relative distortion, and Llewellyn's criterion, whose conditions on the axis are asked at all
+frequencies, with those on the poles. Whether every passive hand may hold a display is ``haptisym.judge.passivity``'s to say.
+Derivation: 15_metrics.
 """
 
 from __future__ import annotations
@@ -41,7 +32,6 @@ from haptisym.kernel.roots import Chart, Interval, Point, chart, sign_of_number
 from haptisym.kernel.shown import Shown, counted, titled
 from haptisym.kernel.symbols import omega
 from haptisym.model.caveats import clocks
-from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Scene
@@ -50,31 +40,33 @@ from haptisym.verbs.metrics.freeresponse import FreeResponse, Rule, free_respons
 
 @dataclass(frozen=True)
 class TwoPort:
-    """The chain matrix ``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]`` of all effects, up to a common factor.
+    """What a display does to any environment: the chain matrix ``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]`` up to a factor.
 
     What is read off it does not see that factor: quotients of entries, and det over a product of two entries.
     """
 
-    ring: Ring
-    A: Polynomial
-    B: Polynomial
-    C: Polynomial
-    D: Polynomial
+    d: Distortion
 
-    @classmethod
-    def of(cls, chain: Chain, ring: Ring | None = None) -> TwoPort:
-        """The product of a chain's matrices, the one nearest the environment applied first."""
-        ring = ring or chain.ring
-        a, b, c, d = ring.constant(1), ring.constant(0), ring.constant(0), ring.constant(1)
-        for matrix in chain.matrices:
-            p, q, r, t = cleared([ring.convert(entry) for entry in matrix])
-            a, b, c, d = p * a + q * c, p * b + q * d, r * a + t * c, r * b + t * d
-        return cls(ring, a, b, c, d)
+    @property
+    def ring(self) -> Ring:
+        """That of all its functions."""
+        ring = self.d.env.ring
+        assert isinstance(ring, Ring)
+        return ring
 
     @cached_property
-    def det(self) -> Polynomial:
-        """A D - B C."""
-        return self.A * self.D - self.B * self.C
+    def _entries(self) -> tuple[Polynomial, Polynomial, Polynomial, Polynomial]:
+        """The product of the chain's matrices, the one nearest the environment applied first."""
+        a, b, c, d = (self.ring.constant(n) for n in (1, 0, 0, 1))
+        for matrix in self.d.chain.matrices:
+            p, q, r, t = cleared([self.ring.convert(entry) for entry in matrix])
+            a, b, c, d = p * a + q * c, p * b + q * d, r * a + t * c, r * b + t * d
+        return a, b, c, d
+
+    @cached_property
+    def _det(self) -> Polynomial:
+        a, b, c, d = self._entries
+        return a * d - b * c
 
     def _over(self, top: Polynomial, bottom: Polynomial) -> RationalFunction | None:
         return None if bottom.is_zero() else self.ring.function(top, bottom).reduced()
@@ -82,59 +74,38 @@ class TwoPort:
     @property
     def least(self) -> RationalFunction | None:
         """Z_min = B/D, what is felt of no environment at all (H_env -> 0); None where that is infinite everywhere."""
-        return self._over(self.B, self.D)
+        return self._over(self._entries[1], self._entries[3])
 
     @property
     def most(self) -> RationalFunction | None:
         """Z_max = A/C, what is felt of a rigid one (H_env -> infinity); None where nothing bounds it."""
-        return self._over(self.A, self.C)
+        return self._over(self._entries[0], self._entries[2])
 
     @property
     def width(self) -> RationalFunction | None:
         """Z_width = Z_max - Z_min = det/(C D); None where nothing bounds it."""
-        return self._over(self.det, self.C * self.D)
+        return self._over(self._det, self._entries[2] * self._entries[3])
 
     @property
     def gain(self) -> RationalFunction | None:
         """g = det/D^2 = -h12 h21."""
-        return self._over(self.det, self.D * self.D)
+        return self._over(self._det, self._entries[3] ** 2)
 
     @property
     def leak(self) -> RationalFunction | None:
         """C/D = h22."""
-        return self._over(self.C, self.D)
+        return self._over(self._entries[2], self._entries[3])
 
-    def sensitivity(self, H: RationalFunction) -> RationalFunction | None:
-        """dH_perc/dH_env = det/(C H + D)^2 of the Moebius map, at the environment (or what is rendered) H."""
-        below = self.C * H.numerator + self.D * H.denominator
-        return self._over(self.det * H.denominator**2, below**2)
+    @property
+    def sensitivity(self) -> RationalFunction | None:
+        """dH_perc/dH_env = det/(C H + D)^2 of the Moebius map, H being the environment (or what is rendered)."""
+        H = self.ring.convert(self.d.chain.rendered).reduced()
+        below = self._entries[2] * H.numerator + self._entries[3] * H.denominator
+        return self._over(self._det * H.denominator**2, below**2)
 
 
 MOST_SYMBOLS = 8
 """Parameters that a formula in symbols may have; with more it would fill pages."""
-
-
-@dataclass(frozen=True)
-class ChainSystem:
-    """The dynamics of a chain: distortion and two-port in one ring."""
-
-    chain: Chain
-
-    @cached_property
-    def d(self) -> Distortion:
-        """What is felt instead of the environment."""
-        return Distortion.of(self.chain)
-
-    @cached_property
-    def port(self) -> TwoPort:
-        """The chain as a two-port."""
-        return TwoPort.of(self.chain, self.chain.ring)
-
-    @property
-    def rendered(self) -> RationalFunction:
-        """The dynamics that is rendered, in the ring of the chain."""
-        return self.chain.ring.convert(self.chain.rendered).reduced()
-
 
 Function: TypeAlias = RationalFunction | RealFunction
 
@@ -144,8 +115,8 @@ class Form(Shown):
     """A closed form by its name, of s or of omega."""
 
     name: str
-    numbers: ChainSystem
-    symbols: ChainSystem | None
+    numbers: TwoPort
+    symbols: TwoPort | None
 
     def _line(self) -> str:
         return f"{self.name} = {self.value}"
@@ -167,41 +138,25 @@ class Form(Shown):
         return None if found is None else found.factored()
 
 
-class MeasureForms:
-    """The closed forms of one scene, by their names."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.numeric = ChainSystem(scene.distortion().chain)
-        self.symbolic = ChainSystem(scene.chain) if len(scene.parameters) <= MOST_SYMBOLS else None
-
-    def __call__(self, *names: str) -> tuple[Form, ...]:
-        """Some of them."""
-        return tuple(Form(name, self.numeric, self.symbolic) for name in names)
-
-
-def _stiffness(x: ChainSystem) -> RealFunction:
-    return on_axis(x.d.perc).real
-
-
-def _mass(x: ChainSystem) -> RealFunction:
-    real = _stiffness(x)
+def _mass(x: TwoPort) -> RealFunction:
+    real = on_axis(x.d.perc).real
     return RealFunction((-real.function / real.axis.convert(omega**2)).reduced())
 
 
-def _damping(x: ChainSystem) -> RealFunction:
+def _damping(x: TwoPort) -> RealFunction:
     imag = on_axis(x.d.perc).imag
     return RealFunction((imag.function / imag.axis.convert(omega)).reduced())
 
 
-_FORMS: dict[str, Callable[[ChainSystem], Function | None]] = {
+_FORMS: dict[str, Callable[[TwoPort], Function | None]] = {
     "Gamma": lambda x: (x.d.perc / x.d.env).reduced(),
     "Theta": lambda x: (x.d.difference / x.d.env).reduced(),
-    "Z_min": lambda x: x.port.least,
-    "Z_max": lambda x: x.port.most,
-    "Z_width": lambda x: x.port.width,
-    "dH_perc/dH_env": lambda x: x.port.sensitivity(x.rendered),
-    "g": lambda x: x.port.gain,
-    "k_perc": _stiffness,
+    "Z_min": lambda x: x.least,
+    "Z_max": lambda x: x.most,
+    "Z_width": lambda x: x.width,
+    "dH_perc/dH_env": lambda x: x.sensitivity,
+    "g": lambda x: x.gain,
+    "k_perc": lambda x: on_axis(x.d.perc).real,
     "m_perc": _mass,
     "b_perc": _damping,
 }
@@ -239,7 +194,7 @@ _Hybrid: TypeAlias = Callable[[RealFunction, RealFunction, RealFunction, RealFun
 
 
 def _read(rule: str, d: Distortion) -> RealFunction:
-    port = TwoPort.of(d.chain, d.env.ring)  # type: ignore[arg-type]
+    port = TwoPort(d)
     least, leak, gain = port.least, port.leak, port.gain
     if least is None or leak is None or gain is None:
         raise SceneError("D = 0: the hybrid matrix of this scene does not exist")
@@ -252,17 +207,13 @@ def _lack(own: RealFunction, other: RealFunction, real: RealFunction, _: RealFun
 
 
 _CONDITIONS: Mapping[str, _Hybrid] = {
-    "Im h11 >= 0": lambda own, *_: _nothing(own) - own,
+    "Im h11 >= 0": lambda own, *_: RealFunction(-own.function),
     "Im h22 <= 0": lambda _own, other, *_: other,
     "Re g - 2 Im h11 Im h22 >= 0": _lack,
     "(Re g - 2 Im h11 Im h22)^2 >= |g|^2": lambda *x: x[3] - _lack(*x) * _lack(*x),
 }
 LLEWELLYN = tuple(Criterion(rule, rule, rule.split(" ")[0], rule, partial(_read, rule)) for rule in _CONDITIONS)
 """Conditions on the axis for absolute stability; those on the poles are others."""
-
-
-def _nothing(f: RealFunction) -> RealFunction:
-    return RealFunction(f.axis.zero)
 
 
 @dataclass(frozen=True)
@@ -279,11 +230,6 @@ class Unconditional:
         if self.axis is False or self.poles is False:
             return False
         return True if self.axis and self.poles else None
-
-
-def unconditional(d: Distortion, port: TwoPort) -> Unconditional:
-    """Llewellyn's criterion for the chain of a display; nothing is decided where D = 0."""
-    return Unconditional(_on_axis(d, port), _poles(port))
 
 
 def _on_axis(d: Distortion, port: TwoPort) -> bool | None:
@@ -344,13 +290,16 @@ class Measured:
     @cached_property
     def port(self) -> TwoPort:
         """The chain as a two-port."""
-        ring = self.d.env.ring
-        return TwoPort.of(self.d.chain, ring)  # type: ignore[arg-type]
+        return TwoPort(self.d)
 
     @cached_property
-    def rendered(self) -> RationalFunction:
-        """The dynamics that is rendered, in the ring of the chain."""
-        return self.d.env.ring.convert(self.d.chain.rendered).reduced()
+    def _symbolic(self) -> TwoPort | None:
+        scene = self.evaluation.scene
+        return TwoPort(Distortion.of(scene.chain)) if len(scene.parameters) <= MOST_SYMBOLS else None
+
+    def forms(self, *names: str) -> tuple[Form, ...]:
+        """Some of the closed forms, by their names."""
+        return tuple(Form(name, self.port, self._symbolic) for name in names)
 
     @cached_property
     def relative(self) -> Criterion | None:
@@ -361,7 +310,7 @@ class Measured:
     @cached_property
     def sensitivity_square(self) -> RealFunction | None:
         """|S|^2 of the change to that of the rendered dynamics; None where the port has none."""
-        found = self.port.sensitivity(self.rendered)
+        found = self.port.sensitivity
         return None if found is None else squared_modulus(found)
 
     @cached_property
@@ -413,7 +362,9 @@ class Measured:
     @cached_property
     def unconditional(self) -> Unconditional:
         """What Llewellyn's criterion says at all frequencies, poles included."""
-        return unconditional(self.d, self.port) if not clocks(self.evaluation.scene) else Unconditional(None, None)
+        if clocks(self.evaluation.scene):
+            return Unconditional(None, None)
+        return Unconditional(_on_axis(self.d, self.port), _poles(self.port))
 
     @property
     def llewellyn(self) -> Bands | None:
@@ -468,7 +419,10 @@ def value_at(f: RealFunction, point: Point, key: object) -> RealNumber | None:
     order = point.orders.get(key, 0)
     if order < 0:
         return None
-    return ExactNumber(Integer(0)) if order > 0 or f.is_zero else ValueAt(f, point.omega)
+    return ZERO if order > 0 or f.is_zero else ValueAt(f, point.omega)
+
+
+ZERO = ExactNumber(Integer(0))
 
 
 def covers(bands: Bands, table: Chart) -> bool:
@@ -596,10 +550,11 @@ def _pairs(bands: Bands) -> list[list[float]]:
     return [[float(x.low.omega), float(x.high.omega)] for x in bands]
 
 
+_YES = {True: "yes", False: "no", None: "not decided"}
 _ANSWERS = {True: "holds", False: "does not hold", None: "not decided"}
 
 
-def passivity_measure(m: Measured, _: MeasureForms) -> Metric:
+def passivity_measure(m: Measured) -> Metric:
     """Im H_perc >= 0 on the band and beside it; the damping of a hand that makes up for what is given away."""
     found = m.evaluation.passivity
     return Metric(
@@ -618,25 +573,14 @@ def _values(m: Measured, found: Passivity) -> list[Value]:
     if (given := found.most_given) and found.active:
         where = f" at {short(given.omega)} rad/s" if given.omega else ""
         rows += [Value(f"most energy given per cycle, over π A²{where}", given.value, m.unit)]
-    rows += [Value("every passive hand", _answer(found))]
+    untold = found.holds is None and found.beyond is Beyond.CLOCK
+    rows += [Value("every passive hand", "not told by this with a clock" if untold else _ANSWERS[found.holds])]
     if found.is_active and found.damping:
         where = f", set at {short(found.damping.omega)} rad/s" if found.damping.omega else ", approached far out"
         rows += [Value(f"hand damping that makes up for it{where}", found.damping.value, m.units["b"])]
     elif found.is_unbounded:
         rows += [Value("hand damping that makes up for it", "none: what is given away grows without bound")]
-    return [*rows, Value("force stable under imposed motion", _decided(m.evaluation.stable))]
-
-
-def _decided(answer: bool | None) -> str:  # noqa: FBT001
-    return {True: "yes", False: "no", None: "not decided"}[answer]
-
-
-def _answer(found: Passivity) -> str:
-    return (
-        "not told by this with a clock"
-        if found.holds is None and found.beyond is Beyond.CLOCK
-        else _ANSWERS[found.holds]
-    )
+    return [*rows, Value("force stable under imposed motion", _YES[m.evaluation.stable])]
 
 
 def _verdict(m: Measured, found: Passivity | None) -> str:
@@ -662,7 +606,7 @@ def _verdict(m: Measured, found: Passivity | None) -> str:
     return f"{band}; every passive hand: not decided"
 
 
-def absolute_stability_measure(m: Measured, forms: MeasureForms) -> Metric:
+def absolute_stability_measure(m: Measured) -> Metric:
     """Llewellyn's criterion: the band where its conditions on the axis hold, and all of it at all frequencies."""
     bands, whole = m.llewellyn, m.unconditional
     rows: tuple[Value, ...] = ()
@@ -677,7 +621,7 @@ def absolute_stability_measure(m: Measured, forms: MeasureForms) -> Metric:
         verdict = _absolutely(m, covers(bands, m.evaluation.chart))
     return Metric(
         "absolute stability",
-        forms("g"),
+        m.forms("g"),
         rows,
         "Llewellyn's criterion, after Adams and Hannaford (1999)",
         "verified (tutorial chapter 9.3.3)",

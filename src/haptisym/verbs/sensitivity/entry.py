@@ -1,22 +1,15 @@
-"""How crossings, changeovers and the bandwidth move with each parameter.
+"""How crossings, changeovers and the bandwidth move with each parameter: derivatives and elasticities, exact and certified.
 
-Which zeros and poles of a real function meet at a frequency, and where each goes as a parameter moves.
+A crossing is a simple zero of F(omega, p) = r^2 - c^2, so that d omega/dp = -(dF/dp)/(dF/d omega) there (implicit
+differentiation). ``Derivation.sensitivity`` has the formula; here it is evaluated in ball arithmetic at the certified
+frequency. Where the display touches its threshold dF/d omega is 0 and the derivative does not exist. Where zeros and poles meet
+(``Meeting``), where a parameter has the least value that it may have, and at the ends of the band it may exist from one side.
 
 A sign changes at a zero of odd order of what stands above or below the line of f(omega, p). For the scene's own p several may
 lie on one frequency: a pole without damping is a zero above the line on a double zero below it, and with a little damping the
 zero alone is left, beside it. Counted are the real branches through the point that change the sign, for p a little smaller
 and a little larger; one alone is where the frequency goes, and its slope follows from its own factor by implicit differentiation.
 Derivation: 14_sensitivity.
-
-How the frequencies of an evaluation move with each parameter: derivatives and elasticities, exact and certified.
-
-A crossing is a simple zero of F(omega, p) = r^2 - c^2, so that d omega/dp = -(dF/dp)/(dF/d omega) there (implicit
-differentiation). ``Derivation.sensitivity`` has the formula; here it is evaluated in ball arithmetic at the certified
-frequency. Where the display touches its threshold dF/d omega is 0 and the derivative does not exist. Where zeros and poles meet
-(``branches``), where a parameter has the least value that it may have, and at the ends of the band it may exist from one side.
-Derivation: 14_sensitivity.
-
-How each frequency of a scene moves with each parameter, as an answer.
 """
 
 from __future__ import annotations
@@ -58,9 +51,7 @@ SymbolValues: TypeAlias = tuple[tuple[Symbol, RealNumber], ...]
 ZERO = ExactNumber(Integer(0))
 """What does not move at first order."""
 Branch: TypeAlias = RealNumber | None
-"""The slope of a branch; None where it is infinite, or one of several that leave the point."""
-Sides: TypeAlias = tuple[list[Branch], list[Branch]]
-"""The branches for a parameter a little smaller, and a little larger."""
+"""The slope of a branch; None where it is one of several that leave the point."""
 
 
 @dataclass(frozen=True)
@@ -71,22 +62,17 @@ class Meeting:
     parameter: Symbol
     values: SymbolValues
 
-    def sides(self) -> Sides | None:
-        """The branches that change the sign, below and above the parameter's value; None where that stays open.
+    def branches(self) -> list[Branch] | None:
+        """The branches that change the sign, as many for a smaller value of the parameter as for a larger one.
 
-        Complete for polynomials with rational values of the symbols, but where more than two branches of one factor meet.
+        None where that stays open: but for polynomials with rational values of the symbols, where a branch turns back, and where
+        more than two of one factor meet.
         """
         core = self._core()
         if core is None:
             return None
-        below: list[Branch] = []
-        above: list[Branch] = []
-        for factor, order in self.factors:
-            found = self._of(factor, core) if order % 2 else ([], [])
-            if found is None:
-                return None
-            below, above = below + found[0], above + found[1]
-        return below, above
+        found = [self._of(factor, core) for factor, order in self.factors if order % 2]
+        return None if None in found else [x for own in found for x in own or []]
 
     def is_still(self) -> bool:
         """Whether a simple zero of the only factor does not move at first order: dF/dp is 0 there. (False: not seen to be.)"""
@@ -95,42 +81,25 @@ class Meeting:
             factor.ring, _derivative(factor.ring, factor.F, self.parameter), core
         )
 
-    def _of(self, factor: Equation, core: Polynomial) -> Sides | None:
-        """The real branches of one factor F, by the lowest terms of its Taylor series at the point."""
-        ring, here = factor.ring, self._here(factor.ring, factor.F)
+    def _of(self, factor: Equation, core: Polynomial) -> list[Branch] | None:
+        """The real branches of one factor F, by the lowest terms of its Taylor series at the point.
+
+        Two meet where F_p is 0 as well: a d omega^2 + 2 b d omega dp + c dp^2 = 0 are two lines or none, as b^2 - a c tells.
+        """
+        ring, F, here = factor.ring, factor.F, self._here(factor.ring, factor.F)
         times = 0 if here.is_zero() else _multiplicity(core, here)  # F = p - value is 0 nowhere beside the value
         if times == 0:
-            return [], []
-        F_p = _derivative(ring, factor.F, self.parameter)
-        if times == 1:
-            slope = ZERO if self._vanishes(ring, F_p, core) else Slope(factor.slope(self.parameter), self.values)
-            return [slope], [slope]
-        if not self._vanishes(ring, F_p, core):  # a d omega^times + b dp = 0
-            return self._fold(ring, factor.F, F_p, times)
-        return self._pair(ring, factor.F, core) if times == 2 else None
-
-    def _fold(self, ring: PolynomialRing, F: Polynomial, F_p: Polynomial, times: int) -> Sides | None:
-        """Infinitely fast: on both sides where ``times`` is odd, else twice on one side and not at all on the other."""
-        if times % 2:
-            return [None], [None]
-        highest = F
-        for _ in range(times):
-            highest = _derivative(ring, highest, omega)
-        one, other = self._sign(ring, highest), self._sign(ring, F_p)
-        if not one or not other:
-            return None
-        return ([None, None], []) if one * other > 0 else ([], [None, None])
-
-    def _pair(self, ring: PolynomialRing, F: Polynomial, core: Polynomial) -> Sides | None:
-        """a d omega^2 + 2 b d omega dp + c dp^2 = 0: two lines where b^2 > a c, the point alone where b^2 < a c."""
+            return []
         F_w, F_p = _derivative(ring, F, omega), _derivative(ring, F, self.parameter)
+        is_flat = self._vanishes(ring, F_p, core)
+        if times == 1:
+            return [ZERO if is_flat else Slope(factor.slope(self.parameter), self.values)]
+        if times > 2 or not is_flat:
+            return None
         a, b, c = (_derivative(ring, *x) for x in ((F_w, omega), (F_w, self.parameter), (F_p, self.parameter)))
         discriminant = b * b - a * c
         sign = None if self._vanishes(ring, discriminant, core) else self._sign(ring, discriminant)
-        if sign is None:
-            return None
-        lines: list[Branch] = [None, None] if sign > 0 else []  # where the frequency goes, two of them leave open
-        return lines, list(lines)
+        return None if sign is None else [None, None] if sign > 0 else []
 
     def _core(self) -> Polynomial | None:
         """The irreducible polynomial that the frequency is a zero of; None but for polynomials with rational values."""
@@ -371,32 +340,12 @@ def _one_sided(p: VariedParameter, derivative: RealNumber, where: RealNumber) ->
 
 def _met(p: VariedParameter, meeting: Meeting, where: RealNumber) -> Sensitivity:
     """The sensitivity where several zeros and poles meet."""
-    sides = meeting.sides()
-    if sides is None:
+    branches = meeting.branches()
+    if branches is None:
         return Sensitivity(p.knob, None, None, _MEET)
-    below, above = (_alone(side) for side in sides)
-    nothing = Sensitivity(p.knob, None, None)
-    if p.least:
-        return replace(nothing, reason=f"undefined: {above}") if isinstance(above, str) else _one_sided(p, above, where)
-    if isinstance(below, str) and isinstance(above, str):
-        return replace(nothing, reason=f"undefined: {above if above == below else f'{above} above, {below} below'}")
-    if isinstance(below, str) or isinstance(above, str):
-        side, there, other = ("above", above, below) if isinstance(below, str) else ("below", below, above)
-        assert isinstance(there, RealNumber)
-        row = _one_sided(p, there, where)
-        return replace(row, side=side, reason=f"from {side}; on the other side {other}")
-    if below == above:
-        return _one_sided(p, above, where)
-    return replace(nothing, reason=f"undefined: {below.digits(5)} from below, {above.digits(5)} from above")
-
-
-def _alone(branches: list[Branch]) -> RealNumber | str:
-    """The slope of a branch that is alone, or what there is instead of one."""
-    if not branches:
-        return "it is not there"
-    if len(branches) > 1:
-        return "it splits into several"
-    return branches[0] or "it moves infinitely fast"
+    if len(branches) == 1 and branches[0]:
+        return _one_sided(p, branches[0], where)
+    return Sensitivity(p.knob, None, None, f"undefined: it {'splits into several' if branches else 'is not there'}")
 
 
 @dataclass(frozen=True, repr=False)

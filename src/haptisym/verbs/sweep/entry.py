@@ -5,8 +5,8 @@ The answer in short is its axes, ranges and counts, not the sets themselves.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -18,6 +18,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import whole
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.hand import Hand
+from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands
@@ -137,6 +138,14 @@ def _lazy(grid: SweepGrid, xarray: Any) -> xr.Dataset:
 
 def _block(kernel: Kernel, *values: Array) -> tuple[Array, ...]:
     return compute(kernel, values)
+
+
+def in_floats(scene: Scene, varied: Sequence[Knob], values: Array) -> tuple[dict[str, Array], Array]:
+    """What floats prove of single sets of values, and the numbers of the sets that they leave open; nothing of hands.
+
+    ``values`` : of what varies in rows, sets in columns, taken as exactly the binary numbers that they are.
+    """
+    return Kernel.of(replace(scene, hands=()), varied).in_floats(values)
 
 
 @dataclass(frozen=True, repr=False)

@@ -1,16 +1,9 @@
-"""Held in a hand, for all values of a box, and all over planes of two numbers.
+"""Held in a hand, for all values of a box, and all over planes of two numbers of display or hand.
 
-Held in a hand, for all values of a box: whether a display is stable for all of them, for some, or for none.
-
-Rectangles of a plane of two numbers for none of whose values a loop with a clock has roots on the unit circle.
-
-A plane of two numbers in rectangles, cut until each is told, with what stays in doubt of all that stands behind them.
-
-Held in a hand, all over the plane of two numbers: rectangles in which a display is stable for all values, or for none.
-
-A rectangle is clear where the characteristic function is nowhere 0 on the imaginary axis (with a clock, on the unit circle), for
-any of its values and any of what else varies. Clear rectangles that touch have one number of unstable roots, which is counted
-exactly at one set of values.
+For a box it is told whether a display is stable for all values, for some, or for none: the number of roots changes only where one
+meets the imaginary axis (with a clock, the unit circle). A plane is filled with rectangles, cut until each is clear or small: one
+is clear where the characteristic function is nowhere 0 on the axis, for any of its values and any of what else varies. Clear
+rectangles that touch have one number of unstable roots, which is counted exactly at one set of values.
 """
 
 from __future__ import annotations
@@ -21,7 +14,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from itertools import islice, pairwise, product
+from itertools import islice, product
 from typing import Any
 
 import numpy as np
@@ -219,7 +212,9 @@ class ClockPlane:
         """Those that are clear, and what is left; (rectangles, 2, 2), in shares of both ranges."""
         clear, left, looked = list[Cell](), list[Cell](), 0
         whole: Cell = ((Fraction(0), Fraction(1)),) * (len(self.loops[0].ranges) - 2)
-        waiting = deque((own, [[whole] for _ in self.loops]) for own in _grid())
+        sides = [(Fraction(i, _FIRST), Fraction(i + 1, _FIRST)) for i in range(_FIRST)]
+        grid: list[Cell] = [(a, b) for a in sides for b in sides]
+        waiting = deque((own, [[whole] for _ in self.loops]) for own in grid)
         try:
             while waiting and looked <= self.most:
                 own, rest = waiting.popleft()
@@ -250,22 +245,12 @@ class ClockPlane:
                 if loop.is_clear((*own, *cell)):
                     continue
                 looked += bool(cell)
-                if not cell or looked >= most or not loop.is_clear((*own, *map(_middle, cell))):
+                if not cell or looked >= most or not loop.is_clear((*own, *(((a + b) / 2,) * 2 for a, b in cell))):
                     doubtful.append(cell)
                     break
                 waiting += cell_halves(cell, range(len(cell)))
             found.append([*waiting, *doubtful])
         return found, looked
-
-
-def _middle(side: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
-    return (sum(side, Fraction(0)) / 2,) * 2
-
-
-def _grid() -> Iterator[Cell]:
-    steps = [Fraction(i, _FIRST) for i in range(_FIRST + 1)]
-    sides = list(pairwise(steps))
-    return ((a, b) for a in sides for b in sides)
 
 
 def _array(cells: Sequence[Cell]) -> Array:
@@ -409,14 +394,6 @@ def _told(loops: Sequence[_Loop | _Sampled], clear: Array, left: Array) -> HeldP
     return HeldPlane(clear[stable], clear[unstable], np.concatenate([left, clear[~stable & ~unstable]]))
 
 
-def _first(sides: int) -> Array:
-    """Pieces of the frequencies, with all of what else varies."""
-    edges = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _FIRST_PIECES)])
-    found = np.tile([0.0, 1.0], (_FIRST_PIECES, sides - 2, 1))
-    found[:, 0, 0], found[:, 0, 1] = edges[:-1], edges[1:]
-    return found
-
-
 @dataclass
 class _Search(RectangleSearch):
     """Rectangles that are clear of the zeros of all forms."""
@@ -426,7 +403,12 @@ class _Search(RectangleSearch):
 
     def go(self) -> None:
         """Tell all rectangles."""
-        self._search([_first(x.sides) for x in self.forms])
+        edges, first = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _FIRST_PIECES)]), []
+        for form in self.forms:  # pieces of the frequencies, with all of what else varies
+            found = np.tile([0.0, 1.0], (_FIRST_PIECES, form.sides - 2, 1))
+            found[:, 0, 0], found[:, 0, 1] = edges[:-1], edges[1:]
+            first.append(found)
+        self._search(first)
 
     def _round(self, plane: Array, pieces: Sequence[Pieces]) -> tuple[Array, list[Pieces]]:
         small, doubtful, changes = self._small(plane), np.zeros(len(plane), bool), np.zeros((len(plane), 2))
@@ -487,7 +469,7 @@ class _Loop:
     def is_stable(self, rectangle: Array) -> bool | None:
         """Whether it is for all values of a clear rectangle (and of those that touch it), or for none; None where not known."""
         try:
-            count = count_at(self.ring, self.top, _middle_in_heldplane(self.ranges, rectangle))
+            count = count_at(self.ring, self.top, _values_amid(self.ranges, rectangle))
         except (UndecidedError, LimitError):
             return None
         if not count:
@@ -501,9 +483,7 @@ class _Loop:
             form = OnAxis(self.ring, self.bottom, self.ranges)
             if form.reach is None or len(form.left()):
                 return None
-            return count_at(
-                self.ring, self.bottom, _middle_in_heldplane(self.ranges, np.array([[0.0, 1.0], [0.0, 1.0]]))
-            )
+            return count_at(self.ring, self.bottom, _values_amid(self.ranges, np.array([[0.0, 1.0], [0.0, 1.0]])))
         except (UndecidedError, LimitError):
             return None
 
@@ -517,12 +497,12 @@ class _Sampled:
     def is_stable(self, rectangle: Array) -> bool | None:
         """As of ``_Loop``."""
         try:
-            return self.form.is_stable(_middle_in_heldplane(self.form.ranges, rectangle))
+            return self.form.is_stable(_values_amid(self.form.ranges, rectangle))
         except (UndecidedError, LimitError):
             return None
 
 
-def _middle_in_heldplane(ranges: Mapping[Symbol, Interval], rectangle: Array) -> dict[Symbol, Expr]:
+def _values_amid(ranges: Mapping[Symbol, Interval], rectangle: Array) -> dict[Symbol, Expr]:
     """The values in the middle of a rectangle, and of what else varies."""
     middles = [Fraction(float(x)) for x in rectangle.mean(-1)]
     shares = [*middles, *[Fraction(1, 2)] * (len(ranges) - 2)]

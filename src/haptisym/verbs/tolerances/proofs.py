@@ -1,23 +1,12 @@
-"""What can be said about a scene whose parameters are known as ranges: verdicts, ends, and single sets.
-
-Single sets of values of a box, each answered with certainty; some are drawn at random.
-
-How far the crossings of a cluster go, over all values of the box: the ends of an enclosure.
-
-Where crossings are regular they move one way with each parameter whose slope keeps its sign, so that they go farthest on the
-face of the box on which all these stand at their ends. On that face the crossings take up less of the band, and there further
-slopes may keep their signs: so it goes on, until a corner is left, which is answered exactly, or a face that is bounded.
-
-Quantiles over sets of values that were drawn at random: estimates, for comparison with what is proven.
-
-What is said of a box of values: a verdict on the whole of it, and where its crossings lie.
-
-What can be said about a scene whose parameters are known as ranges: proven for all values in the box, or for none.
+"""What holds for a scene whose parameters are known as ranges: proven for all values in the box, or for none.
 
 Two things are kept apart. Proven: the verdict, by branch and bound over band and box in Taylor models (``search``) and by
 certified charts of single sets of values; the enclosures of the crossings. Estimated: quantiles over sets drawn at random.
 
-What holds for all values within the ranges of a scene.
+How far the crossings of a cluster go: where they are regular they move one way with each parameter whose slope keeps its sign,
+so that they go farthest on the face of the box on which all these stand at their ends. On that face the crossings take up less of
+the band, and there further slopes may keep their signs: so it goes on, until a corner is left, which is answered exactly, or a
+face that is bounded.
 """
 
 from __future__ import annotations
@@ -47,6 +36,7 @@ from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands
+from haptisym.verbs.sweep.entry import in_floats
 from haptisym.verbs.tolerances.box import Box, box_of
 from haptisym.verbs.tolerances.heldbox import HeldInBox, held_in_box
 from haptisym.verbs.tolerances.search import OVERLAP, Cluster, Excess, beyond, clusters, excess_of
@@ -67,16 +57,50 @@ class One:
         return min((x[0] for x in self.crossings.values() if x), key=float, default=None)
 
 
-def drawn(box: Box, samples: int, seed: int) -> tuple[One, ...]:
-    """Sets of values drawn uniformly from the box, each answered with certainty."""
+@dataclass(frozen=True)
+class Drawn:
+    """A set of values that was drawn: what is told of it in floats, rad/s, and, where it is asked for, exactly."""
+
+    box: Box
+    values: Mapping[str, Expr]
+    first: float | None
+    bandwidth: float | None
+    transparent: bool | None
+
+    @cached_property
+    def exact(self) -> One:
+        """The same, certified."""
+        return one(self.box, self.values)
+
+    @property
+    def crossings(self) -> Mapping[str, tuple[RealNumber, ...]]:
+        """As of ``One``."""
+        return self.exact.crossings
+
+
+def drawn(box: Box, samples: int, seed: int) -> tuple[Drawn, ...]:
+    """Sets of values drawn uniformly from the box, each answered with certainty: in floats with a bound, or exactly."""
     draw = Random(seed)
     shares = ({side.name: Fraction(draw.getrandbits(24), (1 << 24) - 1) for side in box.sides} for _ in range(samples))
-    return tuple(in_time(_told(one(box, box.values(x)), n, samples) for n, x in enumerate(shares)))
+    sets = [box.values(x) for x in shares]
+    if not sets:
+        return ()
+    rows = np.array([[float(ExactNumber(x)) for x in values.values()] for values in sets]).T
+    columns, left = in_floats(box.scene, tuple(box.scene.ranges().values()), rows)
+    names = [x.name for x in noticed(box.scene.threshold)]
+    first = np.fmin.reduce([columns[f"first_crossing_{name}"] for name in names])
+    crossings = np.sum([columns[f"crossings_{name}"] for name in names], axis=0)
+    unknown = set(left.tolist())
 
+    def told(n: int) -> Drawn:
+        tick(n, samples, "sets of values")
+        if n in unknown:
+            x = one(box, sets[n])
+            return Drawn(box, sets[n], _float(x.first), _float(x.bandwidth), x.transparent)
+        low, width = (None if np.isnan(x) else float(x) for x in (first[n], columns["bandwidth"][n]))
+        return Drawn(box, sets[n], low, width, bool(crossings[n] == 0) and width is not None)
 
-def _told(found: One, n: int, samples: int) -> One:
-    tick(n, samples, "sets of values")
-    return found
+    return tuple(in_time(map(told, range(samples))))
 
 
 _T = TypeVar("_T")
@@ -96,17 +120,14 @@ def one(box: Box, values: Mapping[str, Expr]) -> One:
     d = scene.distortion()
     criteria = noticed(scene.threshold)
     table = chart({x: x.function(d) for x in criteria}, *scene.band)
-    crossings = {x.name: tuple(p.omega for p in table.points if _crosses(p.orders.get(x, 0))) for x in criteria}
+    crossings = {  # at zeros of odd order, which change the sign
+        x.name: tuple(p.omega for p in table.points if (n := p.orders.get(x, 0)) > 0 and n % 2) for x in criteria
+    }
     intervals = kept(table)
     first = intervals[0] if intervals and intervals[0].low is table.points[0] else None
     whole = first is not None and first.high is table.points[-1]
     shown = values or {side.name: box.scene.knobs[side.name].value for side in box.sides}
     return One(shown, crossings, first.high.omega if first else None, None if table.undecided else whole)
-
-
-def _crosses(order: int) -> bool:
-    """Whether a zero of this order, not a pole, changes the sign."""
-    return order > 0 and order % 2 == 1
 
 
 TOLERANCE = Fraction(1, 1000)
@@ -208,14 +229,6 @@ def within(box: Box, x: RealNumber, cluster: Cluster) -> bool:
     return cluster.low - OVERLAP / 4 <= share <= cluster.high + OVERLAP / 4
 
 
-def end_of(
-    box: Box, criterion: Criterion, form: Excess, cluster: Cluster, one: Callable[..., One], *, highest: bool
-) -> End:
-    """How high (low) the crossings of a cluster go, for all values of the box."""
-    found = Face(box, criterion.name, {}, one).end(form, cluster, highest=highest)
-    return found or (at_share(box, cluster.high if highest else cluster.low), None)
-
-
 LEVELS = (5, 50, 95)
 
 
@@ -231,22 +244,23 @@ class Quantiles:
     transparent: int
 
 
-def quantiles(samples: Sequence[One]) -> Quantiles:
+def quantiles(samples: Sequence[Drawn]) -> Quantiles:
     """The quantiles of an answer's samples, of which there must be one at least."""
-    first = [None if x.first is None else float(x.first) for x in samples]
-    width = [None if x.bandwidth is None else float(x.bandwidth) for x in samples]
     beyond, never = float("inf"), -float("inf")  # no crossing on the band: beyond it; no bandwidth: less than any
+    first = sorted(samples, key=lambda x: beyond if x.first is None else x.first)
+    width = sorted(samples, key=lambda x: never if x.bandwidth is None else x.bandwidth)
+    places = {
+        p: max(ceil(p * len(samples) / 100) - 1, 0) for p in LEVELS
+    }  # the least that so many per cent do not exceed
     return Quantiles(
-        {p: _quantile([beyond if x is None else x for x in first], p) for p in LEVELS},
-        {p: _quantile([never if x is None else x for x in width], p) for p in LEVELS},
+        {p: _float(first[i].exact.first) for p, i in places.items()},
+        {p: _float(width[i].exact.bandwidth) for p, i in places.items()},
         sum(x.transparent is True for x in samples),
     )
 
 
-def _quantile(values: Sequence[float], per_cent: int) -> float | None:
-    """The least of the values that so many per cent of them do not exceed; None where it is infinite."""
-    found = sorted(values)[max(ceil(per_cent * len(values) / 100) - 1, 0)]
-    return found if abs(found) < float("inf") else None
+def _float(x: RealNumber | None) -> float | None:
+    return None if x is None else float(x)
 
 
 class Verdict(Enum):
@@ -289,7 +303,7 @@ class Tolerances(Answer):
     _figure: ClassVar[str] = "haptisym.figures.tolerances:tolerances_figure"
 
     box: Box
-    samples: tuple[One, ...]
+    samples: tuple[Drawn, ...]
     seed: int = 0
     budget: Budget | None = None
     held: tuple[HeldInBox, ...] = ()
@@ -396,18 +410,22 @@ class Tolerances(Answer):
     @cached_property
     def transparent(self) -> One | None:
         """A set of values for which the display is transparent on the band, certified; None if none was found."""
-        return next((x for x in self._witnesses() if x.transparent is True), None)
+        return self._witness(transparent=True)
 
     @cached_property
     def noticed(self) -> One | None:
         """A set of values for which it is not, certified; None if none was found."""
-        return next((x for x in self._witnesses() if x.transparent is False), None)
+        return self._witness(transparent=False)
 
-    def _witnesses(self) -> Iterator[One]:
-        yield self.nominal
-        yield from self.samples
-        if not self._always_noticed():
-            yield from self._corners
+    def _witness(self, *, transparent: bool) -> One | None:
+        """The nominal values, those drawn (floats tell which to answer exactly), or a corner."""
+        if self.nominal.transparent is transparent:
+            return self.nominal
+        own = in_time(x.exact for x in self.samples if x.transparent is transparent)
+        found = next((x for x in own if x.transparent is transparent), None)
+        if found or self._always_noticed():
+            return found
+        return next((x for x in self._corners if x.transparent is transparent), None)
 
     def _always_noticed(self) -> bool:
         """Whether some frequency is noticed whatever the values: one between clusters, at which a ratio exceeds for all."""
@@ -457,18 +475,17 @@ class Tolerances(Answer):
         return self.verdict is not Verdict.UNDECIDED and all(x.share for x in self.held)
 
     def _enclosure(self, criterion: Criterion, form: Excess, cluster: Cluster) -> Enclosure:
-        steady = self._steady(form, cluster)
+        moves = zip(self.box.sides, cluster.signs[1:], strict=True)
+        steady = {side.name: int(-sign * cluster.signs[0]) for side, sign in moves}
         alone = cluster.regular and cluster.inside
         own = [x for x in self.nominal.crossings[criterion.name] if within(self.box, x, cluster)]
         count = len(own) if alone and own else None
-        ends = [end_of(self.box, criterion, form, cluster, self.one, highest=highest) for highest in (False, True)]
-        (low, at_low), (high, at_high) = ends
+        face = Face(self.box, criterion.name, {}, self.one)
+        (low, at_low), (high, at_high) = (
+            face.end(form, cluster, highest=end) or (at_share(self.box, cluster.high if end else cluster.low), None)
+            for end in (False, True)
+        )
         return Enclosure(criterion, low, high, count, at_low, at_high, steady)
-
-    def _steady(self, form: Excess, cluster: Cluster) -> dict[str, int]:
-        """The way in which the crossings of a cluster move with each parameter."""
-        moves = [-sign * cluster.signs[0] for sign in cluster.signs[1:]]
-        return {side.name: int(n) for side, n in zip(self.box.sides, moves, strict=True)}
 
     def _body(self) -> dict[str, Any]:
         sides = [{"name": x.name, "low": float(x.low), "high": float(x.high)} for x in self.box.sides]
@@ -476,7 +493,7 @@ class Tolerances(Answer):
             "band": [float(x) for x in self.box.scene.band],
             "varying": sides,
             "verdict": self.verdict.value,
-            "witnesses": {"transparent": _witness(self.transparent), "noticed": _witness(self.noticed)},
+            "witnesses": {"transparent": _witness_row(self.transparent), "noticed": _witness_row(self.noticed)},
             "crossings": [self._enclosure_row(x) for x in self.enclosures],
             "bandwidth": None if self.bandwidth is None else [float(x) for x in self.bandwidth],
             **({"held": [x.row() for x in self.held]} if self.held else {}),
@@ -502,7 +519,7 @@ class Tolerances(Answer):
         return {"samples": len(self.samples), "seed": self.seed, **shown, "transparent": q.transparent}
 
 
-def _witness(one: One | None) -> dict[str, str] | None:
+def _witness_row(one: One | None) -> dict[str, str] | None:
     return None if one is None else _values(one.values)
 
 

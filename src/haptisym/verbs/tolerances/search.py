@@ -1,17 +1,9 @@
-"""Branch and bound over band and box, on the excess of thresholds and regions in Taylor models.
+"""Branch and bound over band and box: where r may equal its threshold, and which way such crossings move; in Taylor models.
 
-The excess r^2 - c^2 over cells of band and box, in Taylor models: proven bounds on it and on its slopes.
-
-Branch and bound over band and box: where r may equal its threshold, and which way such crossings move.
-
-Cells in which the excess keeps its sign are left out, proven. What stays are leaves: crossings lie in them and nowhere else.
-Leaves that touch form a ``Cluster``. Where the slope by omega keeps its sign on all of a cluster away from the ends of the
+Cells in which the excess r^2 - c^2 keeps its sign are left out, proven. What stays are leaves: crossings lie in them and nowhere
+else. Leaves that touch form a ``Cluster``. Where the slope by omega keeps its sign on all of a cluster away from the ends of the
 band, every crossing in it goes on through the whole box: the implicit function theorem continues it to all values, and it
 cannot leave the cluster, whose surroundings hold none.
-
-The largest of the smallest of functions over cells, as far as its sign and its zeros go, in one Taylor model.
-
-The excess of a JND region, or of a limit that depends on the frequency, over cells of band and box, in Taylor models.
 
 A region is the largest of the smallest of smooth functions (``joined``). Of an ellipse it is one, of a diamond two; a polygon has
 one for each edge.
@@ -189,8 +181,13 @@ def clusters(excess: Excess, within: tuple[float, float] = (0, 1)) -> tuple[Clus
     leaves = _leaves(excess, within)
     if not len(leaves.cells):
         return ()
-    label = together(leaves.cells)
-    found = (_cluster(leaves, label == n) for n in np.unique(label))
+    label, found = together(leaves.cells), []
+    for n in np.unique(label):
+        own = _chosen(leaves, label == n)
+        signs = own.signs[:, 1:]
+        same = np.where((signs == signs[0]).all(0), signs[0], 0)
+        ends = float(own.omega[:, 0].min()), float(own.omega[:, 1].max())
+        found.append(Cluster(own.cells, tuple(int(x) for x in same), *ends))
     return tuple(_apart(sorted(found, key=lambda x: x.low)))
 
 
@@ -208,7 +205,9 @@ def _apart(found: list[Cluster]) -> Iterator[Cluster]:
 
 
 def _leaves(excess: Excess, within: tuple[float, float]) -> _Bounded:
-    waiting = [_start(excess.sides, *within)]
+    first = np.tile([0.0, 1.0], (_FIRST, excess.sides, 1))
+    first[:, 0] = sliding_window_view(np.linspace(*within, _FIRST + 1), 2)
+    waiting = [first]
     depth = [np.zeros(_FIRST, int)]
     kept: list[_Bounded] = []
     looked = 0
@@ -222,7 +221,9 @@ def _leaves(excess: Excess, within: tuple[float, float]) -> _Bounded:
             found = bounded(excess, cells)
             unclear = _unclear(excess, found)
         except LimitError:  # of what waits nothing is known: crossings may be anywhere in it
-            kept.append(_unbounded(np.concatenate([cells, *waiting])))
+            rest = np.concatenate([cells, *waiting])
+            signs = np.zeros((len(rest), 1 + excess.sides), int)
+            kept.append(_Bounded(rest, signs, rest[:, 0].copy(), signs[:, 0]))
             break
         steady = (found.signs[:, 2:] != 0)[:, excess.matters[1:]].all(-1)
         regular, tired = found.signs[:, 1] != 0, depths >= _MOST_SPLITS
@@ -236,12 +237,6 @@ def _leaves(excess: Excess, within: tuple[float, float]) -> _Bounded:
     return _Bounded(
         *(np.concatenate([getattr(x, name) for x in kept]) for name in ("cells", "signs", "omega", "split"))
     )
-
-
-def _unbounded(cells: Array) -> _Bounded:
-    """Cells of which nothing is known."""
-    count, sides = cells.shape[:2]
-    return _Bounded(cells, np.zeros((count, 1 + sides), int), cells[:, 0].copy(), np.zeros(count, int))
 
 
 def _unclear(excess: Excess, found: _Bounded) -> Array:
@@ -261,13 +256,6 @@ def _corner(cells: Array, signs: Array, to: int) -> Array:
     at = np.where(signs * to > 0, cells[:, 1:, 1], cells[:, 1:, 0])
     moved[:, 1:] = np.where(signs[..., None] != 0, at[..., None], cells[:, 1:])
     return moved
-
-
-def _start(sides: int, low: float, high: float) -> Array:
-    cells = np.zeros((_FIRST, sides, 2))
-    cells[:, :, 1] = 1
-    cells[:, 0, 0], cells[:, 0, 1] = sliding_window_view(np.linspace(low, high, _FIRST + 1), 2).T
-    return cells
 
 
 def _chosen(x: _Bounded, which: Array) -> _Bounded:
@@ -320,13 +308,6 @@ def together(cells: Array) -> Array:
     return label
 
 
-def _cluster(leaves: _Bounded, own: Array) -> Cluster:
-    signs = leaves.signs[own, 1:]
-    same = np.where((signs == signs[0]).all(0), signs[0], 0)
-    omega = leaves.omega[own]
-    return Cluster(leaves.cells[own], tuple(int(x) for x in same), float(omega[:, 0].min()), float(omega[:, 1].max()))
-
-
 def beyond(excess: Excess, cells: Array, reached: float, *, highest: bool) -> float:
     """A bound on how low (high) crossings in cells go, shares of the band: ``reached`` itself where none goes beyond."""
     out, looked = 1 if highest else -1, 0
@@ -372,7 +353,7 @@ def joined(terms: Sequence[Sequence[Model]]) -> Model:
     for own, term, of_term in zip(alive, terms, signs, strict=True):
         for f, sign in zip(term, of_term, strict=True):
             counts = own & (sign == 0) & ~positive
-            found = f.where(counts & ~known, enclosing(found, f).where(counts & known, found))
+            found = f.where(counts & ~known, _enclosing(found, f).where(counts & known, found))
             known |= counts
     return found
 
@@ -383,7 +364,7 @@ def _sign(f: Model) -> Array:
     return np.where(low > 0, 1, np.where(high < 0, -1, 0))
 
 
-def enclosing(f: Model, g: Model) -> Model:
+def _enclosing(f: Model, g: Model) -> Model:
     """A model within which both lie, with their slopes."""
     middle = [(a + b) / 2 for a, b in zip(f.arrays[:3], g.arrays[:3], strict=True)]
     c0, c1, c2 = (np.abs(a - b) / 2 for a, b in zip(f.arrays[:3], g.arrays[:3], strict=True))
@@ -426,7 +407,7 @@ class RegionalExcess(Excess):
         """Whether nothing of what is judged changes anywhere."""
         parts = [self._criterion.part] if self._criterion.part else list(Part)
         steps, results = self._relative.operations, self._relative.results
-        return all(steps[results[f"squared_{seen_as(part, self._turns).value}"]].value == 0 for part in parts)
+        return all(steps[results[f"squared_{_seen_as(part, self._turns).value}"]].value == 0 for part in parts)
 
     @cached_property
     def matters(self) -> Array:
@@ -450,7 +431,7 @@ class RegionalExcess(Excess):
         return {name: x if isinstance(x, Model) else at.number(x) for name, x in found.items()}
 
 
-def seen_as(part: Part, turns: int) -> Part:
+def _seen_as(part: Part, turns: int) -> Part:
     """Which part shows a part of what was turned by a number of quarters."""
     return part if turns % 2 == 0 else Part.IMAG if part is Part.REAL else Part.REAL
 
@@ -506,14 +487,14 @@ class Changes:
 
     def _growth(self, part: Part) -> Model:
         """|H_perc|^2 - |H_env|^2 of a part: of what H_env vanishes with at omega = 0 alone nothing is left in it."""
-        fields, seen = (self.relative, seen_as(part, self.turns)) if self.from_rest else (self.plain, part)
+        fields, seen = (self.relative, _seen_as(part, self.turns)) if self.from_rest else (self.plain, part)
         return fields[seen.value] * (fields[seen.value] + fields[f"environment_{seen.value}"].times(2.0))
 
     def _beyond(self, part: Part, limit: Expr) -> Model:
         return self._square(part) - self._constant(limit**2)
 
     def _square(self, part: Part) -> Model:
-        return self.relative[f"squared_{seen_as(part, self.turns).value}"]
+        return self.relative[f"squared_{_seen_as(part, self.turns).value}"]
 
     @cached_property
     def _product(self) -> Model:
