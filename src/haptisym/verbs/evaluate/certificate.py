@@ -119,13 +119,17 @@ _MOST_CHECKABLE = (
 )  # no scene of the package needs more than two thirds of it; some three times as much may be refused
 
 
+def has_broken_powers(scene: str) -> bool:
+    """Whether formulas of a scene's text hold powers of s that are not whole, even if they cancel."""
+    return any(_BROKEN.search(found[2]) for found in _FORMULA.finditer(scene))
+
+
 def need_checkable(certificate: str, proof: dict[str, Any], scene: str) -> None:
     """SceneError where a checker refuses the certificate of a scene.
 
     It is asked where its work may be beyond its limits, and where a formula has powers of s: it may not see that they cancel.
     """
-    powers = any(_BROKEN.search(found[2]) for found in _FORMULA.finditer(scene))
-    if not powers and _points(proof) * len(certificate) <= _MOST_CHECKABLE:
+    if not has_broken_powers(scene) and _points(proof) * len(certificate) <= _MOST_CHECKABLE:
         return
     from haptisym_check import RefusedError, check  # it is asked of few scenes
 
