@@ -385,7 +385,7 @@ const haptisymCheck = (function () {
 
   function evaluation(claim, proof, scene) {
     const [lags, powers, points, told, products, poles] = keyed(proof, "delays", "orders", "breakpoints", "factors", "functions", "poles");
-    listed([...listed(lags, 0), ...listed(powers, 0)], 0); // it is that of a rational scene
+    [lags, powers].forEach((x) => listed(x, 0)); // it is that of a rational scene
     const factors = listed(told, 500).map(factorOf);
     const written = Object.fromEntries(keyed(products, ...NAMES).map((x, i) => [NAMES[i], product(x, factors)]));
     link(written, factors, (x, pi) => functions(scene, onAxis(x, pi)), scene.length);
@@ -544,7 +544,9 @@ const haptisymCheck = (function () {
   }
 
   function requirement(claim, proof, scene) {
-    const [every, products, slabs] = keyed(proof, "factors", "functions", "slabs");
+    const whole = isObject(proof) ? { delays: [], orders: [], ...proof } : proof;
+    const [lags, powers, every, products, slabs] = keyed(whole, "delays", "orders", "factors", "functions", "slabs");
+    [lags, powers].forEach((x) => listed(x, 0)); // it is that of a rational scene
     const parts = PARTS.filter((part) => listed(claim.parts, 2, 1).includes(part));
     const names = parts.map((part) => `excess.${part}`);
     const factors = listed(every, 500).map(factorOf);

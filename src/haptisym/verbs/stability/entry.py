@@ -242,7 +242,8 @@ def certificate(found: Stability) -> str:
     scene = found.scene
     if clocks(scene):
         raise SceneError(NOT_RATIONAL)
-    perceived, environment = scene.closed.perc, named(scene)
+    named(scene)
+    perceived = scene.closed.perc
     own = [x for one in read_scenes(scene.text).scenes.values() for x in one.hands]
     ring = ring_of(perceived)
     claim = {
@@ -254,7 +255,7 @@ def certificate(found: Stability) -> str:
         "imposed": zeros(inverse(perceived)),
         "held": [zeros((perceived + ring.convert(x.hand.Z)).reduced()) for x in found.held],
     }
-    return document(scene, environment, claim, proof)
+    return document(scene, claim, proof)
 
 
 def _told(hand: Hand, own: list[Hand]) -> str | dict[str, Any]:
