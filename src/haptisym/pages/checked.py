@@ -14,7 +14,7 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.errors import HaptisymError
 from haptisym.model.scene import Scene
-from haptisym.verbs.evaluate.certificate import has_broken_powers, named
+from haptisym.verbs.evaluate.certificate import has_broken_powers, name_in_file
 from haptisym.verbs.stability.held import ring_of
 from haptisym.writing.html import Html, data, element, joined, script
 
@@ -25,7 +25,7 @@ def is_provable(e: Evaluation) -> bool:
     if e.relevance or ring.lags or ring.orders or has_broken_powers(e.scene.text):
         return False
     try:
-        named(e.scene)
+        name_in_file(e.scene)
     except HaptisymError:
         return False
     return True

@@ -57,7 +57,7 @@ def document(scene: Scene, claim: dict[str, Any], proof: dict[str, Any], linked:
     told = {
         "format": FORMAT,
         "scene_sha256": hashlib.sha256(scene.text.encode()).hexdigest(),
-        "environment": named(scene),
+        "environment": name_in_file(scene),
         "claim": claim,
         "proof": proof,
     }
@@ -96,14 +96,9 @@ def _points(linked: Linked) -> int:
     return found
 
 
-def named(scene: Scene) -> str | None:
+def name_in_file(scene: Scene) -> str | None:
     """Which of several environments it is of the file that it was read from. SceneError where a checker cannot read that."""
     scene.threshold.need_plain("a certificate")
-    return named_in_file(scene)
-
-
-def named_in_file(scene: Scene) -> str | None:
-    """Likewise, whatever the JND."""
     if scene.threshold.source:
         name = scene.threshold.source
         raise SceneError(f'a certificate needs the threshold as a number in the scene file, not by the name "{name}"')
@@ -318,7 +313,7 @@ def certificate(e: Evaluation) -> str:
     scene = e.scene
     if e.relevance is not None:
         raise SceneError("a certificate is about all effects of a scene: ask for it without a tolerance")
-    named(scene)
+    name_in_file(scene)
     linked = products(_functions(e))
     factors = shown(lambda: linked.factors)
     if factors is None:

@@ -22,7 +22,7 @@ from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.model.scene import Scene
-from haptisym.verbs.evaluate.certificate import TOO_LONG, afford, document, named, shown
+from haptisym.verbs.evaluate.certificate import TOO_LONG, afford, document, name_in_file, shown
 from haptisym.verbs.evaluate.products import Linked, products, rectangular
 from haptisym.verbs.require.feasible import End
 from haptisym.verbs.require.freeparameter import conditions
@@ -165,7 +165,7 @@ def certificate(found: Requirement) -> str:
     """
     scene = found.scene
     _refuse(found)
-    path = _keys(scene, found, named(scene))
+    path = _keys(scene, found, name_in_file(scene))
     functions = _functions(found)
     linked = products(functions, next(iter(functions.values())).axis.meanings.index(found.free.symbol))
     problem = Problem(linked, _band(scene), _starts(found))
