@@ -152,6 +152,14 @@ def test_text_is_escaped_by_construction() -> None:
     assert Page(script("x = '</script>'; // <!--")).tags == ["script"]
 
 
+@pytest.mark.few("fu2019", "wave-variable-link")
+@pytest.mark.parametrize("name", SCENES[:4])
+def test_a_page_carries_a_checker_if_the_scene_is_rational_and_else_names_the_one_that_checks(name: str) -> None:
+    is_rational = name in ("fu2019", "undamped-resonance")
+    assert all((word in said(name)) is is_rational for word in ("const haptisymCheck = ", 'id="checked"'))
+    assert ("<code>python -m haptisym_check" in said(name)) is not is_rational
+
+
 # Its formulas
 
 

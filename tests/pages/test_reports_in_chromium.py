@@ -76,13 +76,13 @@ def bands(opened: Browser) -> list[list[float]]:
 
 
 def says(opened: Browser, e: hs.Evaluation) -> None:
-    """The explorer shades the proven bands, and finds the crossings, in floats and again in exact arithmetic."""
+    """The explorer shades the proven bands, and finds the crossings, in floats and, of the paper's JND, again in exact arithmetic."""
     found = e.to_dict()
     assert bands(opened) == [pytest.approx(x, rel=1e-9, abs=1e-9) for x in found["transparent"]]
     told = opened.value("document.getElementById('explorer-crossings').textContent")
     assert re.findall(r"at ([\d.]*\d)", told) == [f"{c['omega']:.4g}" for c in found["crossings"]]
-    exact = re.findall(r"at (\d[\d.]*\d)", proven(opened))
-    assert exact == [f"{c['omega']:.6g}" for c in found["crossings"]]
+    exact = [f"{c['omega']:.6g}" for c in found["crossings"]] if e.scene.threshold.is_plain else []
+    assert re.findall(r"at (\d[\d.]*\d)", proven(opened)) == exact
     assert opened.complaints() == []
 
 
@@ -173,7 +173,7 @@ OTHER: dict[str, tuple[dict[str, str], Any]] = {
 
 
 @pytest.mark.parametrize("name", JNDS)
-def test_the_explorer_draws_what_is_proven_of_a_region_and_of_one_with_other_numbers(name: str, shown: Any) -> None:
+def test_the_explorer_draws_a_region_as_it_is_and_with_other_numbers(name: str, shown: Any) -> None:
     opened = shown(said(name))
     says(opened, evaluated(name))
     changes, other = OTHER[name]
@@ -234,7 +234,6 @@ def checked(opened: Browser) -> str:
 
 ANSWERS: dict[str, tuple[Callable[[], Any], str]] = {
     "touches": (lambda: hs.evaluate(hs.parse_scene(text_of("touches"))), "1 crossing, none missed"),
-    "organ-tissue": (lambda: evaluated("organ-tissue"), "1 crossing, none missed"),
     "stability": (lambda: hs.stability("fu2019", "firm-grip"), "in the hand firm-grip no roots"),
     "unstable": (lambda: hs.stability(hs.parse_scene(text_of("unstable")), "postural-arm"), "2 poles of H_perc"),
     "requirement": (lambda: hs.require("fu2019", "omega_n"), "from 0 to 122.35581477, transparent from 122.35581477"),
@@ -271,7 +270,7 @@ def test_a_report_that_was_changed_is_not_proven(what: str, shown: Any) -> None:
 
 def test_a_report_without_a_certificate_claims_no_check(shown: Any) -> None:
     scene = hs.Scene(E.kelvin_voigt(290, 2), (F.first_order_lag(20),))
-    for answer in (hs.evaluate(scene), hs.stability("delayed-spring", "firm-grip")):
+    for answer in (hs.evaluate(scene), hs.stability("delayed-spring", "firm-grip"), evaluated("organ-tissue")):
         text = undrawn(answer)
         assert 'id="checked"' not in text
         assert 'id="certificate"' not in text

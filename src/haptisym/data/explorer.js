@@ -356,10 +356,10 @@
       write("explorer-proven", `Not proven at these values: ${why}.`);
       return;
     }
-    const told = found.map((x) => `${meets(x)}${x.part === "joint" ? "" : " its threshold"} at ${written(Number(x.omega.toPrecision(6)))}`);
+    const told = found.map((x) => `${meets(x)} its threshold at ${written(Number(x.omega.toPrecision(6)))}`);
     const count = found.length === 0 ? "No crossing" : found.length === 1 ? "1 crossing" : `${found.length} crossings`;
     const list = told.length ? `: ${told.slice(0, 6).join("; ")}${told.length > 6 ? "; and others" : ""}` : "";
-    write("explorer-proven", `Proven at the decimals shown, in exact arithmetic${list}. ${count} within the band, none missed; a ${CRITERIA.length > 1 ? "threshold" : "border"} that is only touched is not counted.`);
+    write("explorer-proven", `Proven at the decimals shown, in exact arithmetic${list}. ${count} within the band, none missed; a threshold that is only touched is not counted.`);
   }
 
   let waiting = false;

@@ -17,7 +17,7 @@ from haptisym.pages.checked import is_provable
 from haptisym.pages.scene import SceneForms
 from haptisym.pages.sliders import Slider, limit_sliders, region_record
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, RATIOS, unit
-from haptisym.verbs.evaluate.certificate import named_in_file
+from haptisym.verbs.evaluate.certificate import name_in_file
 from haptisym.writing.code.code import nearest_double
 from haptisym.writing.code.entry import scene_program
 from haptisym.writing.code.languages import Language
@@ -44,7 +44,7 @@ def explorer(e: Evaluation, forms: SceneForms) -> Html:
         "limits": list(dict.fromkeys(slider.identity for slider, _ in limits.values())),
         "sliders": [slider.record() for slider in controls],
         "paths": _paths(e, sliders) if is_proven else [],
-        "environment": named_in_file(e.scene) if is_proven else None,
+        "environment": name_in_file(e.scene) if is_proven else None,
     }
     code = program.code(Language.JAVASCRIPT)
     own = files("haptisym") / "data"

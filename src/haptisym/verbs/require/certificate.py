@@ -1,10 +1,9 @@
-"""The certificate of a requirement, and the slabs that prove it.
+"""The certificate of a requirement: for which values of one parameter a display is transparent (docs/certificates.md, rule 6).
 
-Factors over a slab of values: sums, with positive weights, of functions of omega alone, whose signs show theirs.
-
-Slabs of values of one parameter, and cells of the band, in which coefficients show the sign of what must not be positive.
-
-The certificate of a requirement: for which values a display is transparent, with a proof (docs/certificates.md).
+The proof are *slabs*, intervals of values: over one of them a factor is a sum, with positive weights, of functions of omega
+alone, its slices, whose signs show its own. Either a point of the band is named at which the excess of a part is positive for
+all values of the slab, or cells of the band in which no excess is. Slabs are halved, and cells as well, until the checker's
+own objects (``haptisym_check``) find the signs that they need.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache, partial
+from functools import cached_property, partial
 from itertools import pairwise
 from math import isqrt
 from typing import Any, TypeAlias
@@ -23,137 +22,117 @@ from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.model.scene import Scene
-from haptisym.verbs.evaluate.certificate import TOO_LONG, afford, document, named
-from haptisym.verbs.evaluate.products import Factor, Linked, Rows, WaveFactor, products, rectangular
+from haptisym.verbs.evaluate.certificate import TOO_LONG, afford, document, name_in_file, shown
+from haptisym.verbs.evaluate.products import Linked, products, rectangular
 from haptisym.verbs.require.feasible import End
 from haptisym.verbs.require.freeparameter import conditions
 from haptisym.verbs.require.required import Requirement
-
-Pair: TypeAlias = tuple[int, int]
-Held: TypeAlias = tuple[bool, bool] | None
-"""Whether each end of the slab belongs to it, where a factor must not be zero for a value; None where it may."""
-
-
-def moved(p: Sequence[int], low: Pair, high: Pair) -> list[int]:
-    """The coefficients of p((a + b u)/(c + d u)) (c + d u)^n, low = a/c and high = b/d."""
-
-    def stretched(q: Sequence[int], a: int, b: int) -> list[int]:
-        return [a * x + b * y for x, y in zip([*q, 0], [0, *q], strict=True)]
-
-    found, power = [p[-1]], [1]
-    for c in p[-2::-1]:
-        power = stretched(power, low[1], high[1])
-        found = [x + c * y for x, y in zip(stretched(found, low[0], high[0]), power, strict=True)]
-    return found
-
-
-@dataclass(frozen=True)
-class Slices:
-    """The slices of a polynomial in omega^step, the first at the low end of the slab."""
-
-    rows: Sequence[Sequence[int]]
-    step: int
-
-    def side(self, a: Fraction, b: Fraction, held: Held) -> int | None:
-        """The sign from a to b for all values; None where it is not shown."""
-        rows = [moved(q, (a**self.step).as_integer_ratio(), (b**self.step).as_integer_ratio()) for q in self.rows]
-        signs = {(x > 0) - (x < 0) for row in rows for x in row} - {0}
-        borders = [row for row, own in zip((rows[0], rows[-1]), held or (), strict=False) if own]
-        return signs.pop() if len(signs) == 1 and all(map(any, borders)) else None
-
-
-class WaveSlices:
-    """The slices of a factor with waves; None for one that is zero everywhere."""
-
-    def __init__(self, slices: Sequence[WaveFactor | None]) -> None:
-        self.slices = slices
-        self._known = lru_cache(maxsize=None)(self._found)
-        self._asked = [x for x in slices if x]
-
-    def side(self, a: Fraction, b: Fraction, held: Held) -> int | None:
-        """The sign from a to b for all values; None where it is not shown."""
-        borders = [x for x, own in zip((self.slices[0], self.slices[-1]), held or (), strict=False) if own]
-        return self._known(a, b) if all(borders) else None
-
-    def _found(self, a: Fraction, b: Fraction) -> int | None:
-        """The sign that all slices have; the one that failed is asked first in the next cell."""
-        found = 0
-        for i, x in enumerate(self._asked):
-            own = {*(x.moved(a, b) or (0,))} if a < b else {x.sign_at(a)}
-            if own not in ([{found}] if found else [{1}, {-1}]):
-                self._asked.insert(0, self._asked.pop(i))
-                return None
-            [found] = own
-        return found or None
-
-
-def cost(factor: Factor | WaveFactor) -> tuple[int, int]:
-    """Of the signs of its slices, as the limits of the format have it: for each bit of a point, and with waves for each point."""
-    count, most = len(_rows(factor)), width(factor)
-    if isinstance(factor, Factor):
-        return 2 * (count * most) ** 2 + 2000, 0
-    return 2 * count * most**2, factor.cost * most
-
-
-def width(factor: Factor | WaveFactor) -> int:
-    """How many slices it has."""
-    return max(map(len, _rows(factor)))
-
-
-def _rows(factor: Factor | WaveFactor) -> Rows:
-    return factor.rows if isinstance(factor, Factor) else tuple(row for _, rows in factor.terms for row in rows)
-
-
-def sliced(factor: Factor | WaveFactor, low: Pair, high: Pair) -> Slices | WaveSlices:
-    """A factor between two values; 1/0 and -1/0 where there is no bound."""
-    if isinstance(factor, Factor):
-        return Slices(_slices(factor.rows, low, high), factor.step)
-    every = _slices(_rows(factor), low, high)
-    return WaveSlices([_refilled(factor, found) for found in every])
-
-
-def _slices(rows: Sequence[Sequence[int]], low: Pair, high: Pair) -> list[list[int]]:
-    width = max(map(len, rows))
-    every = [moved([*row, *[0] * (width - len(row))], low, high) for row in rows]
-    return [list(x) for x in zip(*every, strict=True)]
-
-
-def _refilled(factor: WaveFactor, coefficients: Sequence[int]) -> WaveFactor | None:
-    """The factor with these coefficients; None where all are zero."""
-    terms, place = list[tuple[tuple[int, ...], Rows]](), 0
-    for turns, rows in factor.terms:
-        own = coefficients[place : (place := place + len(rows))]
-        if any(own):
-            terms.append((turns, tuple((n,) for n in own)))
-    return WaveFactor(tuple(terms), factor.waves, factor.delays, factor.orders) if terms else None
-
+from haptisym_check.slices import Slices, cost
 
 Value: TypeAlias = Fraction | None
 """A value of the parameter; None where it is unbounded."""
+Bounds: TypeAlias = tuple[Fraction, Fraction]
 
-_MOST_CELLS, _MOST_SLABS = 50, 150
-_MOST_WITH_WAVES = 40
+_MOST_CELLS, _MOST_SLABS, _MOST_WITH_WAVES = 50, 150, 40
+_MOST_AMONG_WAVES = 10**8  # of a checker: points times cost
 
 
 @dataclass(frozen=True)
-class Ends:
-    """The ends of a slab of values, and whether each belongs to it."""
+class Problem:
+    """Excesses as products of factors, on a band; ``starts`` : points of the band at which something binds."""
 
+    linked: Linked
+    band: tuple[Fraction, Fraction, Fraction, Fraction]
+    starts: Sequence[Fraction]
+
+    def slabs(self, low: Value, high: Value, *, holds: bool) -> Iterator[dict[str, Any]]:
+        """Slabs from end to end, each with its proof. UndecidedError where so many as a certificate may have do not suffice."""
+        most = _MOST_WITH_WAVES if self.linked.has_waves else _MOST_SLABS
+        whole = Slab(self, low, high)
+        waiting, count = [*whole.halves()[::-1]] if low is high is None else [whole], 1
+        while waiting:
+            tick()
+            here = waiting.pop()
+            found = here.kept() if holds else here.failed()
+            if found is not None:
+                yield {"from": _text(here.low), "to": _text(here.high), **found}
+            elif count < most:
+                waiting += here.halves()[::-1]
+                count += 1
+            else:
+                raise UndecidedError(
+                    "a certificate: so many slabs of values, and cells of the band, as it may have are not enough"
+                )
+
+    @property
+    def tried(self) -> list[Fraction]:
+        """Points of the band at which an excess may be positive: those that bind, and some between."""
+        _, low, high, _ = self.band
+        # powers of omega have no bounds at 0
+        near_0 = [Fraction(1, 10**n) for n in (15, 40, 70)] if low == 0 and self.linked.orders else []
+        return [*self.starts, *near_0, high, low, *(low + (high - low) * n / 16 for n in range(1, 16))]
+
+
+@dataclass(frozen=True)
+class Slab:
+    """Values between two, and whether each end belongs to them."""
+
+    problem: Problem
     low: Value
     high: Value
-    holds_low: bool = False
-    holds_high: bool = False
+    closed: tuple[bool, bool] = (False, False)
 
-    def halves(self) -> tuple[Ends, Ends]:
+    def halves(self) -> tuple[Slab, Slab]:
         """Two of them that meet inside."""
-        cut = _middle(self.low, self.high)
-        return Ends(self.low, cut, self.holds_low, True), Ends(cut, self.high, True, self.holds_high)  # noqa: FBT003
+        cut, (first, last) = _middle(self.low, self.high), self.closed
+        return Slab(self.problem, self.low, cut, (first, True)), Slab(self.problem, cut, self.high, (True, last))
 
-    def slices(self, factors: Sequence[Factor | WaveFactor]) -> list[Slices | WaveSlices]:
-        """Of each factor, over the slab."""
+    @cached_property
+    def slices(self) -> list[Slices]:
+        """Of each factor, over the slab. SceneError where a checker refuses so long ends."""
         low = (-1, 0) if self.low is None else self.low.as_integer_ratio()
         high = (1, 0) if self.high is None else self.high.as_integer_ratio()
-        return [sliced(f, low, high) for f in factors]
+        found: list[Slices] | None = shown(lambda: [Slices(x, low, high) for x in self.problem.linked.factors])
+        if found is None:
+            raise SceneError(TOO_LONG)
+        return found
+
+    def failed(self) -> dict[str, Any] | None:
+        """A point of the band at which an excess is positive for all values, and whose."""
+        names = self.problem.linked.told
+        tried = ((x, name) for x in self.problem.tried for name in names if self._sign(name, x, x) == 1)
+        found = next(tried, None)
+        return None if found is None else {"points": [str(found[0])], "part": found[1].partition(".")[2]}
+
+    def kept(self) -> dict[str, Any] | None:
+        """Points between which no excess is positive; None where so many as a slab may have do not suffice."""
+        low, *_, high = self.problem.band
+        found, waiting = [low], [high, *sorted({x for x in self.problem.starts if low < x < high})[::-1]]
+        while waiting:
+            signs = (self._sign(name, found[-1], waiting[-1]) for name in self.problem.linked.told)
+            if all(x in (-1, 0) for x in signs):
+                found.append(waiting.pop())
+            elif len(found) + len(waiting) < _MOST_CELLS:
+                waiting.append((found[-1] + waiting[-1]) / 2)
+            else:
+                return None
+        return {"points": [str(x) for x in found], "part": None}
+
+    def _sign(self, name: str, a: Fraction, b: Fraction) -> int | None:
+        """Of an excess, between two points of the band or at one, for all values; None where it is not shown."""
+        told = self.problem.linked.told[name]
+        number = Fraction(told["number"])
+        found = (number > 0) - (number < 0)
+        for i, n in told["powers"]:
+            own = shown(self.slices[i].side, a, b, self.closed if a == b or n < 0 else (False, False))
+            if own is None:
+                return None
+            found *= own if n % 2 else 1
+        return found
+
+
+def _text(x: Value) -> str | None:
+    return None if x is None else str(x)
 
 
 def _middle(low: Value, high: Value) -> Fraction:
@@ -171,108 +150,9 @@ def _middle(low: Value, high: Value) -> Fraction:
     return (low + high) / 2
 
 
-@dataclass(frozen=True)
-class Problem:
-    """Excesses as products of factors, on a band; ``starts`` : points of the band at which something binds."""
-
-    factors: Sequence[Factor | WaveFactor]
-    functions: Mapping[str, Mapping[str, Any]]
-    band: tuple[Fraction, Fraction, Fraction, Fraction]
-    starts: Sequence[Fraction]
-
-    def slabs(self, ends: Ends, *, holds: bool) -> Iterator[dict[str, Any]]:
-        """Slabs from end to end, each with its proof. UndecidedError where so many as a certificate may have do not suffice."""
-        most = _MOST_WITH_WAVES if any(isinstance(f, WaveFactor) for f in self.factors) else _MOST_SLABS
-        waiting, count = [*ends.halves()[::-1]] if ends.low is ends.high is None else [ends], 1
-        while waiting:
-            tick()
-            here = waiting.pop()
-            found = self._slab(here, holds=holds)
-            if found is not None:
-                yield {"from": _text(here.low), "to": _text(here.high), **found}
-            elif count < most:
-                waiting += here.halves()[::-1]
-                count += 1
-            else:
-                raise UndecidedError(
-                    "a certificate: so many slabs of values, and cells of the band, as it may have are not enough"
-                )
-
-    def _slab(self, ends: Ends, *, holds: bool) -> dict[str, Any] | None:
-        slab = Slab(self, ends, ends.slices(self.factors))
-        if not holds:
-            found = next(((x, part) for x in self._tried for part in self.functions if slab.fails(part, x)), None)
-            return None if found is None else {"points": [str(found[0])], "part": found[1].partition(".")[2]}
-        points = slab.cells()
-        return None if points is None else {"points": [str(x) for x in points], "part": None}
-
-    @property
-    def _tried(self) -> list[Fraction]:
-        """Points of the band at which an excess may be positive: those that bind, and some between."""
-        _, low, high, _ = self.band
-        near_0 = [Fraction(1, 10**n) for n in (15, 40, 70)] if low == 0 and _have_powers(self.factors) else []
-        return [*self.starts, *near_0, high, low, *(low + (high - low) * n / 16 for n in range(1, 16))]
-
-
-def _have_powers(factors: Sequence[Factor | WaveFactor]) -> bool:
-    """Whether there are powers of omega, which have no bounds at 0."""
-    return any(isinstance(f, WaveFactor) and f.orders for f in factors)
-
-
-def _text(x: Value) -> str | None:
-    return None if x is None else str(x)
-
-
-@dataclass(frozen=True)
-class Slab:
-    """Values between two, with the factors as sums, of positive weights, of functions of omega alone."""
-
-    problem: Problem
-    ends: Ends
-    slices: Sequence[Slices | WaveSlices]
-
-    def fails(self, name: str, x: Fraction) -> bool:
-        """Whether an excess is positive at a point of the band for all values."""
-        return self._sign(self.problem.functions[name], x, x, firm=True) == 1
-
-    def cells(self) -> list[Fraction] | None:
-        """Points between which no excess is positive; None where so many as a slab may have do not suffice."""
-        low, *_, high = self.problem.band
-        inner = sorted({x for x in self.problem.starts if low < x < high})
-        found, waiting = [low], [high, *inner[::-1]]
-        while waiting:
-            if self._is_kept(found[-1], waiting[-1]):
-                found.append(waiting.pop())
-            elif len(found) + len(waiting) < _MOST_CELLS:
-                waiting.append((found[-1] + waiting[-1]) / 2)
-            else:
-                return None
-        return found
-
-    def _is_kept(self, a: Fraction, b: Fraction) -> bool:
-        return all(self._sign(told, a, b, firm=False) in (-1, 0) for told in self.problem.functions.values())
-
-    def _sign(self, told: Mapping[str, Any], a: Fraction, b: Fraction, *, firm: bool) -> int | None:
-        number = Fraction(told["number"])
-        found = (number > 0) - (number < 0)
-        held = self.ends.holds_low, self.ends.holds_high
-        for i, n in told["powers"]:
-            own = self.slices[i].side(a, b, held if firm or n < 0 else None)
-            if own is None:
-                return None
-            found *= own ** (n % 2)
-        return found
-
-
 def ascending(values: Sequence[tuple[Value, Value, bool]]) -> bool:
     """Whether the intervals come one after the other, and no two neighbours say the same."""
     return all(a[1] is not None and b[0] is not None and a[1] <= b[0] and a[2] is not b[2] for a, b in pairwise(values))
-
-
-Bounds: TypeAlias = tuple[Fraction, Fraction]
-
-_MOST_AMONG_WAVES = 10**8  # of a checker: points times cost
-_MOST_BITS = 10**5  # of the ends of a slab, times the highest width of a factor
 
 
 def certificate(found: Requirement) -> str:
@@ -284,22 +164,16 @@ def certificate(found: Requirement) -> str:
     [False, True]
     """
     scene = found.scene
-    environment = named(scene)
     _refuse(found)
-    path = _keys(scene, found, environment)
+    path = _keys(scene, found, name_in_file(scene))
     functions = _functions(found)
     linked = products(functions, next(iter(functions.values())).axis.meanings.index(found.free.symbol))
-    problem = Problem(linked.factors, linked.told, _band(scene), _starts(found))
-    bounds = partial(_end, digits=found.digits, apart=any(isinstance(f, WaveFactor) for f in linked.factors))
+    problem = Problem(linked, _band(scene), _starts(found))
+    bounds = partial(_end, digits=found.digits, apart=linked.has_waves)
     values = _values(found, bounds)
-    slabs = [[*problem.slabs(Ends(low, high), holds=holds)] for low, high, holds in values]
-    _afford([x for row in slabs for x in row], linked)
-    others = {"delays": [str(x) for x in linked.delays], "orders": [str(x) for x in linked.orders]}
-    proof = {key: told for key, told in others.items() if told} | {
-        "factors": [f.told() for f in linked.factors],
-        "functions": linked.told,
-        "slabs": [x for row in slabs for x in row],
-    }
+    slabs = [[*problem.slabs(low, high, holds=holds)] for low, high, holds in values]
+    every = [x for row in slabs for x in row]
+    _afford(every, linked)
     claim = {
         "question": "requirement",
         "free": path,
@@ -307,17 +181,11 @@ def certificate(found: Requirement) -> str:
         "values": [[None if x is None else str(x) for x in row[:2]] + [row[2]] for row in values],
         "binds": _binds({bounds(x): x for x in found.ends}, values, slabs),
     }
-    return document(scene, environment, claim, proof)
+    return document(scene, claim, {key: x for key, x in linked.proof().items() if x} | {"slabs": every}, linked)
 
 
 def _afford(slabs: Sequence[dict[str, Any]], linked: Linked) -> None:
-    """SceneError where a checker would refuse to find so many signs, or to look at slabs between so long numbers."""
-    ends = [
-        sum(n.bit_length() for x in (row["from"], row["to"]) for n in Fraction(x or 0).as_integer_ratio())
-        for row in slabs
-    ]
-    if (max(ends, default=0) + 2) * max(map(width, linked.factors), default=0) >= _MOST_BITS:
-        raise SceneError(TOO_LONG)
+    """SceneError where a checker would refuse to find so many signs."""
     triples = [(x["from"], x["to"], point) for x in slabs for point in x["points"]]
     costs = [cost(f) for f in linked.factors]
     afford((Fraction(x) for triple in triples for x in triple if x is not None), sum(x for x, _ in costs))

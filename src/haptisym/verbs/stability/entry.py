@@ -26,7 +26,7 @@ from haptisym.model.hand import NOBODY, Hand, hands, how_to_give
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene, read_scenes
-from haptisym.verbs.evaluate.certificate import document, inverse, named, zeros
+from haptisym.verbs.evaluate.certificate import document, inverse, name_in_file, zeros
 from haptisym.verbs.evaluate.products import NOT_RATIONAL
 from haptisym.verbs.stability.critical import Critical, Nearest, critical
 from haptisym.verbs.stability.held import (
@@ -242,7 +242,8 @@ def certificate(found: Stability) -> str:
     scene = found.scene
     if clocks(scene):
         raise SceneError(NOT_RATIONAL)
-    perceived, environment = scene.closed.perc, named(scene)
+    name_in_file(scene)
+    perceived = scene.closed.perc
     own = [x for one in read_scenes(scene.text).scenes.values() for x in one.hands]
     ring = ring_of(perceived)
     claim = {
@@ -254,7 +255,7 @@ def certificate(found: Stability) -> str:
         "imposed": zeros(inverse(perceived)),
         "held": [zeros((perceived + ring.convert(x.hand.Z)).reduced()) for x in found.held],
     }
-    return document(scene, environment, claim, proof)
+    return document(scene, claim, proof)
 
 
 def _told(hand: Hand, own: list[Hand]) -> str | dict[str, Any]:
