@@ -8,6 +8,7 @@ The designer's questions in a report: which values of each parameter would keep 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from math import floor, log10
 
 from sympy import Expr
 
@@ -21,7 +22,7 @@ from haptisym.pages.late import proof
 from haptisym.pages.words import both, certainty, exactly, page_about, rounded, rule, short, symbol
 from haptisym.verbs.require.entry import is_quick, require
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span
-from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.freeparameter import Domain, searched
 from haptisym.verbs.require.required import Requirement
 from haptisym.writing.document import (
     Block,
@@ -66,7 +67,7 @@ def _question(r: Requirement) -> Iterator[tuple[str, Phrase]]:
     low, high = (both(ExactNumber(x)) for x in r.scene.band)
     unit = "a plain number" if r.free.unit == "1" else f"in {unit_text(r.free.unit)}"
     yield "free", (r.free.path, " (", named(r.free.symbol.name), f"), {unit}")
-    yield "asked", _asked(r)
+    yield "range searched", _searched(r)
     yield "band", (low, " to ", high)
     yield "condition", _condition(r)
 
@@ -83,13 +84,18 @@ def _judged(r: Requirement) -> list[Criterion]:
     return [x for x in r.criteria if x.name not in ("stable", "passive")]
 
 
-def _asked(r: Requirement) -> str:
-    low, high = r.domain.low, r.domain.high
-    if low is None:
-        return "all values" if high is None else f"values up to {float(high):.6g}"
-    if high is None:
-        return f"all values {'≥' if r.domain.holds_low else '>'} {float(low):.6g}"
-    return f"values from {float(low):.6g} to {float(high):.6g}"
+def _searched(r: Requirement) -> str:
+    """From where to where values are searched, with 0 where the model allows it."""
+    low, high = searched(r.free, r.domain)
+    zero = "0, " if r.domain.low == 0 and r.domain.holds_low else ""
+    return f"{zero}{_engineering(low)} to {_engineering(high)}{unit_of(r.free)}"
+
+
+def _engineering(x: Expr) -> str:
+    """Digits with a power of ten that is a multiple of 3, where there must be one: ``80e-6``."""
+    value = float(x)
+    power = 0 if value == 0 or 1e-3 <= abs(value) < 1e5 else 3 * floor(log10(abs(value)) / 3 + 1e-12)
+    return f"{value / 10**power:.6g}" + (f"e{power}" if power else "")
 
 
 def _answer(r: Requirement) -> Phrase:

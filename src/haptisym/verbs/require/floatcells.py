@@ -26,6 +26,7 @@ from sympy import Dummy, Expr, Integer
 
 from haptisym.judge.bounds import is_series
 from haptisym.judge.crossings import Criterion
+from haptisym.judge.excess import Box, Excess, LargerExcess, Side, excess_of
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import HaptisymError, LimitError
 from haptisym.kernel.shown import Shown
@@ -33,9 +34,7 @@ from haptisym.kernel.symbols import omega
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.programs.taylormodels import Array
-from haptisym.verbs.tolerances.box import Box, Side
 from haptisym.verbs.tolerances.heldbox import Pieces, RectangleSearch, held_plane
-from haptisym.verbs.tolerances.search import Excess, LargerExcess, excess_of
 
 _FIRST = 16
 """Pieces of the band to begin with."""

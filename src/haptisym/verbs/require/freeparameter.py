@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from math import prod
 from typing import TypeAlias
 
-from sympy import Expr, Integer
+from sympy import Expr, Integer, S
 
 from haptisym.judge.bounds import for_any_environment
 from haptisym.judge.crossings import Criterion, noticed, opened
@@ -55,6 +55,24 @@ def domain(free: Knob, given: tuple[Number, Number] | None) -> Domain:
         closed or below is False or below > 0,
         closed or above is False or above > 0,
     )
+
+
+_REACH = 10**6
+"""How many times as large, and as small, as the scene's own a value is that is still searched."""
+
+
+def searched(free: Knob, asked: Domain) -> tuple[Expr, Expr]:
+    """From where to where values are searched: a millionth to a million times the scene's, 1 in SI standing for 0.
+
+    Signed values to a million times it on both sides, and all between ends that were given. 0 is looked at by itself where a
+    domain begins or ends there: what holds next to it is what holds at the least value that is searched.
+    """
+    own = S.One if free.value.free_symbols or not free.value else abs(free.value)  # a limit may be a formula
+    low = -_REACH * own if asked.low is None else asked.low
+    high = max(_REACH * own, _REACH * low) if asked.high is None else asked.high
+    if low == 0:
+        return min(own, high) / _REACH, high
+    return low, -min(own, -low) / _REACH if high == 0 else high
 
 
 _ALLOWED: Mapping[Rule, tuple[Expr | None, Expr | None, bool]] = {

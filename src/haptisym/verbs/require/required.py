@@ -37,7 +37,7 @@ from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, bound_ends, spanned
-from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.freeparameter import Domain, searched
 from haptisym.verbs.require.nearest import Nearest, nearest
 from haptisym.verbs.require.passive import solve_passive, solve_sampled
 from haptisym.verbs.require.solving import solve
@@ -283,6 +283,7 @@ class Requirement(Answer):
             "free": self.free.path,
             "unit": self.free.unit,
             "range": [low, high],
+            "searched": [float(x) for x in searched(self.free, self.domain)],
             "band": [float(x) for x in self.scene.band],
             "condition": [x.name for x in self.criteria],
             "criteria": list(self.that),

@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property, partial
+from itertools import pairwise
 
 import flint
 from sympy import Expr, Rational, S
@@ -35,7 +36,7 @@ from haptisym.verbs.require.cells import Leaf, ValueSearch
 from haptisym.verbs.require.criticalvalues import Problem, allowed, missing, without
 from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, bound_ends, runs
 from haptisym.verbs.require.floatcells import FloatCells
-from haptisym.verbs.require.freeparameter import Conditions, Domain, conditions, each, pieces
+from haptisym.verbs.require.freeparameter import Conditions, Domain, conditions, each, pieces, searched
 from haptisym.verbs.require.places import CellVerdict
 
 _TOLD_APART = (64, 256, 1024)
@@ -140,11 +141,12 @@ def _has_functions(found: Conditions) -> bool:
 
 def _all_alike(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> Solved:
     """Of a parameter that has left the conditions: all values at which the scene exists, or none."""
+    exists = partial(allowed, scene, free)
     for own in found.values():
         tops = [RealFunction(f.axis.function(f.function.numerator)) for f in pieces(own)]
         if chart(dict(enumerate(tops)), *scene.band).where(lambda signs: min(signs.values()) > 0):
             return Solved(())
-    line = ValueLine([Leaf(None, None, CellVerdict.KEPT)], asked, partial(allowed, scene, free))
+    line = ValueLine([Leaf(Fraction(0), Fraction(1), CellVerdict.KEPT)], asked, exists, lambda: exists(S.Zero))
     return Solved(line.spans())
 
 
@@ -191,23 +193,29 @@ def _squares(x: Criterion, d: Distortion, free: Knob) -> dict[Criterion, RealFun
 
 
 def _by_balls(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion], found: Conditions) -> Solved:
-    exists = {x: allowed(scene, free, x) for x in (asked.low, asked.high) if x is not None}
+    low, high = searched(free, asked)
     usual = (0.0 if free.value.free_symbols else abs(float(free.value))) or 1.0  # a limit may be a formula
     quick = FloatCells(scene, free, criteria, usual)
     search = ValueSearch(found, free.symbol, scene.band, Fraction(usual), quick.told)
-    low, high = _outward(asked)
-    line = ValueLine(search.leaves(low, high), asked, exists.__getitem__)
+    at_0 = partial(_holds_at, scene, free, criteria, S.Zero)
+    line = ValueLine(search.leaves(*_outward(low, high)), asked, partial(allowed, scene, free), at_0)
     return Solved(line.spans(), line.undecided)
 
 
-def _outward(asked: Domain) -> tuple[Fraction | None, Fraction | None]:
+def _outward(low: Expr, high: Expr) -> tuple[Fraction, Fraction]:
     """Doubles that enclose the values that are asked about."""
     with flint.ctx.workprec(53):
-        low, high = (None if x is None else expression_ball(x) for x in (asked.low, asked.high))
-        return (
-            None if low is None else Fraction(float(low.lower())),
-            None if high is None else Fraction(float(high.upper())),
-        )
+        return Fraction(float(expression_ball(low).lower())), Fraction(float(expression_ball(high).upper()))
+
+
+def _holds_at(scene: Scene, free: Knob, criteria: Sequence[Criterion], value: Expr) -> bool:
+    """Whether the scene exists at a value and keeps the criteria there; not where that is undecided."""
+    try:
+        there = free.put(scene, value)
+        d = there.distortion()
+        return not chart({x: x.function(d) for x in criteria}, *scene.band).where(lambda signs: max(signs.values()) > 0)
+    except (SceneError, UndecidedError):
+        return False
 
 
 @dataclass(frozen=True)
@@ -216,7 +224,8 @@ class ValueLine:
 
     leaves: list[Leaf]
     domain: Domain
-    allowed: Callable[[Expr], bool] = field(repr=False)
+    exists: Callable[[Expr], bool] = field(repr=False)
+    holds_at_0: Callable[[], bool] = field(default=lambda: True, repr=False)
 
     @cached_property
     def _merged(self) -> list[Leaf]:
@@ -235,8 +244,6 @@ class ValueLine:
         if leaf.verdict is not CellVerdict.OPEN or not 0 < i < len(leaves) - 1:
             return leaf
         before, after = leaves[i - 1].above or leaves[i - 1].verdict, leaves[i + 1].verdict
-        assert leaf.low is not None
-        assert leaf.high is not None
         if before is after or leaf.high - leaf.low > _SLIVER * max(-leaf.low, leaf.high):
             return leaf
         return replace(leaf, verdict=before, above=after, value=Sliver(leaf.low, leaf.high))
@@ -251,24 +258,25 @@ class ValueLine:
                 gaps.append(leaf.verdict)
                 points.append(End(leaf.value, bindings=(leaf.binding,) if leaf.binding else ()))
             gaps.append(leaf.above or leaf.verdict)
-            points.append(End(None if leaf.high is None else ExactNumber(_rational(leaf.high))))
+            points.append(End(ExactNumber(_rational(leaf.high))))
         points[-1] = End(_exact(high))
         kept = [gap is CellVerdict.KEPT for gap in gaps]
         at = [bool(near) for near in (any(kept[max(i - 1, 0) : i + 1]) for i in range(len(points)))]
-        at[0] = at[0] and low is not None and self.domain.holds_low and self.allowed(low)
-        at[-1] = at[-1] and high is not None and self.domain.holds_high and self.allowed(high)
+        at[0] = low is not None and self.domain.holds_low and self._holds(low, beside=at[0])
+        at[-1] = high is not None and self.domain.holds_high and self._holds(high, beside=at[-1])
         return tuple(Span(replace(points[i], closed=a), replace(points[j], closed=b)) for i, j, a, b in runs(at, kept))
+
+    def _holds(self, end: Expr, *, beside: bool) -> bool:
+        """Whether an end of the domain will do: as what is beside it, but 0, which values do not come near, by itself."""
+        return self.holds_at_0() if end == 0 else beside and self.exists(end)
 
     @property
     def undecided(self) -> tuple[tuple[RealNumber | None, RealNumber | None], ...]:
         """The values about which nothing is proven."""
-        return tuple(
-            (_number(leaf.low), _number(leaf.high)) for leaf in self._merged if leaf.verdict is CellVerdict.OPEN
-        )
-
-
-def _number(x: Fraction | None) -> RealNumber | None:
-    return None if x is None else ExactNumber(_rational(x))
+        ends = [ExactNumber(_rational(leaf.low)) for leaf in self._merged]
+        places = [_exact(self.domain.low), *ends[1:], _exact(self.domain.high)]
+        pairs = zip(self._merged, pairwise(places), strict=True)
+        return tuple(pair for leaf, pair in pairs if leaf.verdict is CellVerdict.OPEN)
 
 
 def _rational(x: Fraction) -> Rational:
