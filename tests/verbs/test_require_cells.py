@@ -25,14 +25,12 @@ from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.symbols import omega as w
 from haptisym.kernel.symbols import s
-from haptisym.verbs.require.cells import Leaf, ValueSearch
-from haptisym.verbs.require.criticalvalues import allowed, critical, edge_polynomial, missing, touch_polynomial
-from haptisym.verbs.require.criticalvalues import real_roots as roots_in_parameter
-from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, runs
+from haptisym.verbs.require.feasible import Binding, Domain, End, Kind, Question, Solved, Span, Turn, runs, together
 from haptisym.verbs.require.floatcells import FloatCells
-from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.freeparameter import allowed, critical, edge_polynomial, missing, touch_polynomial
+from haptisym.verbs.require.freeparameter import real_roots as roots_in_parameter
 from haptisym.verbs.require.places import CellVerdict
-from haptisym.verbs.require.verdicts import Question, Turn, together
+from haptisym.verbs.require.solving import Leaf, ValueSearch
 from haptisym.verbs.stability.loops import Gap
 
 E, F = hs.environments, hs.effects
@@ -279,12 +277,12 @@ def test_leaves_fill_a_range_and_each_says_what_samples_say(kind: str, seed: int
             assert told(x, value) is OPEN or abs(top) < 1e-3 or (top > 0) is (told(x, value) is BROKEN)
         if x.value is not None:
             assert abs(most(float(x.value))) < 1e-3
-            assert x.binding is not None
-            assert x.binding.omega is not None
-            at = max(float(x.binding.omega), 1e-9)
+            [binding] = x.bindings
+            assert binding.omega is not None
+            at = max(float(binding.omega), 1e-9)
             values = [complex(f.subs({s: 1j * at, q: float(x.value)}).evalf()).real for f in own]
             assert min(values) == pytest.approx(0, abs=1e-8)
-            assert {Kind.START: at <= band[0] + 1e-8, Kind.EDGE: at == 3}.get(x.binding.kind, band[0] < at < 3)
+            assert {Kind.START: at <= band[0] + 1e-8, Kind.EDGE: at == 3}.get(binding.kind, band[0] < at < 3)
     assert sum(float(x.high - x.low) for x in leaves if x.verdict is OPEN) < 1e-9
 
 
@@ -325,13 +323,22 @@ class Line:
         [(v, below, criterion, kind, at)] = inside
         assert (leaf.verdict, leaf.above) == ((KEPT, BROKEN) if below else (BROKEN, KEPT))
         assert leaf.value.ball(100).contains(exact(v))
-        assert leaf.binding is not None
-        assert leaf.binding.omega is not None
-        assert (leaf.binding.criterion, leaf.binding.kind) == (criterion, kind)
-        assert leaf.binding.omega.ball(100).overlaps(exact(at))
+        [binding] = leaf.bindings
+        assert binding.omega is not None
+        assert (binding.criterion, binding.kind) == (criterion, kind)
+        assert binding.omega.ball(100).overlaps(exact(at))
 
 
-RANGES = [(-(10**6), 10**6), (Fraction(1, 1 << 20), 10**6), (-8, 60), (0, 9), (-70, 0), (5, 2000), (2, 7), (9000, 10**7)]
+RANGES = [
+    (-(10**6), 10**6),
+    (Fraction(1, 1 << 20), 10**6),
+    (-8, 60),
+    (0, 9),
+    (-70, 0),
+    (5, 2000),
+    (2, 7),
+    (9000, 10**7),
+]
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -372,11 +379,11 @@ def test_where_one_function_rises_over_the_zero_of_another_that_falls_is_an_end(
     above = max(min(f.subs({q: value + 0.01, w: at + x / 200}) for f in (rising, falling)) for x in range(-9, 9))
     assert (end.above is BROKEN) is bool(above > 0)
     assert end.value is not None
-    assert end.binding is not None
-    assert end.binding.omega is not None
-    assert end.binding.kind is Kind.TOUCH
+    [binding] = end.bindings
+    assert binding.omega is not None
+    assert binding.kind is Kind.TOUCH
     assert end.value.ball(100).contains(value)
-    assert end.binding.omega.ball(100).contains(at)
+    assert binding.omega.ball(100).contains(at)
 
 
 # --- floats that tell most values at once ---------------------------------------------------------------------------------

@@ -20,10 +20,9 @@ from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.quantities import unit_text
 from haptisym.pages.late import proof
 from haptisym.pages.words import both, certainty, exactly, page_about, rounded, rule, short, symbol
-from haptisym.verbs.require.entry import is_quick, require
-from haptisym.verbs.require.feasible import Binding, End, Kind, Span
-from haptisym.verbs.require.freeparameter import Domain, searched
-from haptisym.verbs.require.required import Requirement
+from haptisym.verbs.require.feasible import Binding, Domain, End, Kind, Span
+from haptisym.verbs.require.freeparameter import searched
+from haptisym.verbs.require.required import Requirement, is_quick, require
 from haptisym.writing.document import (
     Block,
     Column,

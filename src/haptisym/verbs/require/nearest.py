@@ -33,9 +33,8 @@ from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array, Compiled
-from haptisym.verbs.require.criticalvalues import allowed
-from haptisym.verbs.require.feasible import Binding, Kind, Span
-from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.feasible import Binding, Domain, Kind, Span
+from haptisym.verbs.require.freeparameter import allowed
 from haptisym.verbs.require.solving import solve
 
 _FREQUENCIES, _VALUES, _ZOOMS, _EACH = 257, 241, 5, 17

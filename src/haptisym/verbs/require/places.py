@@ -224,6 +224,15 @@ class CellVerdict(Enum):
 
 
 @dataclass(frozen=True)
+class Told:
+    """Values between two floats: ``kept`` with all conditions on all of the band, or not; None where that is not told."""
+
+    low: float
+    high: float
+    kept: bool | None
+
+
+@dataclass(frozen=True)
 class CriticalPlace:
     """Where alone a condition can bind: at an end of the band, or at the one maximum or corner between two frequencies."""
 
