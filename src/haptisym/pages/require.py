@@ -259,7 +259,7 @@ def design(e: Evaluation) -> Iterator[Block]:
         return
     yield Paragraph((
         "All values of one parameter for which neither ratio exceeds its threshold anywhere on the band, the others ",
-        "being as they are in the scene: exact, by critical values and one exact test between each two of them.",
+        "being as they are in the scene: proven, from a millionth to a million times each value.",
     ))  # fmt: skip
     if e.scene.untied():
         yield Paragraph(e.scene.untied_note())

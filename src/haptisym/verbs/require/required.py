@@ -186,7 +186,7 @@ class Requirement(Answer):
     """All values of one parameter for which a scene is transparent on its whole band, or what else is asked, certified.
 
     ``feasible``: intervals of values, SI, in order; () means proved that none will do. Each end says what binds there: which
-    condition, and where on the band. ``undecided``: values about which nothing is proven; empty for every rational scene.
+    condition, and where on the band. ``undecided``: values about which nothing is proven.
     ``limit``: the seconds of a limit that cut the work short, None if none did.
     ``domain``: the values that were asked about. ``criteria``: what is to hold.
     """
@@ -392,7 +392,8 @@ def require(
     """The values of one parameter for which r_r <= c_real and r_i <= c_imag on the whole band: all of them, exactly.
 
     ``path`` : of the parameter, as ``effects.filter.omega_n``, ``environment.m``, ``evaluation.jnd``, or its symbol.
-    ``range`` : the values asked about, numbers in SI or strings with a unit; all that the model allows if not given.
+    ``range`` : the values asked about, numbers in SI or strings with a unit; if not given all that the model
+    allows, of which those from a millionth to a million times the scene's are searched, and 0.
     ``part`` : ask for one part's condition only. ``any_environment`` : ask for |G - 1| <= c instead, which series effects G
     must keep to go unnoticed with every environment.
     ``that`` : what is asked of the display, together: "transparent", "stable" (in ``hand``, one of the scene or one that the
@@ -401,9 +402,8 @@ def require(
     ``limit`` : seconds after which what is proven so far is answered, all other values being undecided; None for no limit.
     ``told`` : is called now and then with how much is done, of how much, and what it is.
 
-    For a rational scene the answer is exact and, without a limit, always complete. With delays, holds or powers of s it is
-    certified by ball arithmetic; what that leaves open is in ``undecided``. SceneError where the path, the range or the scene
-    is not fit.
+    The answer is certified, by floats with bounds and by balls; values at which a ratio only touches its threshold, and what
+    else these leave open, are in ``undecided``. SceneError where the path, the range or the scene is not fit.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = require(load_scene("fu2019"), "effects.filter.omega_n")

@@ -274,9 +274,9 @@ def _first(
     alike = [_binding(*x) for x in found if not ordered(x[2], value)]
     alike.sort(key=lambda x: (Kind.EDGE, Kind.START, Kind.TOUCH).index(x.kind))
     kept: list[Binding] = []
-    for x in alike:  # of the terms of a region one
-        if not any(x.criterion.name == y.criterion.name and _are_one(x.omega, y.omega) for y in kept):
-            kept.append(x)
+    for b in alike:  # of the terms of a region one
+        if not any(b.criterion.name == other.criterion.name and _are_one(b.omega, other.omega) for other in kept):
+            kept.append(b)
     return value, tuple(kept)
 
 
