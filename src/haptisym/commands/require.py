@@ -47,7 +47,7 @@ from haptisym.model.scene import Scene
     multiple=True,
     nargs=2,
     metavar="LO HI",
-    help='The values searched, as "50 rad/s" "30 Hz", or in SI; from a millionth to a million times the present one if not given.',
+    help='The values searched, as "50 rad/s" "30 Hz", or in SI; a millionth to a million times the present one if not given.',
 )
 @click.option("--part", "name", type=click.Choice(["real", "imag"]), help="Ask for the condition of one part only.")
 @click.option(

@@ -16,7 +16,7 @@ from typing import TypeAlias
 import numpy as np
 from sympy import Integer
 
-from haptisym.judge.bounds import is_series
+from haptisym.judge.bounds import ANY_ENVIRONMENT, is_series
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.excess import Box, Excess, LargerExcess, Side, excess_of
 from haptisym.kernel.budget import tick
@@ -73,7 +73,7 @@ class FloatCells:
     def _excesses(self) -> tuple[Bounds, ...]:
         """None where one of the criteria is not to be had in floats."""
         is_threshold = self.free.parts or self.free.symbol.name in _THRESHOLDS
-        if is_threshold or not all(x.part or x.region for x in self.criteria):
+        if is_threshold or not all(x.part or x.region or x.name == ANY_ENVIRONMENT.name for x in self.criteria):
             return ()
         try:
             box = _OneFree(self.scene, self.free.symbol.name)
@@ -84,7 +84,7 @@ class FloatCells:
 
 
 def _larger(box: Box, x: Criterion) -> Excess | None:
-    return None if x.region or x.threshold.has(omega) else LargerExcess(box, x)
+    return None if x.part is None or x.region or x.threshold.has(omega) else LargerExcess(box, x)
 
 
 @dataclass

@@ -24,8 +24,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cached_property, partial
-from itertools import groupby, pairwise
+from functools import cached_property, partial, reduce
+from itertools import pairwise
 from math import sqrt
 from typing import TypeAlias
 
@@ -95,7 +95,7 @@ _NARROW = 1e-13
 _COARSE = Fraction(1, 32)
 """Relative width up to which cells are cut widest first; narrower ones in order."""
 _MOST_CELLS = 800
-_STEP, _PIECES, _TANGENTS = 2, 16, (0, 1, -1, 3, -3)
+_STEP, _PIECES, _TANGENTS = Fraction(5, 4), 16, (0, 1, -1, 3, -3)
 """How many times a long delay is the one before it; pieces of the band; tangents of half of its phase."""
 _VERDICTS = {True: CellVerdict.KEPT, False: CellVerdict.BROKEN}
 
@@ -228,8 +228,10 @@ class ValueSearch:
     def _turning(self, low: Fraction, high: Fraction) -> Fraction:
         """From where on the parameter is a delay that breaks a condition by its phase, if anywhere; else the high end."""
         with suppress(LimitError), flint.ctx.workprec(BITS):
-            while low * _STEP < high and any(self._breaks_at_any_phase(high / _STEP, high, x) for x in self._phases):
-                high = Fraction(float(high / _STEP))
+            while low < (less := Fraction(float(high / _STEP))):
+                if not any(self._breaks_at_any_phase(less, high, x) for x in self._phases):
+                    break
+                high = less
         return high
 
     @cached_property
@@ -255,10 +257,13 @@ class ValueSearch:
         rate, shape = phase
         compiled = shape.over(dyadic(low).union(dyadic(high)))
         start, end = (expression_ball(x) for x in self.band)
-        edges = [start + (end - start) * i / _PIECES for i in range(_PIECES + 1)]
-        broken = [compiled.over(a.union(b))[0] > 0 for a, b in pairwise(edges)]
-        longest = max(len(list(run)) if is_broken else 0 for is_broken, run in groupby(broken))
-        return bool(rate * dyadic(low) * (end - start) * longest > 2 * arb.pi() * _PIECES)
+        run = 0
+        for i in reversed(range(_PIECES)):
+            edges = (start + (end - start) * n / _PIECES for n in (i, i + 1))
+            run = run + 1 if compiled.over(reduce(arb.union, edges))[0] > 0 else 0
+            if run and rate * dyadic(low) * (end - start) * run > 2 * arb.pi() * _PIECES:
+                return True
+        return False
 
 
 Crossing: TypeAlias = Edge | Summit | Corner
