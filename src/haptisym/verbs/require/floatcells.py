@@ -7,9 +7,9 @@ cells a thousandth of their values wide: there the ends lie, for balls to find.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property, partial
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -29,16 +29,16 @@ from haptisym.verbs.require.places import Told
 
 _FIRST = 16
 """Pieces of the band to begin with."""
-_MOST, _BATCH = 30_000, 1024
-"""Cells that are looked at, and how many at once at most: fewer cost as much."""
+_MOST, _HARD, _BATCH = 30_000, 2000, 1024
+"""Cells that are looked at, after how many the larger excess is asked too, and how many at once: fewer cost as much."""
 _NARROW, _FINEST, _SMALL = 1e-3, 1e-10, 1e-3
 """Of values that are cut no further, relative to them; of a piece of the band, to all of it; and of one on which
 small values leave open what is known."""
 
 _THRESHOLDS = ("c", "c_real", "c_imag")
 Range: TypeAlias = tuple[float, float]
-Bounds: TypeAlias = tuple[Excess, Excess | None]
-"""An excess, and one that is never smaller, which near a resonance of the environment is told by far larger cells."""
+Bounds: TypeAlias = tuple[Excess, Callable[[], Excess] | None]
+"""An excess, and what makes one that is never smaller, which near a resonance of the environment is told by far larger cells."""
 
 
 @dataclass(frozen=True)
@@ -83,8 +83,8 @@ class FloatCells:
             return ()
 
 
-def _larger(box: Box, x: Criterion) -> Excess | None:
-    return None if x.part is None or x.region or x.threshold.has(omega) else LargerExcess(box, x)
+def _larger(box: Box, x: Criterion) -> Callable[[], Excess] | None:
+    return None if x.part is None or x.region or x.threshold.has(omega) else cache(partial(LargerExcess, box, x))
 
 
 @dataclass
@@ -119,7 +119,7 @@ class _Search:
         cells[:, :, 1, 0], cells[:, :, 1, 1] = listed[:-1, None], listed[1:, None]
         return cells.reshape(-1, 2, 2)
 
-    def _round(self, excess: Excess, larger: Excess | None, cells: Array) -> Array:
+    def _round(self, excess: Excess, larger: Callable[[], Excess] | None, cells: Array) -> Array:
         """What is left of some cells, cut."""
         if not len(cells):
             return cells
@@ -132,8 +132,8 @@ class _Search:
             self.broken += [(float(a), float(b)) for a, b in own[low > 0, 1]]
             self._probe(excess, own[(low < 0) & (found.c0[:, 0] > 0)])
             rest = ~(high < 0) & ~(low > 0)
-            if larger and rest.any():
-                rest[rest] = ~(larger.model(own[rest], slopes=0).bounds()[1][:, 0] < 0)
+            if larger and self.looked > _HARD and rest.any():
+                rest[rest] = ~(larger().model(own[rest], slopes=0).bounds()[1][:, 0] < 0)
             left.append(own[rest])
             cut.append(_changes(found.c1[rest, 0], found.c2[rest, 0], found.r[rest, 0]))
         return self._cut(np.concatenate(left), np.concatenate(cut))
