@@ -233,13 +233,15 @@ def _certain(r: Requirement) -> Phrase:
             "" if _is_all(r) else " About all others everything is.",
         )  # fmt: skip
     if not r.feasible:
-        return certainty(r.scene, "Certain: none that will do was missed; that is proven, not sampled.")
+        return certainty(
+            r.scene, "Certain: of the range searched none that will do was missed; that is proven, not sampled."
+        )
     if any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high)):
         narrow = "Certain: each end lies within the enclosure that is given; of some no more digits are known."
         return certainty(r.scene, narrow)
     return certainty(
         r.scene,
-        "Certain: these are all such values, none is missed and none invented; every digit is proven, not sampled.",
+        "Certain: of the range searched these are all such values, none is missed and none invented; every digit is proven.",
     )
 
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import inf, sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 from sympy import Expr, Rational, S
@@ -34,9 +33,6 @@ from haptisym.verbs.require.feasible import Binding, Domain, Kind
 from haptisym.verbs.require.freeparameter import allowed
 from haptisym.verbs.require.solving import solve
 
-if TYPE_CHECKING:
-    from haptisym.verbs.require.required import Requirement
-
 _FREQUENCIES, _VALUES, _ZOOMS, _EACH = 257, 241, 5, 17
 _DECADES = 6
 """To each side of a usual size: how far values without bound are looked for."""
@@ -47,8 +43,8 @@ _SIMPLER = (0.1, 0.01, 1e-3, 1e-5)
 
 
 @dataclass(frozen=True)
-class Guesses:
-    """A question about one parameter; criteria that are about ratios, held against numbers."""
+class Question:
+    """What was asked about one parameter, which no value does; criteria that are about ratios, held against numbers."""
 
     scene: Scene
     free: Knob
@@ -158,10 +154,10 @@ class Nearest:
     at_least: float = 1.0
 
 
-def nearest(r: Requirement) -> Nearest | None:
+def nearest(r: Question) -> Nearest | None:
     """The value that comes nearest where none will do, found in five seconds; None where none shows."""
     plain = all(x.region is None and not x.threshold.has(omega) and x.threshold != 0 for x in r.criteria)
-    if r.feasible or r.undecided or r.free.parts or not plain:
+    if r.free.parts or not plain:
         return None
     best: Nearest | None = None
     with suppress(UndecidedError), limited(_SECONDS):
@@ -178,15 +174,15 @@ def nearest(r: Requirement) -> Nearest | None:
     return best
 
 
-def _tried(r: Requirement) -> Iterator[Expr]:
+def _tried(r: Question) -> Iterator[Expr]:
     """Values that may come nearest: as floats tell, and the scene's own."""
-    yield from Guesses(r.scene, r.free, r.domain, r.criteria).best()
+    yield from r.best()
     low, high, own = r.domain.low, r.domain.high, r.free.value
     if (low is None or bool(low < own)) and (high is None or bool(own < high)):
         yield own
 
 
-def _bounded(r: Requirement, best: Nearest) -> float | Expr | None:
+def _bounded(r: Question, best: Nearest) -> float | Expr | None:
     """By how much every value fails at least, or a value that comes nearer than the best; None where neither shows."""
     for power in _CLOSE:
         times = _simple(best.times**power)
@@ -207,7 +203,7 @@ def _simple(x: float) -> Rational:
     return Rational(near.numerator, near.denominator)
 
 
-def _at(r: Requirement, value: Expr) -> Nearest | None:
+def _at(r: Question, value: Expr) -> Nearest | None:
     """How far a value is from doing; None where the scene does not exist at it, or a ratio has no bound."""
     try:
         scene = r.free.put(r.scene, value)

@@ -227,11 +227,13 @@ class Requirement(Answer):
     @cached_property
     def nearest(self) -> Nearest | None:
         """Where no value will do, the one that comes nearest; found in five seconds or not at all."""
+        if self.feasible or self.undecided:
+            return None
         try:
-            from haptisym.verbs.require.nearest import nearest
+            from haptisym.verbs.require.nearest import Question, nearest
         except ImportError:  # without NumPy nobody guesses
             return None
-        return nearest(self)
+        return nearest(Question(self.scene, self.free, self.domain, self.criteria))
 
     @cached_property
     def alone(self) -> tuple[Requirement, ...]:
