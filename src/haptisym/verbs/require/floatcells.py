@@ -29,7 +29,7 @@ from haptisym.verbs.require.places import Told
 
 _FIRST = 16
 """Pieces of the band to begin with."""
-_MOST, _HARD, _BATCH = 30_000, 2000, 1024
+_MOST, _HARD, _BATCH = 100_000, 2000, 1024
 """Cells that are looked at, after how many the larger excess is asked too, and how many at once: fewer cost as much."""
 _NARROW, _FINEST, _SMALL = 1e-3, 1e-10, 1e-3
 """Of values that are cut no further, relative to them; of a piece of the band, to all of it; and of one on which
