@@ -94,7 +94,7 @@ _NARROW = 1e-13
 """Of a cell that is cut no further, relative to its values."""
 _COARSE = Fraction(1, 32)
 """Relative width up to which cells are cut widest first; narrower ones in order."""
-_MOST_CELLS = 800
+_MOST_CELLS = 800  # where floats tell nothing: what they leave is mostly hard for balls too
 _STEP, _PIECES, _TANGENTS = Fraction(5, 4), 16, (0, 1, -1, 3, -3)
 """How many times a long delay is the one before it; pieces of the band; tangents of half of its phase."""
 _VERDICTS = {True: CellVerdict.KEPT, False: CellVerdict.BROKEN}
@@ -139,10 +139,10 @@ class ValueSearch:
         found = [*self._told(self.quick(float(low), float(end)))]
         return found if end == high else [*found, Leaf(end, high, CellVerdict.BROKEN)]
 
-    def _cut(self, low: Fraction, high: Fraction) -> list[Leaf]:
+    def _cut(self, low: Fraction, high: Fraction, most: int) -> list[Leaf]:
         """The leaves between two numbers, in order; wide cells are cut first, so that no easy one stays open for a hard one."""
         found = list[Leaf]()
-        waiting = Waiting([(low, high)], self._rank, most=_MOST_CELLS, what="values in cells")
+        waiting = Waiting([(low, high)], self._rank, most=most, what="values in cells")
         with suppress(LimitError):  # what waits stays open
             for a, b in waiting:
                 leaf = self._judged(a, b)
@@ -158,7 +158,7 @@ class ValueSearch:
         for x in told:
             a, b = Fraction(x.low), Fraction(x.high)
             if x.kept is None:
-                yield from self._cut(a, b)
+                yield from self._cut(a, b, _MOST_CELLS if len(told) == 1 else _MOST_CELLS // 4)
             else:
                 yield Leaf(a, b, _VERDICTS[x.kept])
 
