@@ -81,7 +81,7 @@ _ON_DEMAND = {
     "recording": "verbs.simulate.motions",
     "release": "verbs.simulate.release",
     "relevance": "verbs.effects.relevance",
-    "require": "verbs.require.entry",
+    "require": "verbs.require.required",
     "sampled": "model.measuring",
     "scene_code": "writing.code.entry",
     "sensitivity": "verbs.sensitivity.entry",

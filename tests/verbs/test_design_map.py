@@ -21,9 +21,8 @@ from haptisym.figures.designmap import draw_wishes
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.budget import timed_by
 from haptisym.verbs.require.classical import Encoder, lines
-from haptisym.verbs.require.designmap import Asked, Slice
+from haptisym.verbs.require.designmap import Asked, Rectangles, Slice, common, held_rectangles, rectangles
 from haptisym.verbs.require.feasible import Kind
-from haptisym.verbs.require.floatcells import Rectangles, common, held_rectangles, rectangles
 from haptisym.verbs.stability.plane import plane
 
 E, F = hs.environments, hs.effects

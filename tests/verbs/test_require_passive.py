@@ -16,8 +16,8 @@ from haptisym.kernel.budget import timed_by
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.symbols import s
-from haptisym.verbs.require.criticalvalues import ExactSign, is_between, keeps_sign, zeros_of
 from haptisym.verbs.require.energy import Energy
+from haptisym.verbs.require.freeparameter import ExactSign, is_between, keeps_sign, zeros_of
 
 E, F = hs.environments, hs.effects
 LATE = hs.Scene(E.mass_spring_damper(k=100), (F.delay("5 ms"), F.shunt(m="0.1 kg", b="1 N*s/m")))

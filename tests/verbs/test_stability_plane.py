@@ -18,7 +18,7 @@ import haptisym as hs
 from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.errors import UndecidedError
 from haptisym.programs.taylormodels import Array
-from haptisym.verbs.require.floatcells import held_rectangles
+from haptisym.verbs.require.designmap import held_rectangles
 from haptisym.verbs.stability.held import held, unstable_roots
 from haptisym.verbs.stability.plane import boundary, plane, wall_plane
 from haptisym.verbs.tolerances.heldbox import HeldPlane, held_plane

@@ -19,11 +19,10 @@ from sympy import Rational, Symbol
 
 import haptisym as hs
 from haptisym.judge.crossings import noticed
+from haptisym.judge.excess import Box, Excess, LargerExcess, box_of
 from haptisym.kernel.budget import timed_by
 from haptisym.model.parameters import ranged
 from haptisym.model.quantities import Dimension
-from haptisym.verbs.tolerances.box import Box, box_of
-from haptisym.verbs.tolerances.search import Excess, LargerExcess
 
 F = hs.effects
 SPRING = hs.environments.mass_spring_damper(k=100)

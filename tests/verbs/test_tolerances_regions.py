@@ -16,8 +16,7 @@ from regions import margin
 
 import haptisym as hs
 from haptisym.judge.crossings import noticed
-from haptisym.verbs.tolerances.box import box_of
-from haptisym.verbs.tolerances.search import excess_of
+from haptisym.judge.excess import box_of, excess_of
 
 E = hs.environments
 PENTAGON = [[0.12, 0.02], [0.03, 0.1], [-0.1, 0.05], [-0.04, -0.08], [0.05, -0.09]]

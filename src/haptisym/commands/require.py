@@ -47,7 +47,7 @@ from haptisym.model.scene import Scene
     multiple=True,
     nargs=2,
     metavar="LO HI",
-    help='The values asked about, as "50 rad/s" "30 Hz"; bare numbers in SI. All that the model allows if not given.',
+    help='The values searched, as "50 rad/s" "30 Hz", or in SI; a millionth to a million times the present one if not given.',
 )
 @click.option("--part", "name", type=click.Choice(["real", "imag"]), help="Ask for the condition of one part only.")
 @click.option(
@@ -133,13 +133,14 @@ def require(
       haptisym require fu2019 --free omega_n --free zeta --range 60 200 --range 0.1 1 --figure map.svg
     """
     from haptisym.model.jnd import Part
-    from haptisym.verbs.require.designmap import design_map
-    from haptisym.verbs.require.entry import require as ask
+    from haptisym.verbs.require.required import require as ask
 
     _refuse_contradictions(context, len(paths), len(ranges))
     with progress() as told:
         asked |= {"part": Part(name) if name else None, "told": told}
         if len(paths) == 2:
+            from haptisym.verbs.require.designmap import design_map
+
             drawn_beside: dict[str, Any] = {"jnd": jnd, "friction": friction, "resolution": resolution}
             placed: dict[str, Any] = {"slices": slices, "uniform": uniform, "within": within}
             found: Any = design_map(scene, paths, ranges, **placed, **drawn_beside, **asked)

@@ -31,9 +31,8 @@ from haptisym.figures.style import Look, Scale, dots, dress, entry, legend, limi
 from haptisym.judge.crossings import Criterion
 from haptisym.programs.values import Array
 from haptisym.verbs.require.classical import Line
-from haptisym.verbs.require.designmap import DesignMap
+from haptisym.verbs.require.designmap import DesignMap, common
 from haptisym.verbs.require.feasible import Binding, Kind, Span
-from haptisym.verbs.require.floatcells import common
 from haptisym.verbs.require.required import Requirement
 
 Rows = Sequence[tuple[float, Requirement]]

@@ -43,7 +43,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
 from haptisym.verbs.require.designmap import DesignMap, design_map
-from haptisym.verbs.require.entry import is_quick
+from haptisym.verbs.require.required import is_quick
 from haptisym.verbs.sweep.axes import HELD, UNKNOWN
 from haptisym.verbs.sweep.entry import Swept
 

@@ -8,6 +8,7 @@ The designer's questions in a report: which values of each parameter would keep 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from math import floor, log10
 
 from sympy import Expr
 
@@ -19,10 +20,9 @@ from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.quantities import unit_text
 from haptisym.pages.late import proof
 from haptisym.pages.words import both, certainty, exactly, page_about, rounded, rule, short, symbol
-from haptisym.verbs.require.entry import is_quick, require
-from haptisym.verbs.require.feasible import Binding, End, Kind, Span
-from haptisym.verbs.require.freeparameter import Domain
-from haptisym.verbs.require.required import Requirement
+from haptisym.verbs.require.feasible import Binding, Domain, End, Kind, Span
+from haptisym.verbs.require.freeparameter import searched
+from haptisym.verbs.require.required import Requirement, is_quick, require
 from haptisym.writing.document import (
     Block,
     Column,
@@ -66,7 +66,7 @@ def _question(r: Requirement) -> Iterator[tuple[str, Phrase]]:
     low, high = (both(ExactNumber(x)) for x in r.scene.band)
     unit = "a plain number" if r.free.unit == "1" else f"in {unit_text(r.free.unit)}"
     yield "free", (r.free.path, " (", named(r.free.symbol.name), f"), {unit}")
-    yield "asked", _asked(r)
+    yield "range searched", _searched(r)
     yield "band", (low, " to ", high)
     yield "condition", _condition(r)
 
@@ -83,13 +83,18 @@ def _judged(r: Requirement) -> list[Criterion]:
     return [x for x in r.criteria if x.name not in ("stable", "passive")]
 
 
-def _asked(r: Requirement) -> str:
-    low, high = r.domain.low, r.domain.high
-    if low is None:
-        return "all values" if high is None else f"values up to {float(high):.6g}"
-    if high is None:
-        return f"all values {'≥' if r.domain.holds_low else '>'} {float(low):.6g}"
-    return f"values from {float(low):.6g} to {float(high):.6g}"
+def _searched(r: Requirement) -> str:
+    """From where to where values are searched, with 0 where the model allows it."""
+    low, high = searched(r.free, r.domain)
+    zero = "0, " if r.domain.low == 0 and r.domain.holds_low else ""
+    return f"{zero}{_engineering(low)} to {_engineering(high)}{unit_of(r.free)}"
+
+
+def _engineering(x: Expr) -> str:
+    """Digits with a power of ten that is a multiple of 3, where there must be one: ``80e-6``."""
+    value = float(x)
+    power = 0 if value == 0 or 1e-3 <= abs(value) < 1e5 else 3 * floor(log10(abs(value)) / 3 + 1e-12)
+    return f"{value / 10**power:.6g}" + (f"e{power}" if power else "")
 
 
 def _answer(r: Requirement) -> Phrase:
@@ -228,13 +233,15 @@ def _certain(r: Requirement) -> Phrase:
             "" if _is_all(r) else " About all others everything is.",
         )  # fmt: skip
     if not r.feasible:
-        return certainty(r.scene, "Certain: none that will do was missed; that is proven, not sampled.")
+        return certainty(
+            r.scene, "Certain: of the range searched none that will do was missed; that is proven, not sampled."
+        )
     if any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high)):
         narrow = "Certain: each end lies within the enclosure that is given; of some no more digits are known."
         return certainty(r.scene, narrow)
     return certainty(
         r.scene,
-        "Certain: these are all such values, none is missed and none invented; every digit is proven, not sampled.",
+        "Certain: of the range searched these are all such values, none is missed and none invented; every digit is proven.",
     )
 
 
@@ -254,7 +261,7 @@ def design(e: Evaluation) -> Iterator[Block]:
         return
     yield Paragraph((
         "All values of one parameter for which neither ratio exceeds its threshold anywhere on the band, the others ",
-        "being as they are in the scene: exact, by critical values and one exact test between each two of them.",
+        "being as they are in the scene: proven, from a millionth to a million times each value.",
     ))  # fmt: skip
     if e.scene.untied():
         yield Paragraph(e.scene.untied_note())

@@ -159,7 +159,7 @@ def certificate(found: Requirement) -> str:
     """The document of JSON. SceneError, a sentence, where the format has no room for the question or the scene.
 
     >>> import json
-    >>> from haptisym.verbs.require.entry import require
+    >>> from haptisym.verbs.require.required import require
     >>> [x[2] for x in json.loads(certificate(require("fu2019", "omega_n")))["claim"]["values"]]
     [False, True]
     """

@@ -28,7 +28,7 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.programs.taylormodels import Array, Model, between, floated, halves, valued, variable
-from haptisym.verbs.require.criticalvalues import ExactSign
+from haptisym.verbs.require.freeparameter import ExactSign
 
 Span: TypeAlias = tuple[float, float]
 Parts: TypeAlias = dict[Expr, list[Model | None]]

@@ -1,37 +1,46 @@
-"""Knobs of a scene left open: which values are asked about, and the threshold conditions as functions of them."""
+"""One free parameter: the values that are asked about, conditions as functions of it, and what is exact about these.
+
+A condition N(omega, t) <= 0, N a polynomial, can change only where a zero of N in omega enters over an end of the band,
+N(end, t) = 0, or where two zeros meet: where the discriminant of a factor of N or the resultant of two factors vanishes. These
+*critical values* are roots of polynomials in t (``critical``, ``real_roots``). The boundary of a map of two parameters is a zero
+of the same polynomials, and so are the values at which signs at rest and at high frequency change (``ExactSign``), and those at
+which a scene does not exist: where its environment is zero everywhere, or it is divided by 0 (``missing``).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations, product
 from math import prod
 from typing import TypeAlias
 
-from sympy import Expr, Integer
+import flint
+from flint import fmpq
+from sympy import Expr, Integer, S, Symbol, pi
 
 from haptisym.judge.bounds import for_any_environment
 from haptisym.judge.crossings import Criterion, noticed, opened
+from haptisym.kernel.alike import ordered
+from haptisym.kernel.axis import Axis
+from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, several
+from haptisym.kernel.factoring import discriminant, resultant
 from haptisym.kernel.lattices import Lattice
+from haptisym.kernel.polynomials import PolynomialFactor
+from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, monomials
+from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.kernel.roots import sign_of_number
+from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.parameters import Rule, values
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
-
-
-@dataclass(frozen=True)
-class Domain:
-    """The values that are asked about: an interval, None where it is unbounded, and whether its ends belong to it."""
-
-    low: Expr | None
-    high: Expr | None
-    holds_low: bool = True
-    holds_high: bool = True
+from haptisym.verbs.require.feasible import Domain, End, Kind, Span
 
 
 def domain(free: Knob, given: tuple[Number, Number] | None) -> Domain:
@@ -55,6 +64,24 @@ def domain(free: Knob, given: tuple[Number, Number] | None) -> Domain:
         closed or below is False or below > 0,
         closed or above is False or above > 0,
     )
+
+
+_REACH = 10**6
+"""How many times as large, and as small, as the scene's own a value is that is still searched."""
+
+
+def searched(free: Knob, asked: Domain) -> tuple[Expr, Expr]:
+    """From where to where values are searched: a millionth to a million times the scene's, 1 in SI standing for 0.
+
+    Signed values to a million times it on both sides, and all between ends that were given. 0 is looked at by itself where a
+    domain begins or ends there: what holds next to it is what holds at the least value that is searched.
+    """
+    own = S.One if free.value.free_symbols or not free.value else abs(free.value)  # a limit may be a formula
+    low = -_REACH * own if asked.low is None else asked.low
+    high = max(_REACH * own, _REACH * low) if asked.high is None else asked.high
+    if low == 0:
+        return min(own, high) / _REACH, high
+    return low, -min(own, -low) / _REACH if high == 0 else high
 
 
 _ALLOWED: Mapping[Rule, tuple[Expr | None, Expr | None, bool]] = {
@@ -153,3 +180,271 @@ def _is_modulus(polynomial: Polynomial) -> bool:
         return False
     in_s = polynomial.context().from_dict({row: -x if row[0] % 4 else x for row, x in rows.items()})
     return len(in_s.factor()[1]) > 1
+
+
+Reason: TypeAlias = tuple[Criterion, Kind] | None
+"""Which condition is critical, and how; None: the condition is nowhere defined."""
+
+
+def critical(
+    criterion: Criterion, pieces: Sequence[RealFunction], band: tuple[Expr, Expr]
+) -> Iterator[tuple[Reason, Polynomial]]:
+    """The polynomials in pi and the parameter whose roots are critical for a condition on a band, and why each is.
+
+    ``pieces`` : the functions of the condition, which must not all be positive.
+    """
+    ring = pieces[0].axis
+    factors: list[Polynomial] = []
+    for piece in pieces:
+        for factor, _ in irreducible(piece.function.denominator):
+            if not factor.degrees()[0]:
+                yield None, factor
+        own = [f for f, n in irreducible(piece.function.numerator) if n % 2 or not f.degrees()[0]]
+        factors += [f for f in own if f not in factors]
+    for f in factors:
+        for kind, end in zip((Kind.START, Kind.EDGE), band, strict=True):
+            yield (criterion, kind), substituted(f, 0, ring.convert(end))
+        if f.degrees()[0] > (2 if is_even(f) else 1):
+            yield (criterion, Kind.TOUCH), discriminant(in_square(f), 0)
+    for f, g in combinations([f for f in factors if f.degrees()[0] and f != ring.variable], 2):
+        if is_even(f) and is_even(g):
+            f, g = in_square(f), in_square(g)
+        yield (criterion, Kind.TOUCH), resultant(f, g, 0)
+
+
+def real_roots(factor: Polynomial, index: int, *, negative: bool) -> Iterator[RealNumber]:
+    """The positive roots, and negative ones if wanted, of an irreducible polynomial in pi and the parameter of that index."""
+    own = [int(n) for n in factor.degrees()]
+    if not own[index]:
+        return
+    rows = [[0] * (own[1] + 1) for _ in range(own[index] + 1)]
+    for exponents, value in monomials(factor):
+        rows[int(exponents[index])][int(exponents[1])] = int(value.p)
+    if len(rows) == 2:
+        value = -_in_pi(rows[0]) / _in_pi(rows[1])
+        yield ExactNumber(value.cancel() if value.has(pi) else value)
+        return
+    yield from _positive_roots(rows)
+    if negative:
+        mirrored = [[-n for n in row] if i % 2 else row for i, row in enumerate(rows)]
+        yield from map(Negative, _positive_roots(mirrored))
+
+
+def irreducible(polynomial: Polynomial) -> list[tuple[Polynomial, int]]:
+    """Irreducible factors, in omega^2 where the whole is even in omega."""
+    if not is_even(polynomial):
+        return [(f, int(n)) for f, n in polynomial.factor()[1]]
+    steps = [2, *[1] * (len(polynomial.degrees()) - 1)]
+    return [(f.inflate(steps), int(n)) for f, n in polynomial.deflate(steps).factor()[1]]
+
+
+def is_even(polynomial: Polynomial) -> bool:
+    """Whether it is even in its first variable."""
+    return not any(int(e[0]) % 2 for e in polynomial.monoms())
+
+
+def in_square(polynomial: Polynomial) -> Polynomial:
+    """An even polynomial as one in omega^2."""
+    return polynomial.deflate([2, *[1] * (len(polynomial.degrees()) - 1)]) if is_even(polynomial) else polynomial
+
+
+def substituted(polynomial: Polynomial, index: int, value: RationalFunction) -> Polynomial:
+    """A polynomial with a number for one of its variables, times a positive number."""
+    if value.denominator.is_constant() and value.numerator.is_constant():
+        number = _constant(value.numerator) / _constant(value.denominator)
+        return polynomial.subs({f"x{index}": number})
+    degree = int(polynomial.degrees()[index])
+    degree += degree % 2  # an even power of the denominator keeps the sign
+    context = polynomial.context()
+    powers: dict[int, dict[tuple[int, ...], fmpq]] = {}
+    for exponents, coefficient in monomials(polynomial):
+        own = [int(n) for n in exponents]
+        power, own[index] = own[index], 0
+        powers.setdefault(power, {})[tuple(own)] = coefficient
+    return sum(
+        (
+            context.from_dict(terms) * value.numerator**n * value.denominator ** (degree - n)
+            for n, terms in powers.items()
+        ),
+        context.constant(0),
+    )
+
+
+def _constant(polynomial: Polynomial) -> fmpq:
+    return next(iter(polynomial.to_dict().values()), fmpq(0))
+
+
+def _in_pi(row: Sequence[int]) -> Expr:
+    return sum((Integer(n) * pi**i for i, n in enumerate(row)), Integer(0))
+
+
+def _positive_roots(rows: Sequence[Sequence[int]]) -> list[RealNumber]:
+    return [*PolynomialFactor(tuple(_trimmed(row) for row in rows), step=1).positive_roots()]
+
+
+def _trimmed(row: Sequence[int]) -> tuple[int, ...]:
+    """A row without the zeros of high powers of pi, so that a rational one is seen to be so."""
+    last = max((i for i, n in enumerate(row) if n), default=0)
+    return tuple(row[: last + 1])
+
+
+def edge_polynomial(pieces: Sequence[RealFunction], end: Expr) -> Expr:
+    """The polynomial in the parameters that vanishes where a rational condition binds at a frequency."""
+    axis = _without_functions(pieces)
+    tops = [substituted(piece.function.numerator, 0, axis.convert(end)) for piece in pieces]
+    return axis.factored_expression(prod(tops[1:], start=tops[0]))
+
+
+def touch_polynomial(pieces: Sequence[RealFunction]) -> Expr:
+    """What vanishes where a rational condition binds inside the band: discriminants in omega^2, and of several resultants."""
+    axis = _without_functions(pieces)
+    own = [[f for f, n in irreducible(piece.function.numerator) if n % 2 and f.degrees()[0]] for piece in pieces]
+    found = axis.constant(1)
+    for f in (f for factors in own for f in factors):
+        found *= discriminant(in_square(f), 0) if f.degrees()[0] > (2 if is_even(f) else 1) else 1
+    for f, g in (pair for one, other in combinations(own, 2) for pair in product(one, other) if pair[0] != pair[1]):
+        found *= resultant(in_square(f), in_square(g), 0) if is_even(f) and is_even(g) else resultant(f, g, 0)
+    return axis.factored_expression(found)
+
+
+def _without_functions(pieces: Sequence[RealFunction]) -> Axis:
+    if pieces[0].axis.functions:
+        raise SceneError("with delays or powers of s the boundary is no polynomial's zero")
+    return pieces[0].axis
+
+
+_BITS = 256
+
+
+def zeros_of(form: Expr, symbol: Symbol) -> list[RealNumber]:
+    """The real zeros of a polynomial that is not 0 everywhere, each once; its coefficients are rational in pi."""
+    axis = Ring.of([form * symbol]).axis
+    index = axis.meanings.index(symbol)
+    factors = [f for f, _ in axis.convert(form).numerator.factor()[1]]
+    return [x for f in factors for x in real_roots(f, index, negative=True)]
+
+
+def keeps_sign(form: Expr, symbol: Symbol, low: Expr, high: Expr) -> bool:
+    """Whether a polynomial has no zero between two values; at them it may have one."""
+    if not form.is_polynomial(symbol) or form.expand() == 0:
+        return False
+    return not any(is_between(low, x, high) for x in zeros_of(form, symbol))
+
+
+def is_between(low: Expr | None, x: RealNumber, high: Expr | None) -> bool:
+    """Whether a number lies between two others (None: without bound), or so near to one that some hundred bits do not tell."""
+    if isinstance(x, ExactNumber) and x.value.is_Rational:
+        return (low is None or bool(low < x.value)) and (high is None or bool(x.value < high))
+    with flint.ctx.workprec(_BITS):
+        place = x.ball(_BITS)
+        below = low is not None and bool(place <= expression_ball(low))
+        return not below and not (high is not None and bool(place >= expression_ball(high)))
+
+
+@dataclass(frozen=True)
+class ExactSign:
+    """The sign of a polynomial that is not 0 everywhere.
+
+    >>> from sympy import symbols
+    >>> q = symbols("q")
+    >>> sign = ExactSign(q**2 - 4, q)
+    >>> [sign.at(x) for x in map(Integer, (-3, 2, 0))], sign.between(Integer(2), None), sign.between(Integer(-3), Integer(3))
+    ([1, 0, -1], 1, None)
+    """
+
+    form: Expr
+    symbol: Symbol
+
+    @cached_property
+    def zeros(self) -> tuple[RealNumber, ...]:
+        """Where it may change."""
+        return tuple(zeros_of(self.form, self.symbol)) if self.form.has(self.symbol) else ()
+
+    def at(self, value: Expr) -> int:
+        """The sign for one value."""
+        return sign_of_number(self.form.xreplace({self.symbol: value}))
+
+    def between(self, low: Expr | None, high: Expr | None) -> int | None:
+        """The sign for all values between two (None: without bound); None where it is not one."""
+        if any(is_between(low, x, high) for x in self.zeros):
+            return None
+        if low is None:
+            return self.at(Integer(0) if high is None else high - 1)
+        return self.at(low + 1 if high is None else (low + high) / 2)
+
+
+def missing(scene: Scene, free: Knob) -> list[RealNumber]:
+    """All such values, of either sign.
+
+    >>> from haptisym import effects, environments
+    >>> spring = environments.expression("k - 5", parameters={"k": "8 N/m"})
+    >>> late = Scene(spring, (effects.delay("1 ms"),))
+    >>> missing(late, late.knobs["k"])
+    [5]
+    """
+    chain = scene.chain.at(values(x for x in scene.parameters if x.path != free.path))
+    ring = Ring.of(chain.entries())
+    if free.parts or free.symbol not in ring.symbols:
+        return []
+    index = ring.meanings.index(free.symbol)
+    factors = list[Polynomial]()
+    for p in _vanishing(chain, ring):
+        factors += [f for f in _factors(p, index) if f not in factors]
+    found = (x for f in factors for x in real_roots(f, index, negative=True))
+    return [x for x in found if not (_is_rational(x) and allowed(scene, free, x.value))]  # type: ignore[attr-defined]
+
+
+def allowed(scene: Scene, free: Knob, value: Expr) -> bool:
+    """Whether the scene exists at a value of the parameter."""
+    try:
+        free.put(scene, value).distortion()
+    except SceneError:
+        return False
+    return True
+
+
+def without(spans: Sequence[Span], gone: Sequence[RealNumber]) -> tuple[Span, ...]:
+    """Intervals of values without some."""
+    found = tuple(spans)
+    for x in gone:
+        found = tuple(y for span in found for y in _cut(span, x))
+    return found
+
+
+def _cut(span: Span, x: RealNumber) -> Iterator[Span]:
+    low, high = span.low, span.high
+    after = 1 if low.value is None else ordered(low.value, x)
+    before = 1 if high.value is None else ordered(x, high.value)
+    if after > 0 and before > 0:
+        yield from (Span(low, End(x)), Span(End(x), high))
+    elif after < 0 or before < 0:
+        yield span
+    elif after or before:  # x is one of two ends
+        yield Span(replace(low, closed=low.closed and after > 0), replace(high, closed=high.closed and before > 0))
+
+
+def _vanishing(chain: Chain, ring: Ring) -> Iterator[Polynomial]:
+    """What must not be zero everywhere: the environment, and all that is divided by."""
+    yield ring.convert(chain.environment).reduced().numerator
+    yield chain.perceived(range(len(chain.matrices)), ring).denominator
+    for entry in chain.entries():
+        yield ring.convert(entry).denominator
+
+
+def _factors(polynomial: Polynomial, index: int) -> Iterator[Polynomial]:
+    """Those in one variable, and pi, alone: where they are zero the polynomial is, whatever the other variables are."""
+    rows: dict[tuple[int, ...], dict[tuple[int, ...], object]] = {}
+    for exponents, value in monomials(polynomial):
+        own = [int(n) for n in exponents]
+        key = tuple(n if i in (1, index) else 0 for i, n in enumerate(own))
+        rest = tuple(0 if i in (1, index) else n for i, n in enumerate(own))
+        rows.setdefault(rest, {})[key] = value
+    context = polynomial.context()
+    common = context.constant(0)
+    for row in rows.values():
+        common = common.gcd(context.from_dict(row))
+    yield from (f for f, _ in common.factor()[1]) if common else ()
+
+
+def _is_rational(x: RealNumber) -> bool:
+    return isinstance(x, ExactNumber) and bool(x.value.is_Rational)

@@ -1,12 +1,9 @@
-"""Where no value makes a display transparent: the one that comes nearest, and a guess of it.
-
-Which value of a parameter comes nearest to what is asked: a guess in floats, on a grid of frequencies. It proves nothing.
-
-Where no value of a parameter makes a display transparent: the one that comes nearest, what binds there, and what is proven.
+"""Where no value of a parameter makes a display transparent: the one that comes nearest, what binds there, and what is proven.
 
 A value comes nearer than another if thresholds that are a smaller multiple of the scene's would do for it. For one value that
-multiple is the largest r/c on the band, exact. Whether any value does with less is the question itself, asked once more with
-larger thresholds: where the answer is empty, none does, proven.
+multiple is the largest r/c on the band, exact; which value is tried is a guess in floats, on a grid of frequencies, that proves
+nothing. Whether any value does with less is the question itself, asked once more with larger thresholds: where the answer is
+empty, none does, proven.
 """
 
 from __future__ import annotations
@@ -17,7 +14,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import inf, sqrt
-from typing import Any, Protocol
 
 import numpy as np
 from sympy import Expr, Rational, S
@@ -33,9 +29,8 @@ from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array, Compiled
-from haptisym.verbs.require.criticalvalues import allowed
-from haptisym.verbs.require.feasible import Binding, Kind, Span
-from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.feasible import Binding, Domain, Kind
+from haptisym.verbs.require.freeparameter import allowed
 from haptisym.verbs.require.solving import solve
 
 _FREQUENCIES, _VALUES, _ZOOMS, _EACH = 257, 241, 5, 17
@@ -48,8 +43,8 @@ _SIMPLER = (0.1, 0.01, 1e-3, 1e-5)
 
 
 @dataclass(frozen=True)
-class Guesses:
-    """A question about one parameter; criteria that are about ratios, held against numbers."""
+class Question:
+    """What was asked about one parameter, which no value does; criteria that are about ratios, held against numbers."""
 
     scene: Scene
     free: Knob
@@ -136,34 +131,6 @@ class Guesses:
         return inside[int(first) : len(inside) - int(last)]
 
 
-class Asked(Protocol):
-    """What a requirement is about, and what was found."""
-
-    @property
-    def scene(self) -> Scene:
-        """The scene with its own values."""
-
-    @property
-    def free(self) -> Knob:
-        """The number that is free."""
-
-    @property
-    def domain(self) -> Domain:
-        """The values that were asked about."""
-
-    @property
-    def feasible(self) -> tuple[Span, ...]:
-        """The values that were proven to do."""
-
-    @property
-    def undecided(self) -> tuple[Any, ...]:
-        """The values that were left open."""
-
-    @property
-    def criteria(self) -> tuple[Criterion, ...]:
-        """What must not be broken."""
-
-
 _SECONDS = 5.0
 """Who asked for values that do needs to know about how far off all others are, not more."""
 _CLOSE = (0.99, 0.9, 0.6)
@@ -187,10 +154,10 @@ class Nearest:
     at_least: float = 1.0
 
 
-def nearest(r: Asked) -> Nearest | None:
+def nearest(r: Question) -> Nearest | None:
     """The value that comes nearest where none will do, found in five seconds; None where none shows."""
     plain = all(x.region is None and not x.threshold.has(omega) and x.threshold != 0 for x in r.criteria)
-    if r.feasible or r.undecided or r.free.parts or not plain:
+    if r.free.parts or not plain:
         return None
     best: Nearest | None = None
     with suppress(UndecidedError), limited(_SECONDS):
@@ -207,15 +174,15 @@ def nearest(r: Asked) -> Nearest | None:
     return best
 
 
-def _tried(r: Asked) -> Iterator[Expr]:
+def _tried(r: Question) -> Iterator[Expr]:
     """Values that may come nearest: as floats tell, and the scene's own."""
-    yield from Guesses(r.scene, r.free, r.domain, r.criteria).best()
+    yield from r.best()
     low, high, own = r.domain.low, r.domain.high, r.free.value
     if (low is None or bool(low < own)) and (high is None or bool(own < high)):
         yield own
 
 
-def _bounded(r: Asked, best: Nearest) -> float | Expr | None:
+def _bounded(r: Question, best: Nearest) -> float | Expr | None:
     """By how much every value fails at least, or a value that comes nearer than the best; None where neither shows."""
     for power in _CLOSE:
         times = _simple(best.times**power)
@@ -236,7 +203,7 @@ def _simple(x: float) -> Rational:
     return Rational(near.numerator, near.denominator)
 
 
-def _at(r: Asked, value: Expr) -> Nearest | None:
+def _at(r: Question, value: Expr) -> Nearest | None:
     """How far a value is from doing; None where the scene does not exist at it, or a ratio has no bound."""
     try:
         scene = r.free.put(r.scene, value)

@@ -34,7 +34,6 @@ from sympy import Expr, Rational, Symbol
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.bernstein import range_of
 from haptisym.kernel.budget import Waiting
-from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, monomials
@@ -166,27 +165,9 @@ class Shape:
         exponents = [expression_ball(x, known) for x in self.axis.orders]
         return self._compiled(_coefficients(self, flint.ctx.prec), value, rates, exponents)
 
-    def beyond(self, inverse: Ball) -> CompiledWaves:
-        """The function, over an even power of the parameter, for a ball of values of 1/parameter, which may hold 0.
-
-        Delays that the parameter is part of have waves of any phase: balls from -1 to 1.
-        """
-        if any(x.has(self.free) for x in self.axis.orders):
-            raise SceneError(f"{self.free} is the order of a power: it has no values without bound")
-        most = int(self.polynomial.degrees()[self.axis.meanings.index(self.free)])
-        most += most % 2
-        mirrored = {
-            key: [arb_poly([p[most - n] for n in range(most + 1)]) for p in row]
-            for key, row in _coefficients(self, flint.ctx.prec).items()
-        }
-        rates = [None if a.rate.has(self.free) else expression_ball(a.rate) / 2 for a in self.axis.angles]
-        return self._compiled(mirrored, inverse, rates, [expression_ball(x) for x in self.axis.orders])
-
-    def _compiled(
-        self, coefficients: _Rows, value: Ball, rates: list[Ball | None], exponents: list[Ball]
-    ) -> CompiledWaves:
+    def _compiled(self, coefficients: _Rows, value: Ball, rates: list[Ball], exponents: list[Ball]) -> CompiledWaves:
         constant = [a.constant for a in self.axis.angles]
-        turning = [i for i, rate in enumerate(rates) if rate is not None and not constant[i]]
+        turning = [i for i in range(len(rates)) if not constant[i]]
         terms: dict[tuple[_Waves, _Waves], arb_poly] = {}
         for (turns, powers), row in coefficients.items():
             polynomial = arb_poly([p(value) for p in row])
@@ -218,11 +199,8 @@ def _coefficients(shape: Shape, bits: int) -> _Rows:
         return {key: [arb_poly(row) for row in rows] for key, rows in found.items()}
 
 
-def _wave(half: Ball | None, k: int, degree: int) -> Ball:
-    """sin^k cos^(degree - k) of a constant half angle, or of any at all."""
-    if half is None:
-        low = 0 if k % 2 == 0 else -1  # the degree is even
-        return arb(low).union(arb(1)) if degree > 0 else arb(1)
+def _wave(half: Ball, k: int, degree: int) -> Ball:
+    """sin^k cos^(degree - k) of a constant half angle."""
     sine, cosine = half.sin_cos()
     return sine**k * cosine ** (degree - k)
 
@@ -246,6 +224,15 @@ class CellVerdict(Enum):
 
 
 @dataclass(frozen=True)
+class Told:
+    """Values between two floats: ``kept`` with all conditions on all of the band, or not; None where that is not told."""
+
+    low: float
+    high: float
+    kept: bool | None
+
+
+@dataclass(frozen=True)
 class CriticalPlace:
     """Where alone a condition can bind: at an end of the band, or at the one maximum or corner between two frequencies."""
 
@@ -260,37 +247,30 @@ class CriticalPlace:
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """A condition for all values of the parameter in a cell, in balls; ``ends``: None for values without bound."""
+    """A condition for all values of the parameter in a cell, in balls."""
 
     shape: Shape
     whole: CompiledWaves
-    ends: tuple[Ball, Ball] | None = None
+    ends: tuple[Ball, Ball]
 
     @classmethod
     def of(cls, shape: Shape, low: Ball, high: Ball) -> Strip:
         """The cell between two dyadic numbers."""
         return cls(shape, shape.over(low.union(high)), (low, high))
 
-    @classmethod
-    def beyond(cls, shape: Shape, inverse: Ball) -> Strip:
-        """Values without bound, by their inverses."""
-        return cls(shape, shape.beyond(inverse))
-
     @cached_property
-    def middle(self) -> CompiledWaves | None:
-        """The condition for the middle of the cell; None for values without bound."""
-        return self.shape.over(((self.ends[0] + self.ends[1]) / 2).mid()) if self.ends else None
+    def middle(self) -> CompiledWaves:
+        """The condition for the middle of the cell."""
+        return self.shape.over(((self.ends[0] + self.ends[1]) / 2).mid())
 
     @cached_property
     def change(self) -> CompiledWaves | None:
         """The derivative in the parameter, for the whole cell; None where there is none."""
-        return self.shape.change.over(self.ends[0].union(self.ends[1])) if self.ends and self.shape.change else None
+        return self.shape.change.over(self.ends[0].union(self.ends[1])) if self.shape.change else None
 
     @cached_property
     def _rows(self) -> tuple[CompiledWaves, ...]:
         """Taylor's coefficients in the parameter about the middle of the cell, times n!; the last one for all of the cell."""
-        if self.middle is None or self.ends is None:
-            return ()
         low, high = self.ends
         found, shape = [self.middle], self.shape.change
         while shape is not None and shape.change is not None and len(found) < _MOST_ROWS:
@@ -301,7 +281,6 @@ class Strip:
     @cached_property
     def _reach(self) -> list[Ball]:
         """The powers of half the width of the cell, over n!."""
-        assert self.ends is not None
         low, high = self.ends
         reach = (low.union(high) - ((low + high) / 2).mid()).abs_upper()
         return [reach**n / factorial(n) for n in range(len(self._rows))]
@@ -349,13 +328,11 @@ class Strip:
         return _both(value, self._together([f.taylor(box, n) for f in self._rows]))
 
     def broken_in_the_middle(self, x: Ball) -> bool:
-        """Whether the condition is broken at a frequency for the middle of the cell; without bound, for all of it."""
-        return bool((self.middle or self.whole).value(x) > 0)
+        """Whether the condition is broken at a frequency for the middle of the cell."""
+        return bool(self.middle.value(x) > 0)
 
     def signs(self, place: CriticalPlace) -> tuple[int, int] | None:
         """The signs at a place for both ends of the cell, if it changes one way only in between; None if that is not sure."""
-        if self.ends is None:
-            return None
         at_edge = place.omega is not None
         near = expression_ball(place.omega) if at_edge else self._around_maximum(place)
         sign = _sign(self.shape.seen_at(self.whole, near) if at_edge else self.over(near)[0])
@@ -389,7 +366,6 @@ class Strip:
 
     def crossing(self, place: CriticalPlace) -> Edge | Summit:
         """The value of the parameter at which the condition binds at a place."""
-        assert self.ends is not None
         if place.omega is not None:
             return Edge(self.shape, place.omega, *self.ends)
         return Summit(self.shape, (place.low, place.high), *self.ends)
@@ -519,7 +495,7 @@ def corner_signs(rising: Strip, falling: Strip, place: CriticalPlace) -> tuple[i
     """
     a, b = place.low, place.high
     shows = rising.value(a) < 0 < rising.value(b) and falling.value(b) < 0 < falling.value(a)
-    if rising.ends is None or not shows:
+    if not shows:
         return None
     low, high = rising.ends
     steep = _steepness(rising.shape, falling.shape, low.union(high), a.union(b))
@@ -549,17 +525,12 @@ class Strips:
         """The cell between two dyadic numbers."""
         return cls(tuple(Strip.of(x, low, high) for x in shapes))
 
-    @classmethod
-    def beyond(cls, shapes: Sequence[Shape], inverse: Ball) -> Strips:
-        """Values without bound, by their inverses."""
-        return cls(tuple(Strip.beyond(x, inverse) for x in shapes))
-
     def value(self, x: Ball) -> Ball:
         """The values of the least function at a ball of frequencies, for all values of the parameter."""
         return reduce(arb.min, (strip.value(x) for strip in self.strips))
 
     def broken_in_the_middle(self, x: Ball) -> bool:
-        """Whether the condition is broken at a frequency for the middle of the cell; without bound, for all of it."""
+        """Whether the condition is broken at a frequency for the middle of the cell."""
         return all(strip.broken_in_the_middle(x) for strip in self.strips)
 
     def risen(self, suspects: Sequence[Ball], low: Ball, high: Ball) -> Iterator[Ball]:
@@ -568,7 +539,7 @@ class Strips:
         Where the condition is broken by little it is at the maximum that all of the cell shows it. Not of several functions.
         """
         [strip, *others] = self.strips
-        compiled = strip.middle or strip.whole
+        compiled = strip.middle
         at = max(suspects, key=lambda x: float(compiled.value(x).mid()))
         for _ in range(0 if others else _STEPS):
             slope, bend = compiled.series(at, 1, 3)
@@ -589,7 +560,6 @@ class Strips:
         one = self.strips[place.piece]
         if place.other is None:
             return one.crossing(place)
-        assert one.ends is not None
         return Corner(one.shape, self.strips[place.other].shape, (place.low, place.high), *one.ends)
 
 

@@ -1,10 +1,7 @@
-"""What a parameter must be: what is asked, the values that were found, formulas, and the document.
+"""What a parameter must be: what is asked, the values that do, a formula for them where there is one, and the answer.
 
-What a parameter must be, as a formula: the condition at the band's edge, solved for the parameter.
-
-What is asked of a display, alone or together: to be transparent, stable in a hand, fit for every passive hand.
-
-What a parameter must be: the values that were found, with a formula where there is one, and as a document.
+What is asked of a display, alone or together: to be transparent, stable in a hand, fit for every passive hand. The formula is the
+condition at the end of the band that binds, solved for the parameter.
 """
 
 from __future__ import annotations
@@ -12,36 +9,51 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache, partial
-from typing import Any, ClassVar
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from sympy import Abs, Expr, Float, Symbol
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.bounds import ANY_ENVIRONMENT
-from haptisym.judge.crossings import PASSIVE, Criterion, opened
+from haptisym.judge.crossings import PASSIVE, Criterion, noticed, opened
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.budget import limited
+from haptisym.kernel.budget import SECONDS, Told, limited
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
-from haptisym.kernel.reals import RealNumber, Sliver
+from haptisym.kernel.reals import RealNumber, Sliver, whole
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.shown import titled
 from haptisym.kernel.solutions import Solution
 from haptisym.kernel.solutions import solve as formulas_of
 from haptisym.kernel.symbols import c, omega
-from haptisym.model.caveats import clocks
+from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
+from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
-from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, bound_ends, spanned
-from haptisym.verbs.require.freeparameter import Domain
-from haptisym.verbs.require.nearest import Nearest, nearest
-from haptisym.verbs.require.passive import solve_passive, solve_sampled
+from haptisym.model.scenefile import as_scene
+from haptisym.verbs.require.feasible import (
+    Binding,
+    Domain,
+    End,
+    Kind,
+    Solved,
+    Span,
+    all_open,
+    bound_ends,
+    spanned,
+    stable_in,
+    together,
+)
+from haptisym.verbs.require.freeparameter import asked_of, domain, searched
 from haptisym.verbs.require.solving import solve
-from haptisym.verbs.require.verdicts import all_open, solve_stable, stable_in, together
+
+if TYPE_CHECKING:
+    from haptisym.verbs.require.nearest import Nearest
 
 _DIGITS = 60
 _MOST_TERMS, _MOST_OPERATIONS = 600, 80
@@ -144,12 +156,11 @@ def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
     found, judged = list[Solved](), [x for x in criteria if x.name not in (STABLE, SUITS_ALL)]
     if judged:
         found.append(solve(scene, free, asked, judged))
-    others: list[Callable[[], Solved]] = []
-    held = [hand for hand in scene.hands if stable_in(hand) in criteria]
-    others += [partial(solve_stable, scene, hand, free, asked) for hand in held]
-    if any(x.name == SUITS_ALL for x in criteria):
-        others.append(partial(solve_sampled if clocks(scene) else solve_passive, scene, free, asked))
-    return together(asked, [*found, *(_or_open(x, asked) for x in others)])
+    if len(judged) < len(criteria):
+        from haptisym.verbs.require.hands import of_hands  # which much else is loaded for
+
+        found += [_or_open(x, asked) for x in of_hands(scene, free, asked, criteria)]
+    return together(asked, found)
 
 
 def _or_open(solved: Callable[[], Solved], asked: Domain) -> Solved:
@@ -175,7 +186,7 @@ class Requirement(Answer):
     """All values of one parameter for which a scene is transparent on its whole band, or what else is asked, certified.
 
     ``feasible``: intervals of values, SI, in order; () means proved that none will do. Each end says what binds there: which
-    condition, and where on the band. ``undecided``: values about which nothing is proven; empty for every rational scene.
+    condition, and where on the band. ``undecided``: values about which nothing is proven.
     ``limit``: the seconds of a limit that cut the work short, None if none did.
     ``domain``: the values that were asked about. ``criteria``: what is to hold.
     """
@@ -216,7 +227,13 @@ class Requirement(Answer):
     @cached_property
     def nearest(self) -> Nearest | None:
         """Where no value will do, the one that comes nearest; found in five seconds or not at all."""
-        return nearest(self)
+        if self.feasible or self.undecided:
+            return None
+        try:
+            from haptisym.verbs.require.nearest import Question, nearest
+        except ImportError:  # without NumPy nobody guesses
+            return None
+        return nearest(Question(self.scene, self.free, self.domain, self.criteria))
 
     @cached_property
     def alone(self) -> tuple[Requirement, ...]:
@@ -283,6 +300,7 @@ class Requirement(Answer):
             "free": self.free.path,
             "unit": self.free.unit,
             "range": [low, high],
+            "searched": [float(x) for x in searched(self.free, self.domain)],
             "band": [float(x) for x in self.scene.band],
             "condition": [x.name for x in self.criteria],
             "criteria": list(self.that),
@@ -358,3 +376,76 @@ def _binding(b: Binding) -> dict[str, Any]:
 def _nearest(x: Nearest) -> dict[str, Any]:
     row = {"value": float(x.value), "ratio": float(x.ratio), **_binding(x.binding)}
     return {**row, "times": x.times, "at_least": x.at_least}
+
+
+def require(
+    scene: Scene | str | Path,
+    path: str,
+    range: tuple[Number, Number] | None = None,  # noqa: A002 - the word that the question uses
+    *,
+    part: Part | None = None,
+    any_environment: bool = False,
+    that: Sequence[str] = (TRANSPARENT,),
+    hand: str | Hand | None = None,
+    digits: int = 15,
+    limit: float | None = SECONDS,
+    told: Told | None = None,
+) -> Requirement:
+    """The values of one parameter for which r_r <= c_real and r_i <= c_imag on the whole band: all of them, exactly.
+
+    ``path`` : of the parameter, as ``effects.filter.omega_n``, ``environment.m``, ``evaluation.jnd``, or its symbol.
+    ``range`` : the values asked about, numbers in SI or strings with a unit; if not given all that the model
+    allows, of which those from a millionth to a million times the scene's are searched, and 0.
+    ``part`` : ask for one part's condition only. ``any_environment`` : ask for |G - 1| <= c instead, which series effects G
+    must keep to go unnoticed with every environment.
+    ``that`` : what is asked of the display, together: "transparent", "stable" (in ``hand``, one of the scene or one that the
+    package ships; in all hands of the scene if not given), "passive" (every passive hand may hold it, at all frequencies).
+
+    ``limit`` : seconds after which what is proven so far is answered, all other values being undecided; None for no limit.
+    ``told`` : is called now and then with how much is done, of how much, and what it is.
+
+    The answer is certified, by floats with bounds and by balls; values at which a ratio only touches its threshold, and what
+    else these leave open, are in ``undecided``. SceneError where the path, the range or the scene is not fit.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> found = require(load_scene("fu2019"), "effects.filter.omega_n")
+    >>> [(x.low.value.digits(12), x.high.value) for x in found.feasible]
+    [('122.355814770', None)]
+    """
+    scene = as_scene(scene)
+    digits = whole("digits", digits)
+    if STABLE in that:
+        from haptisym.verbs.require.hands import with_hands  # which much else is loaded for
+
+        scene = with_hands(scene, hand)
+    free = scene.knobs[path]
+    wanted, asked = wishes(that), domain(free, range)
+    judged = asked_of(scene, [free], part, any_environment=any_environment) if TRANSPARENT in wanted else ()
+    criteria = (*judged, *further(scene, wanted))
+    with limited(limit, told) as budget:
+        found = solve_all(scene, free, asked, criteria)
+    cut = budget.seconds if budget.reached else None
+    return Requirement(
+        scene, free, asked, found.feasible, found.undecided, criteria, digits, cut, tuple(wanted), found.reason
+    )
+
+
+def is_quick(scene: Scene) -> bool:
+    """Whether exact sets take milliseconds: low order, no delays nor powers of s, rational numbers.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> is_quick(load_scene("fu2019")), is_quick(load_scene("delayed-spring"))
+    (True, False)
+    """
+    d = scene.distortion()
+    for x in noticed(scene.threshold):
+        f = x.function(d)
+        if not isinstance(f, RealFunction) or f.axis.functions:
+            return False
+        coefficients = f.axis.univariate(f.function.numerator)
+        if coefficients is None or len(coefficients) > _QUICK_DEGREE + 1:
+            return False
+    return True
+
+
+_QUICK_DEGREE = 12  # of the threshold polynomial in omega: a device of order 2

@@ -27,6 +27,7 @@ from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, kept, noticed
+from haptisym.judge.excess import Box, Excess, box_of, excess_of
 from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, tick
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber, RealNumber, whole
@@ -37,9 +38,8 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.sweep.entry import in_floats
-from haptisym.verbs.tolerances.box import Box, box_of
 from haptisym.verbs.tolerances.heldbox import HeldInBox, held_in_box
-from haptisym.verbs.tolerances.search import OVERLAP, Cluster, Excess, beyond, clusters, excess_of
+from haptisym.verbs.tolerances.search import OVERLAP, Cluster, beyond, clusters
 
 
 @dataclass(frozen=True)

@@ -1,68 +1,216 @@
-"""For which values of a parameter every passive hand may hold a display: between critical values, by cells, and on a clock.
+"""For which values of one parameter a display is stable in a hand, and for which every passive hand may hold it.
 
-For which values of one parameter every passive hand may hold a display with delays or powers of s: by cells, each proven.
+*In a hand*: exact counts of unstable roots between the values at which roots reach the imaginary axis, or the unit circle.
 
-A cell of values is told as not passive where Im H_perc < 0 at one frequency for all of them; as passive where Im H_perc > 0 at
+*Every passive hand*, of a rational display: exact verdicts between critical values. With delays or powers of s by cells, each
+proven: a cell of values is not passive where Im H_perc < 0 at one frequency for all of them, and passive where Im H_perc > 0 at
 all frequencies, no pole comes to the axis and no highest power is lost in it, and one exact verdict in it is yes. Where the sign
 turns first at frequency 0, it turns at a root of a polynomial: an exact end. What none of these shows is left open.
 
-For which values of one parameter every passive hand may hold a display: exact verdicts between critical values.
-
-For which values of one parameter every passive hand may hold a sampled loop: Colgate and Schenkel's condition, exactly.
-
-The damping that a device has left over is rational in tan(theta/2) and the parameter. It can become 0 at some angle, or the
-controller's poles can reach the unit circle, at roots of resultants and discriminants alone, and the stiffness at rest at roots
-of its numerator; between these one verdict tells.
+*Every passive hand, of a sampled loop*: Colgate and Schenkel's condition. The damping that a device has left over is rational in
+tan(theta/2) and the parameter. It can become 0 at some angle, or the controller's poles can reach the unit circle, at roots of
+resultants and discriminants alone, and the stiffness at rest at roots of its numerator; between these one verdict tells.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import count, pairwise
+from fractions import Fraction
+from functools import cached_property, partial
+from itertools import count, islice, pairwise
+from typing import Any
 
 import flint
-from flint import arb
-from sympy import Expr, Integer, Rational, pi
+from flint import acb, arb
+from sympy import Expr, Integer, Rational, exp, pi
 
 from haptisym.judge.colgate import SampledPassivity, loop_of, sampled_passivity
-from haptisym.judge.crossings import PASSIVE
+from haptisym.judge.crossings import PASSIVE, Criterion
 from haptisym.judge.passivity import environment_alone, passivity
+from haptisym.kernel.alike import ordered
 from haptisym.kernel.budget import spared, tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.factoring import resultant
-from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
+from haptisym.kernel.symbols import s
+from haptisym.model.caveats import clocks
 from haptisym.model.distortion import Distortion
+from haptisym.model.hand import Hand, how_to_give
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import Rule, values
 from haptisym.model.scene import Scene
 from haptisym.programs.onaxis import OnAxis
-from haptisym.verbs.require.criticalvalues import (
+from haptisym.verbs.require.energy import Energy, span
+from haptisym.verbs.require.feasible import Binding, Domain, Kind, Question, Solved, Turn, stable_in
+from haptisym.verbs.require.freeparameter import (
     ExactSign,
     allowed,
+    conditions,
     critical,
     irreducible,
     is_between,
     keeps_sign,
     missing,
+    pieces,
     real_roots,
     zeros_of,
 )
-from haptisym.verbs.require.energy import Energy, span
-from haptisym.verbs.require.feasible import Binding, Kind, Solved
-from haptisym.verbs.require.freeparameter import Domain, conditions, pieces
-from haptisym.verbs.require.verdicts import Question, Turn
+from haptisym.verbs.stability.chains import RightRoots, Tendency
+from haptisym.verbs.stability.clocked import clocked_roots, passages_in
+from haptisym.verbs.stability.critical import Tally, meetings
+from haptisym.verbs.stability.entry import chosen
+from haptisym.verbs.stability.loops import Gap, Loop, Meetings
 from haptisym.verbs.tolerances.heldbox import count_at
+
+_MOST_WINDOWS = 8
+"""Of values about the scene's own, each about four times as wide as the one before it."""
+_BITS = 256
+
+
+def with_hands(scene: Scene, given: str | Hand | None) -> Scene:
+    """The scene in the hand that is asked about; its own if none is."""
+    found = scene if given is None else scene.with_hands(chosen(scene, given))
+    if not found.hands:
+        raise SceneError(f"whether a display is stable is asked of it in a hand: {how_to_give()}")
+    return found
+
+
+def of_hands(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> list[Callable[[], Solved]]:
+    """What finds the values for each hand of the scene that is asked about, and for every passive one."""
+    held = [hand for hand in scene.hands if stable_in(hand) in criteria]
+    found: list[Callable[[], Solved]] = [partial(solve_stable, scene, hand, free, asked) for hand in held]
+    if any(x.name == PASSIVE.name for x in criteria):
+        found.append(partial(solve_sampled if clocks(scene) else solve_passive, scene, free, asked))
+    return found
+
+
+def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
+    """All values with which no root of H_perc + m s^2 + b s + k lies in Re s >= 0. UndecidedError where none is known."""
+    if clocks(scene):
+        return _with_a_clock(scene, hand, free, asked)
+    loop = Loop.of(scene, hand, free)
+    window = window_of(loop, free, asked)
+    one_by_one, one_way, tally = RightRoots(loop), Tendency(loop), Tally(loop, window)
+    criterion = stable_in(hand)
+    turns = [
+        Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS if x.omega is not None else Kind.FAR),))
+        for x in window.found
+    ]
+
+    def verdict(value: Expr) -> bool | None:
+        return loop.exists(Rational(value)) and tally.at(value)[0] == 0
+
+    return Question(
+        turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x),
+        exists=lambda x: allowed(scene, free, x), gone=missing(scene, free), gaps=window.gaps,
+        fails=lambda low, high: one_by_one.everywhere(low, high) or one_way.everywhere(low, high), own=free.value,
+    ).solve()  # fmt: skip
+
+
+def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
+    """By Schur and Cohn's count between the values at which roots of the sampled loop reach the unit circle."""
+    loop, found = passages_in(scene, hand, free, (asked.low, asked.high))
+    criterion = stable_in(hand)
+    turns = [Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found.found]
+    beyond = (_rational(found.low), _rational(found.high))
+    alone = {x.value.value for x in found.found if isinstance(x.value, ExactNumber)} | {asked.low, asked.high}
+
+    def verdict(value: Expr) -> bool | None:
+        count, on = loop.count(Rational(value))
+        is_outside = count > on + loop.always
+        return count == 0 or (value in alone and not is_outside and _is_stable_at(scene, hand, free, value))
+
+    return Question(
+        turns, verdict, asked, closed=False, beyond=beyond, gone=missing(scene, free), own=free.value
+    ).solve()
+
+
+def _is_stable_at(scene: Scene, hand: Hand, free: Knob, value: Expr) -> bool:
+    """Whether it is at one value, where a root on the circle may cancel: a filter whose corner is 0 leaves nothing that stays."""
+    try:
+        if free.is_of_hand:
+            hand = hand.with_values({free.symbol.name: value})
+        else:
+            scene = free.put(scene, value)
+        return clocked_roots(scene, hand).number == 0
+    except SceneError:
+        return False
+
+
+def _rational(x: Fraction | None) -> Rational | None:
+    return None if x is None else Rational(x.numerator, x.denominator)
+
+
+def _is_clear(loop: Loop, turn: Turn) -> bool:
+    """Whether no root lies on the axis at a value after all: as where all but the hand's damping vanish at omega = 0."""
+    places = [b.omega for b in turn.bindings]
+    return loop.turns is False and all(x is not None and not _on_axis(loop, turn.value, x).contains(0) for x in places)
+
+
+def _on_axis(loop: Loop, value: RealNumber, omega: RealNumber) -> Any:
+    """A ball around the characteristic function at a frequency."""
+    with flint.ctx.workprec(_BITS):
+        at = acb(0, omega.ball(_BITS))
+        known: dict[Expr, Any] = {s: at, pi: acb(arb.pi()), loop.symbol: acb(value.ball(_BITS))}
+        known |= {exp(-s * lag): (-at * expression_ball(lag)).exp() for lag in loop.ring.lags}
+        known |= {s**order: at ** acb(expression_ball(order)) for order in loop.ring.orders}
+        return acb(loop.ring.ball(loop.top, known))
+
+
+def window_of(loop: Loop, free: Knob, asked: Domain) -> Meetings:
+    """The values with roots on the axis, as far as the domain goes where that is known."""
+    last: Meetings | None = None
+    try:
+        for found in islice(meetings(loop, free.value), _MOST_WINDOWS):
+            last = found if last is None else _wider(last, found)
+            if any(_meets(gap, asked) for gap in last.gaps):
+                continue
+            low = last.above is None or (asked.low is not None and bool(last.above <= asked.low))
+            high = last.below is None or (asked.high is not None and bool(last.below >= asked.high))
+            if low and high:
+                break
+    except UndecidedError as error:
+        if last is None:
+            raise
+        return _cut(last, str(error))
+    if last is None:
+        raise UndecidedError("where roots meet the imaginary axis")
+    return last
+
+
+def _cut(window: Meetings, reason: str) -> Meetings:
+    """What is beyond a window is left open for a reason."""
+    below = [] if window.above is None else [Gap(None, ExactNumber(window.above), reason)]
+    beyond = [] if window.below is None else [Gap(ExactNumber(window.below), None, reason)]
+    return Meetings(window.found, gaps=(*window.gaps, *below, *beyond))
+
+
+def _meets(gap: Gap, asked: Domain) -> bool:
+    """Whether a gap holds values that are asked about."""
+    low, high = (None if x is None else ExactNumber(x) for x in (asked.low, asked.high))
+    below = low is not None and gap.high is not None and ordered(gap.high, low) >= 0
+    return not below and not (high is not None and gap.low is not None and ordered(high, gap.low) >= 0)
+
+
+def _wider(one: Meetings, other: Meetings) -> Meetings:
+    """Two windows that both hold the scene's own value, as one."""
+    above = None if one.above is None or other.above is None else min(one.above, other.above)
+    below = None if one.below is None or other.below is None else max(one.below, other.below)
+    if (above, below) == (other.above, other.below):  # all of the first is in the second
+        return other
+    new = [x for x in other.found if not any(x.is_like(y) for y in one.found)]
+    return Meetings((*one.found, *new), above, below, other.gaps)
+
 
 _FAR = 1000  # times the value that a parameter has, where the range has no end
 _FURTHER = Rational(1, 64)  # of a range, beyond an end at which signs may change
 _FINEST, _LEAST = Rational(1, 1 << 11), Rational(1, 1 << 24)  # of the values, and of the range
 _MOST = 200
-_BITS = 64
+_ROUNDING_BITS = 64
 
 
 @dataclass(frozen=True)
@@ -161,7 +309,7 @@ def _enclosed(value: Expr) -> tuple[Rational, Rational]:
     """Rational numbers between which one lies."""
     if value.is_Rational:
         return value, value
-    low, high = ExactNumber(value).bounds(_BITS)
+    low, high = ExactNumber(value).bounds(_ROUNDING_BITS)
     return Rational(low.numerator, low.denominator), Rational(high.numerator, high.denominator)
 
 
@@ -411,7 +559,7 @@ def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[Turn]:
                 yield Turn(value, (Binding(PASSIVE, None, kind),))
 
 
-_BITS_SAMPLEDPASSIVE, _PIECES, _MOST_PIECES = 256, 16, 2000
+_PIECES, _MOST_PIECES = 16, 2000
 
 
 def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> Solved:
@@ -465,8 +613,8 @@ def _of_margins(margins: Sequence[RealFunction], free: Knob) -> Iterator[Turn]:
 
 def _is_positive(margins: Sequence[RealFunction], free: Knob, value: RealNumber) -> bool:
     """Whether damping is left over at all angles, proven, at a value that is known by balls."""
-    with flint.ctx.workprec(_BITS_SAMPLEDPASSIVE):
-        known = {free.symbol: value.ball(_BITS_SAMPLEDPASSIVE), pi: arb.pi()}
+    with flint.ctx.workprec(_BITS):
+        known = {free.symbol: value.ball(_BITS), pi: arb.pi()}
         waiting = [(f, arb(k) / _PIECES, arb(k + 1) / _PIECES) for f in margins for k in range(_PIECES)]
         looked = 0
         while waiting:

@@ -1,0 +1,378 @@
+"""What a criterion judges, over cells of band and parameters, in Taylor models: proven bounds on it and on its slopes.
+
+The excess r^2 - c^2 of one part is a program of the scene's chain. That of a JND region, or of a limit that depends on the
+frequency, is the largest of the smallest of smooth functions, as far as its sign and its zeros go, in one model (``joined``):
+of an ellipse it is one function, of a diamond two; a polygon has one for each edge. |G - 1|^2 - c^2, of effects in series, is
+what is judged whatever the environment, and nowhere less than the excess of one part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from sympy import Expr, Integer, Rational, S
+
+from haptisym.judge.bounds import ANY_ENVIRONMENT
+from haptisym.judge.crossings import Criterion
+from haptisym.judge.regions import Diamond, Ellipse, Polygon, Sided
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.symbols import c, omega
+from haptisym.model.jnd import Part
+from haptisym.model.knobs import Knob
+from haptisym.model.quantities import MotionKind
+from haptisym.model.scene import Scene
+from haptisym.programs.program import Program
+from haptisym.programs.taylormodels import Array, Model, Modelled, floated, valued, variable
+
+
+@dataclass(frozen=True)
+class Side:
+    """A parameter that varies: its symbol's name (``c``, ``c_real`` or ``c_imag`` for a threshold), lowest and highest value."""
+
+    name: str
+    low: Expr
+    high: Expr
+    unit: str = "1"
+
+    def at(self, share: Fraction) -> Expr:
+        """The exact value that share of the way from the lowest to the highest."""
+        return self.low + Rational(share.numerator, share.denominator) * (self.high - self.low)
+
+
+@dataclass(frozen=True)
+class Box:
+    """All values of a scene's parameters within their ranges."""
+
+    scene: Scene
+
+    @cached_property
+    def sides(self) -> tuple[Side, ...]:
+        """What varies, in the order of the scene; the threshold last."""
+        return tuple(_side(x) for x in self.scene.ranges().values())
+
+    def values(self, shares: Mapping[str, Fraction]) -> dict[str, Expr]:
+        """The exact values of what varies, each that share of its way."""
+        return {side.name: side.at(shares[side.name]) for side in self.sides}
+
+    def part_name(self, part: Part) -> str:
+        """The name of the side that is a part's threshold, if it varies."""
+        return self.scene.knobs.limits[part].name
+
+
+def _side(x: Knob) -> Side:
+    assert x.interval
+    return Side(x.name, *x.interval, x.unit_in(x.motion or MotionKind.TRANSLATION))
+
+
+def box_of(scene: Scene) -> Box:
+    """The box of a scene, without sides where ranges are of its hands alone; SceneError without any, or with a symbol."""
+    if not scene.threshold.is_box:
+        names = " and ".join(scene.threshold.ranges)
+        own = f"the JND has a range of {names}, which is no side of a box"
+        raise SceneError(f"{own}: `haptisym evaluate` tells its bandwidths; give it a number here")
+    box = Box(scene)
+    scene.knobs.need_numbers()
+    if not box.sides and not any(x.has_ranges for x in scene.hands):
+        raise SceneError('no parameter has a range: write one as "1.8 kg +- 5 %" or as ["1.7 kg", "1.9 kg"]')
+    return box
+
+
+_BENT = 7  # sides: with more of them the curvature of all slopes costs more than the cells that it spares
+
+
+class Excess:
+    """r^2 - c^2 of a criterion of one part, for every frequency of the band and every set of values of the box.
+
+    ``model`` takes cells, an array (cells, sides, 2): for omega, then for each side of the box, from which share of its way to
+    which, 0 the low end and 1 the high end.
+    """
+
+    def __init__(self, box: Box, criterion: Criterion) -> None:
+        part = criterion.part
+        if part is None:
+            raise SceneError(f"{criterion.words}: tolerances are told of criteria of one part alone")
+        self._over(box)
+        self._judges(box, criterion, part)
+        chain, exchanged = box.scene.chain.at(self._fixed).without_axis_zeros()
+        seen = part if not exchanged else Part.IMAG if part is Part.REAL else Part.REAL
+        self._name = f"squared_{seen.value}"
+        self._program = chain.program([self._name])
+        self._inputs = self._places(self._program)
+
+    def _judges(self, box: Box, criterion: Criterion, part: Part) -> None:
+        """By which threshold."""
+        c = box.part_name(part)
+        self._limit = 1 + self._names.index(c) if c in self._names else None
+        self._c = floated(criterion.threshold)
+
+    def _over(self, box: Box) -> None:
+        """What varies, and within which ends."""
+        self._names = [side.name for side in box.sides]
+        self._fixed = {p.symbol: p.value for p in box.scene.parameters if p.symbol.name not in self._names}
+        ends = [box.scene.band, *((side.low, side.high) for side in box.sides)]
+        self._intervals = [(floated(low), floated(high - low)) for low, high in ends]
+        self.sides = len(ends)
+        self.order = 2 if self.sides <= _BENT else 1
+
+    def _places(self, program: Program) -> list[int]:
+        """Of each input of a program the number of its side, omega being that of 0."""
+        return [0, *(1 + self._names.index(x.name) for x in program.inputs[1:])]
+
+    @cached_property
+    def is_zero(self) -> bool:
+        """Whether r is 0 everywhere."""
+        return bool(self._program.operations[self._program.results[self._name]].value == 0)
+
+    def model(self, cells: Array, *, slopes: int | None = None) -> Model:
+        """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole may lie in the cell.
+
+        ``slopes`` : of which order; none if 0, and whatever suits so many sides if not said.
+        """
+        slopes = self.order if slopes is None else slopes
+        with np.errstate(all="ignore"):  # what is not finite is unknown, which every caller asks about
+            inputs = [self._variable(i, cells, slopes=slopes) for i in self._inputs]
+            square = self._square(inputs)
+            c = inputs[0].number(self._c) if self._limit is None else self._variable(self._limit, cells, slopes=slopes)
+            minus = -(c * c)
+            return minus + square if isinstance(square, Model) else minus.plus(square)
+
+    def _square(self, inputs: Sequence[Model]) -> Model | float:
+        return Modelled(self._program).run(inputs)[self._name]
+
+    @cached_property
+    def matters(self) -> Array:
+        """For omega and each side, whether the excess depends on it."""
+        limit = np.array([i == self._limit for i in range(self.sides)])
+        return limit | self._used(self._program)
+
+    def _used(self, program: Program) -> Array:
+        """For omega and each side, whether the results of a program depend on it; of omega it is said anyway."""
+        steps = [program.operations[i] for i in program.needed(program.results.values())]
+        used = {step.arguments[0] for step in steps if step.name == "input"}
+        inputs = self._places(program)
+        places = {0, *(inputs[i] for i in used)}
+        return np.array([i in places for i in range(self.sides)])
+
+    def _variable(self, i: int, cells: Array, *, slopes: int) -> Model:
+        (low, width), (start, end) = self._intervals[i], cells[:, i].T
+        middle, radius = low + width * (start + end) / 2, width * (end - start) / 2
+        size = abs(low) + width * np.maximum(np.abs(start), np.abs(end))
+        return variable(middle, radius, size, i, self.sides, slopes=slopes)
+
+
+class LargerExcess(Excess):
+    """|G - 1|^2 - c^2 of a criterion of one part, or for any environment: of effects in series r is never larger."""
+
+    def __init__(self, box: Box, criterion: Criterion) -> None:
+        self._over(box)
+        self._judges(box, criterion, criterion.part or Part.REAL)
+        self._program = box.scene.chain.at(self._fixed).program(_RELATIVE)
+        self._inputs = self._places(self._program)
+
+    @cached_property
+    def is_zero(self) -> bool:
+        """Whether G is 1 everywhere."""
+        return all(self._program.operations[self._program.results[x]].value == 0 for x in _RELATIVE)
+
+    def _square(self, inputs: Sequence[Model]) -> Model:
+        found = Modelled(self._program).run(inputs)
+        x, y = (v if isinstance(v, Model) else inputs[0].number(v) for v in (found[name] for name in _RELATIVE))
+        return x * x + y * y
+
+
+_RELATIVE = ("relative_real", "relative_imag")
+
+
+def joined(terms: Sequence[Sequence[Model]]) -> Model:
+    """A model with the sign and the zeros of max over ``terms`` of the min over each.
+
+    In a cell only those functions count whose sign is not known there while it decides that of the whole. The model encloses
+    each of them, value and slopes: a slope that keeps its sign is that of all of them, and so of what they make. Where none
+    counts it is a number of the known sign.
+    """
+    signs = [[_sign(f) for f in term] for term in terms]
+    alive = [np.logical_and.reduce([sign >= 0 for sign in term]) for term in signs]
+    positive = np.logical_or.reduce([np.logical_and.reduce([sign > 0 for sign in term]) for term in signs])
+    first = terms[0][0]
+    found, known = first.number(1.0).where(positive, first.number(-1.0)), np.zeros(len(positive), dtype=bool)
+    for own, term, of_term in zip(alive, terms, signs, strict=True):
+        for f, sign in zip(term, of_term, strict=True):
+            counts = own & (sign == 0) & ~positive
+            found = f.where(counts & ~known, enclosing(found, f).where(counts & known, found))
+            known |= counts
+    return found
+
+
+def _sign(f: Model) -> Array:
+    """Of the value: 0 where it is not known."""
+    low, high = (x[:, 0] for x in f.bounds())
+    return np.where(low > 0, 1, np.where(high < 0, -1, 0))
+
+
+def enclosing(f: Model, g: Model) -> Model:
+    """A model within which both lie, with their slopes."""
+    middle = [(a + b) / 2 for a, b in zip(f.arrays[:3], g.arrays[:3], strict=True)]
+    c0, c1, c2 = (np.abs(a - b) / 2 for a, b in zip(f.arrays[:3], g.arrays[:3], strict=True))
+    r = (c0 + Model(c0, c1, c2, np.maximum(f.r, g.r)).deviation) * (1 + 1e-14)
+    return Model(middle[0], middle[1], middle[2], r + 1e-14 * (np.abs(middle[0]) + np.abs(f.c0)))
+
+
+Terms: TypeAlias = list[list[Model]]
+_FIELDS = ("real", "imag", "environment_real", "environment_imag")
+_SQUARED = ("squared_real", "squared_imag")
+
+
+def excess_of(box: Box, criterion: Criterion) -> Excess:
+    """What must not be positive of a criterion, over cells."""
+    if criterion.name == ANY_ENVIRONMENT.name:
+        return LargerExcess(box, criterion)
+    is_plain = criterion.region is None and not criterion.threshold.has(omega)
+    return Excess(box, criterion) if is_plain else RegionalExcess(box, criterion)
+
+
+class RegionalExcess(Excess):
+    """Of a criterion with a region, or with a formula in omega as its limit; has the sign and the zeros of what it judges."""
+
+    def __init__(self, box: Box, criterion: Criterion) -> None:
+        self._over(box)
+        self._criterion, self._limit = criterion, None
+        threshold = box.scene.threshold
+        if criterion.region and threshold.interval(Part.REAL):  # one for both half widths
+            self._criterion = replace(criterion, region=criterion.region.opened(dict.fromkeys(Part, c)))
+            self._limit = 1 + self._names.index(box.part_name(Part.REAL))
+        chain = box.scene.chain.at(self._fixed)
+        relative, _ = chain.without_axis_zeros()
+        environments = (chain.ring.convert(x.environment) for x in (chain, relative))
+        powers = [int(n) for n, *_ in (next(environments) / next(environments)).reduced().numerator.monoms()]
+        if len(powers) > 1 and isinstance(criterion.region, Polygon):  # changes its side where H_env changes its sign
+            relative, powers = chain, [0]
+        self._turns, self._from_rest = max(powers) % 4, len(powers) == 1
+        self._relative, self._plain = relative.program([*_SQUARED, *_FIELDS]), chain.program(_FIELDS)
+
+    @cached_property
+    def is_zero(self) -> bool:
+        """Whether nothing of what is judged changes anywhere."""
+        parts = [self._criterion.part] if self._criterion.part else list(Part)
+        steps, results = self._relative.operations, self._relative.results
+        return all(steps[results[f"squared_{seen_as(part, self._turns).value}"]].value == 0 for part in parts)
+
+    @cached_property
+    def matters(self) -> Array:
+        """For omega and each side, whether the excess may depend on it."""
+        limit = np.array([i == self._limit for i in range(self.sides)])
+        return limit | self._used(self._relative) | self._used(self._plain)
+
+    def model(self, cells: Array, *, slopes: int | None = None) -> Model:
+        """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole may lie in the cell."""
+        slopes = self.order if slopes is None else slopes
+        with np.errstate(all="ignore"):  # what is not finite is unknown, which every caller asks about
+            at = self._variable(0, cells, slopes=slopes)
+            relative, plain = (self._run(x, cells, at, slopes=slopes) for x in (self._relative, self._plain))
+            known: dict[Expr, Model] = {omega: at}
+            if self._limit is not None:
+                known[c] = self._variable(self._limit, cells, slopes=slopes)
+            return joined(Changes(relative, plain, known, self._turns, self._from_rest).terms(self._criterion))
+
+    def _run(self, program: Program, cells: Array, at: Model, *, slopes: int) -> dict[str, Model]:
+        found = Modelled(program).run([self._variable(i, cells, slopes=slopes) for i in self._places(program)])
+        return {name: x if isinstance(x, Model) else at.number(x) for name, x in found.items()}
+
+
+def seen_as(part: Part, turns: int) -> Part:
+    """Which part shows a part of what was turned by a number of quarters."""
+    return part if turns % 2 == 0 else Part.IMAG if part is Part.REAL else Part.REAL
+
+
+@dataclass(frozen=True)
+class Changes:
+    """x = Re dH/|H_env| and y = Im dH/|H_env| over cells, and what a criterion makes of them.
+
+    ``relative`` : fields of a chain with the same ratios, in which all is ``turns`` quarters behind; ``plain``: of the chain.
+    ``known`` : what omega, and the half width c where it varies, are over the cells. ``from_rest`` : whether these chains differ
+    by a power of s alone.
+    """
+
+    relative: Mapping[str, Model]
+    plain: Mapping[str, Model]
+    known: Mapping[Expr, Model]
+    turns: int
+    from_rest: bool = False
+
+    def terms(self, criterion: Criterion) -> Terms:
+        """The functions of which the largest of the smallest is positive where a change is noticed."""
+        region = criterion.region
+        if isinstance(region, Ellipse):
+            return [[self._ellipse(region)]]
+        if isinstance(region, Diamond):
+            return [[self._quadric(region.real, region.imag, Integer(sign))] for sign in (1, -1)]
+        if isinstance(region, Polygon):
+            x, y = self._xy
+            return [[(self._times(p, x) + self._times(q, y)).plus(-1.0)] for p, q in region.edges]
+        if isinstance(region, Sided):
+            return self._sided(region)
+        assert criterion.part
+        return [[self._beyond(criterion.part, criterion.threshold)]]
+
+    def _ellipse(self, region: Ellipse) -> Model:
+        root = 1 - region.tilt**2
+        return self._quadric(region.real, region.imag, -region.tilt, root)
+
+    def _quadric(self, a: Expr, b: Expr, t: Expr, whole: Expr = S.One) -> Model:
+        """a b times (x/a)^2 + 2 t (x/a)(y/b) + (y/b)^2 - whole."""
+        squares = self._times(b / a, self._square(Part.REAL)) + self._times(a / b, self._square(Part.IMAG))
+        found = squares - self._constant(a * b * whole)
+        return found if t == 0 else found + self._times(2 * t, self._product)
+
+    def _sided(self, region: Sided) -> Terms:
+        own = self.plain[region.part.value]
+        larger, smaller = (self._beyond(region.part, x) for x in (region.higher, region.lower))
+        least = [] if region.floor is None else [own * own - self._constant(region.floor**2)]
+        if not region.has_sides:
+            return [[larger, *least]]
+        growth = self._growth(region.part)
+        return [[growth, larger, *least], [-growth, smaller, *least], [larger, smaller, *least]]
+
+    def _growth(self, part: Part) -> Model:
+        """|H_perc|^2 - |H_env|^2 of a part: of what H_env vanishes with at omega = 0 alone nothing is left in it."""
+        fields, seen = (self.relative, seen_as(part, self.turns)) if self.from_rest else (self.plain, part)
+        return fields[seen.value] * (fields[seen.value] + fields[f"environment_{seen.value}"].times(2.0))
+
+    def _beyond(self, part: Part, limit: Expr) -> Model:
+        return self._square(part) - self._constant(limit**2)
+
+    def _square(self, part: Part) -> Model:
+        return self.relative[f"squared_{seen_as(part, self.turns).value}"]
+
+    @cached_property
+    def _product(self) -> Model:
+        """x y."""
+        found = self.relative["real"] * self.relative["imag"] / self._modulus
+        return -found if self.turns % 2 else found
+
+    @cached_property
+    def _modulus(self) -> Model:
+        R, X = self.relative["environment_real"], self.relative["environment_imag"]
+        return R * R + X * X
+
+    @cached_property
+    def _xy(self) -> tuple[Model, Model]:
+        size = self._modulus.to_the(self._at.number(0.5))
+        x, y = self.relative["real"] / size, self.relative["imag"] / size
+        for _ in range(self.turns):
+            x, y = -y, x
+        return x, y
+
+    def _times(self, factor: Expr, x: Model) -> Model:
+        return x * self._constant(factor) if factor.free_symbols else x.times(floated(factor))
+
+    def _constant(self, x: Expr) -> Model:
+        return valued(x, self.known, self._at)
+
+    @property
+    def _at(self) -> Model:
+        return self.known[omega]
