@@ -34,7 +34,7 @@ from haptisym.verbs.measured.entry import MeasuredEvaluation
 from haptisym.verbs.metrics.entry import metrics
 from haptisym.verbs.metrics.metric import Metrics
 from haptisym.verbs.require.designmap import DesignMap, design_map
-from haptisym.verbs.require.entry import require
+from haptisym.verbs.require.required import require
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.sensitivity.entry import Sensitivities, sensitivity
 from haptisym.verbs.simulate.entry import check, simulate
