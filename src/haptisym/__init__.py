@@ -13,8 +13,8 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.percepts import Change, Percept, Property
 from haptisym.kernel.errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.rings import omega, s, symbols
 from haptisym.kernel.roots import Interval, Point
-from haptisym.kernel.symbols import omega, s, symbols
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Part, Threshold

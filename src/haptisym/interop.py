@@ -23,8 +23,7 @@ from haptisym import effects, environments
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.rings import PolynomialRing, RationalFunction, degree_in
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import PolynomialRing, RationalFunction, degree_in, s
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.measured import Measurement
 from haptisym.model.quantities import Dimension, decimal, in_laplace, quantity

@@ -19,10 +19,9 @@ from hypothesis import strategies as st
 from marks import examples
 from sympy import Integer, Rational, Symbol, pi
 
-from haptisym.kernel.analytic import AnalyticFactor
-from haptisym.kernel.bernstein import Stretch, range_of
-from haptisym.kernel.jets import Jet, coefficients, narrowest, over_cell, parts, polynomial
-from haptisym.kernel.jets import value as value_of
+from haptisym.kernel.enclosures import Jet, Stretch, coefficients, narrowest, over_cell, parts, polynomial, range_of
+from haptisym.kernel.enclosures import value as value_of
+from haptisym.kernel.factors import AnalyticFactor
 from haptisym.kernel.reals import bounds, dyadic, expression_ball
 from haptisym.kernel.waves import (
     WaveSum,

@@ -47,8 +47,7 @@ from sympy import (
 import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import kelvin_voigt, mass_spring_damper
-from haptisym.kernel.alike import ALIKE_BITS, ascending, each_once, ordered
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.factoring import discriminant, resultant
 from haptisym.kernel.pulse import Exponentials
 from haptisym.kernel.reals import (
@@ -66,10 +65,8 @@ from haptisym.kernel.reals import (
     rounded,
     short,
 )
-from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
-from haptisym.kernel.rings import Polynomial, PolynomialRing, degree_in, irreducible
-from haptisym.kernel.roots import chart, sign_of_number
-from haptisym.kernel.symbols import omega, s
+from haptisym.kernel.rings import Polynomial, PolynomialRing, degree_in, irreducible, omega, s
+from haptisym.kernel.roots import ALIKE_BITS, ascending, chart, each_once, ordered, sign_of_number
 from haptisym.kernel.turns import is_zero as is_zero_turn
 from haptisym.kernel.turns import vanishes
 

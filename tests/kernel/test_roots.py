@@ -25,17 +25,13 @@ from sympy import Expr, Integer, Poly, Rational, Symbol, acos, asin, exp, expand
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.crossings import noticed, opened
-from haptisym.kernel.alike import in_order
-from haptisym.kernel.analytic import AnalyticFactor
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
+from haptisym.kernel.factors import AnalyticFactor, Level, PolynomialFactor, algebraic
 from haptisym.kernel.far import Sense, far
-from haptisym.kernel.lattices import Lattice
-from haptisym.kernel.polynomials import Level, PolynomialFactor, algebraic
 from haptisym.kernel.reals import ExactNumber, bounds, dyadic
-from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
-from haptisym.kernel.roots import Chart, chart
+from haptisym.kernel.rings import c, omega, s
+from haptisym.kernel.roots import Chart, Lattice, chart, in_order
 from haptisym.kernel.solutions import solve
-from haptisym.kernel.symbols import c, omega, s
 from haptisym.kernel.waves import WaveTerm
 from haptisym.kernel.zeros import Undecided, Zero, clear_of, is_clear, isolated, sign_of, tightened
 from haptisym.model import catalogue

@@ -25,7 +25,7 @@ from sympy.physics.control import Feedback, Parallel, Series, StateSpace, Transf
 
 import haptisym as hs
 from haptisym import effects, environments, interop
-from haptisym.kernel.symbols import X
+from haptisym.kernel.rings import X
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS
 from haptisym.model.distortion import distort
 from haptisym.model.sampled import METHODS

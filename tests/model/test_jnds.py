@@ -19,7 +19,7 @@ from sympy import I, Integer, Rational, pi, sqrt
 
 import haptisym as hs
 from haptisym.cli import app
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
 from haptisym.model.jnd import Part, positive, read_threshold
 from haptisym.model.published import DIGITS, Conversion
 

@@ -21,7 +21,7 @@ import haptisym as hs
 from haptisym.judge.crossings import noticed
 from haptisym.judge.regions import Sided
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.model.jnd import read_threshold
 from haptisym.programs.series import series_arithmetic
 from haptisym.verbs.effects.differences import WIDTH, BallChain, BandPiece, Difference, Kept, levels

@@ -17,8 +17,8 @@ from windings import winding
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain
-from haptisym.kernel.symbols import s
 from haptisym.verbs.stability.held import Share, held, imposed, whole_box, zeros_of
 
 E, F = hs.environments, hs.effects

@@ -21,7 +21,7 @@ from valuesets import ends
 
 import haptisym as hs
 from haptisym.figures.require import draw_requirement
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
 from haptisym.pages.sections import when_of_region
 from haptisym.verbs.require.feasible import End, Kind
 from haptisym.writing.boxes import Name

@@ -23,7 +23,7 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.kernel.budget import timed_by
 from haptisym.kernel.errors import LimitError
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, effect, environment
 from haptisym.model.parameters import Slot, Stiffness
 from haptisym.model.quantities import Dimension

@@ -29,9 +29,9 @@ from sympy import Expr, Integer, Rational, S, sqrt
 from haptisym.judge.crossings import JOINT, Criterion, kept, level, noticed
 from haptisym.judge.peaks import SCALE, Envelope, Largest, Maximum, Peak, ValueAt, moved, nominal_of, split
 from haptisym.judge.regions import Term
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, UndecidedError
-from haptisym.kernel.lattices import Lattice
-from haptisym.kernel.polynomials import Level
+from haptisym.kernel.factors import Level
 from haptisym.kernel.reals import (
     Ball,
     ExactNumber,
@@ -41,8 +41,7 @@ from haptisym.kernel.reals import (
     at_rising_precision,
     expression_ball,
 )
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.roots import Chart, Interval, Key, Point, chart
+from haptisym.kernel.roots import Chart, Interval, Key, Lattice, Point, chart
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.parameters import ExactRange

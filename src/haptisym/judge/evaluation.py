@@ -49,12 +49,11 @@ from haptisym.judge.percepts import (
     without_friction,
 )
 from haptisym.judge.regions import Polygon
-from haptisym.kernel.analytic import Turned
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.polynomials import PolynomialFactor, Root
+from haptisym.kernel.factors import PolynomialFactor, Root, Turned
+from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import ExactNumber, RealNumber, bits_for, whole
 from haptisym.kernel.roots import Chart, Interval, Point, chart
-from haptisym.kernel.shown import Shown, counted, titled
 from haptisym.kernel.zeros import Zero
 from haptisym.model.catalogue import Effect
 from haptisym.model.caveats import caveats

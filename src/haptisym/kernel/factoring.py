@@ -1,15 +1,8 @@
-"""From real functions to irreducible factors, each an exact polynomial or an analytic function.
+"""From real functions to irreducible factors; discriminants and resultants.
 
-From real functions to irreducible factors, each an exact polynomial or an analytic function.
-
-Discriminants and resultants of polynomials with whole numbers and few further variables: by values modulo primes, exact.
-
-An eliminant is taken modulo word-sized primes at the points of a grid, where its polynomials have one variable, then
-interpolated, then put together by the Chinese remainder theorem. How many points and primes suffice is proven. Each term of
-the discriminant of c_0 + ... + c_n x^n is a product of 2 n - 2 coefficients whose indices add up to n (n - 1); each term of the
-resultant with d_0 + ... + d_m x^m is one of m coefficients c and n coefficients d, with indices that add up to n m. Hence, if
-l(c_j) <= a + b j and l(d_j) <= a' + b j, where l is the degree in a further variable, or the logarithm of the sum of the
-absolute values of all numbers in it, that of a term is at most (2 n - 2) a + n (n - 1) b, or m a + n a' + n m b.
+A function is factored over Q; denominators are mostly alike, so that factors known from before are tried first. In a ring the
+half-angle tangents of delays and the angle of a power of s are free of each other; where they are not, and a factor vanishes
+everywhere or is a multiple of another one, that is looked at here.
 """
 
 from __future__ import annotations
@@ -20,25 +13,65 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache, reduce
 from itertools import combinations, compress, count
-from math import ceil, floor, gcd, inf, log2
-from operator import index
+from math import ceil, floor, gcd, inf, log2, prod
+from operator import ge, index
 from typing import Any, TypeAlias
 
 import flint
 from flint import arb, fmpq, fmpz, nmod_mat, nmod_poly
 from sympy import Expr, Integer
 
-from haptisym.kernel.analytic import AnalyticFactor, PeriodicFactor
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.pieces import pieces, sign_between
-from haptisym.kernel.polynomials import Level, PolynomialFactor, polynomial_factors
-from haptisym.kernel.response import RealFunction
+from haptisym.kernel.factors import AnalyticFactor, Level, PeriodicFactor, PolynomialFactor, polynomial_factors
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.kernel.turns import vanishes
 from haptisym.kernel.waves import WaveTerm
 from haptisym.kernel.zeros import Factor, is_clear, sign_of
+
+Pieces: TypeAlias = list[tuple[Polynomial, int]]
+"""Polynomials, and how often each is a factor."""
+
+
+def pieces(
+    parts: Sequence[Polynomial], axis: Axis, known: Sequence[Polynomial], *, longest: float, in_square: bool
+) -> tuple[int, Pieces]:
+    """The sign of a number and the irreducible factors of a product of polynomials, but for circles 1 + tan^2.
+
+    ``known`` : irreducible polynomials that are tried first on parts of at most ``longest`` terms.
+    """
+    sign, found = 1, Pieces()
+    for part in parts:
+        apart, rest = axis.without_circles(part)[0], Pieces()
+        if len(apart) <= longest:
+            rest, apart = _divided(apart, known)
+        number, factors = axis.factors(apart, in_square=in_square)
+        sign *= 1 if number.p > 0 else -1
+        found += [*rest, *factors]
+    return sign, found
+
+
+def sign_between(polynomial: Polynomial, parts: Sequence[Polynomial]) -> int:
+    """The sign of the number by which a polynomial is the product of others."""
+    return 1 if polynomial.leading_coefficient() * prod(x.leading_coefficient() for x in parts) > 0 else -1
+
+
+def _divided(polynomial: Polynomial, known: Sequence[Polynomial]) -> tuple[Pieces, Polynomial]:
+    """The known factors of a polynomial, how often each is in it, and what is left."""
+    found, degrees = Pieces(), polynomial.degrees()
+    for factor in known:
+        if len(factor) > 1 and all(map(ge, degrees, factor.degrees())):
+            often = 0
+            quotient, rest = divmod(polynomial, factor)
+            while rest.is_zero():
+                polynomial, often = quotient, often + 1
+                quotient, rest = divmod(polynomial, factor)
+            if often:
+                found.append((factor, often))
+    return found, polynomial
+
 
 _SHORT = 16  # terms of a polynomial above the line for which known factors are tried first
 

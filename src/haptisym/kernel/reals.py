@@ -28,7 +28,7 @@ from sympy import Expr, Integer, Pow, Rational, cos, log, pi, sin, sinc, tan
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.shown import Viewed
+from haptisym.kernel.objects import Viewed
 
 
 def whole(name: str, given: SupportsIndex, least: int = 1, most: int | None = None, *, of: str = "") -> int:
@@ -224,6 +224,21 @@ class SquareRoot(RealNumber):
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
             return self.square.ball(bits).max(arb(0)).sqrt()
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Hertz(RealNumber):
+    """A frequency in Hz, as certain as the one in rad/s.
+
+    >>> Hertz(ExactNumber(3 * pi)).digits(3)
+    '1.50'
+    """
+
+    omega: RealNumber
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return self.omega.ball(bits) / (2 * arb.pi())
 
 
 _FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {cos: arb.cos, sin: arb.sin, tan: arb.tan, sinc: arb.sinc, log: arb.log}

@@ -1,10 +1,4 @@
-"""Exact quotients of polynomials: the arithmetic under every closed form.
-
-The terms of a polynomial, for loops over them.
-
-A quick proof that a polynomial in several variables is irreducible.
-
-Exact quotients of polynomials: the arithmetic under every closed form.
+"""The symbols that every formula shares, and exact quotients of polynomials: the arithmetic under every closed form.
 
 A ring holds polynomials over the rational numbers in a frequency variable, ``pi``, the parameters and whatever else a
 formula is made of (``exp(-s tau)``, ``s^alpha``, ``cos(omega tau)``): each is one more variable. ``pi`` is transcendental
@@ -25,15 +19,53 @@ from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
 from sympy import Add, Expr, Integer, Mul, Rational, Symbol, pi
 
 from haptisym.kernel.budget import afford
-from haptisym.kernel.errors import SceneError
-from haptisym.kernel.symbols import conflicting
+from haptisym.kernel.errors import SceneError, need
+
+s = Symbol("s")
+"""Laplace variable, rad/s; plain, so that an ordinary ``Symbol("s")`` of the user is the same one."""
+
+omega = Symbol("omega", positive=True)
+"""Angular frequency, rad/s."""
+
+c = Symbol("c", positive=True)
+"""JND threshold, a fraction of ``|H_env|`` (eq. 4)."""
+
+X = Symbol("X")
+"""Complex amplitude of the hand's motion, m or rad (eqs. 5 and 6)."""
+
+
+def symbols(names: str) -> tuple[Symbol, ...] | Symbol:
+    """Positive SymPy symbols, for parameters; one symbol if ``names`` holds one name.
+
+    >>> m, b, k = symbols("m b k")
+    >>> m.is_positive
+    True
+    >>> symbols("omega_n")
+    omega_n
+    """
+    need("symbols", names, str, 'give names in one string, as "m b k"')
+    made = tuple(Symbol(name, positive=True) for name in names.replace(",", " ").split())
+    return made[0] if len(made) == 1 else made
+
+
+def conflicting(expressions: list[Expr]) -> Symbol | None:
+    """A symbol that shares its name, but not its assumptions, with another one; None if there is none.
+
+    >>> conflicting([Symbol("m") + Symbol("m", positive=True)]) is None
+    False
+    """
+    seen: dict[str, Symbol] = {}
+    for symbol in {x for e in expressions for x in e.free_symbols}:
+        if seen.setdefault(symbol.name, symbol) != symbol:
+            return symbol
+    return None
 
 
 def monomials(polynomial: Any) -> Iterator[tuple[tuple[Any, ...], Any]]:
     """The exponents of each term, and its coefficient: what ``to_dict().items()`` gives, in less than a third of its time.
 
     >>> from haptisym.kernel.rings import PolynomialRing
-    >>> from haptisym.kernel.symbols import s
+    >>> from haptisym.kernel.rings import s
     >>> [(int(power), value) for (power, _), value in monomials(PolynomialRing(s).variable ** 2 - 3)]
     [(2, 1), (0, -3)]
     """
@@ -114,7 +146,7 @@ class PolynomialRing:
     def convert(self, expression: Expr) -> RationalFunction:
         """The element that a SymPy expression is; SceneError where it is none.
 
-        >>> from haptisym.kernel.symbols import s
+        >>> from haptisym.kernel.rings import s
         >>> PolynomialRing(s).convert(1 / s + s / (s + 1)).expression()
         (s**2 + s + 1)/(s*(s + 1))
         """
@@ -182,7 +214,7 @@ class PolynomialRing:
     ) -> tuple[Rational, list[tuple[Polynomial, int]]]:
         """A number and the factors over Q; of an even polynomial, unless told otherwise, those in the square of the variable.
 
-        >>> from haptisym.kernel.symbols import s
+        >>> from haptisym.kernel.rings import s
         >>> ring = PolynomialRing(s)
         >>> [ring.expression(f) for f, _ in ring.factors(ring.variable**4 + 4)[1]]   # not (s^2 - 2 s + 2) (s^2 + 2 s + 2)
         [s**4 + 4]

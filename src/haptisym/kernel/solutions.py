@@ -36,11 +36,10 @@ from sympy import (
 )
 
 from haptisym.kernel.axis import Axis
+from haptisym.kernel.dynamics import RealFunction
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, expression_ball
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials
-from haptisym.kernel.shown import Shown
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials, omega
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,7 +82,7 @@ def solve(function: RealFunction) -> tuple[Solution, ...]:
 
     >>> from sympy import symbols
     >>> from haptisym.kernel.dynamics import Ring
-    >>> from haptisym.kernel.symbols import omega
+    >>> from haptisym.kernel.rings import omega
     >>> m, k = symbols("m k", positive=True)
     >>> f = RealFunction(Ring([m, k]).axis.convert(k - m * omega**2))
     >>> [solution.omega for solution in solve(f)]
@@ -231,7 +230,7 @@ FunctionTerms: TypeAlias = tuple[tuple[Expr, Polynomial], ...]
 class Equation:
     """F = 0 for a frequency; F is a polynomial in omega, the parameters and functions of them (cos(omega tau), omega^alpha).
 
-    >>> from haptisym.kernel.symbols import symbols
+    >>> from haptisym.kernel.rings import symbols
     >>> m, k = symbols("m k")
     >>> ring = PolynomialRing(omega, [m, k])
     >>> Equation(ring, ring.convert(k - m * omega**2).numerator).slope(k).expression()

@@ -23,8 +23,8 @@ import flint
 from flint import arb, fmpq
 from sympy import Expr
 
-from haptisym.kernel.bernstein import Stretch
 from haptisym.kernel.budget import Waiting, tick
+from haptisym.kernel.enclosures import Stretch
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import MOST_BITS, Ball, RealNumber, at_rising_precision, expression_ball
 

@@ -16,8 +16,8 @@ from typing import Any, TypeAlias, get_args, get_type_hints
 from sympy import Expr, Integer, Pow, Symbol, nan, pi, zoo
 
 from haptisym.kernel.errors import SceneError, SignError, meant, quoted
-from haptisym.kernel.shown import Shown
-from haptisym.kernel.symbols import s
+from haptisym.kernel.objects import Shown
+from haptisym.kernel.rings import s
 from haptisym.model import expressions
 from haptisym.model.parameters import (
     NAMED,

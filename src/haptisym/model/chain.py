@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 from sympy import Expr, Symbol
 
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import Ring, on_axis
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.response import on_axis
 from haptisym.kernel.rings import Polynomial, RationalFunction, cleared
-from haptisym.kernel.symbols import c as threshold
+from haptisym.kernel.rings import c as threshold
 from haptisym.model.catalogue import Matrix
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import in_place

@@ -11,15 +11,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from sympy import Abs, Expr, Poly, Rational, Symbol, im, lambdify, re, sqrt
 
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import SceneError, meant, need, quoted
+from haptisym.kernel.objects import Shown, counted
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.response import RealFunction, Response, on_axis, squared_modulus
-from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.shown import Shown, counted
+from haptisym.kernel.rings import RationalFunction, omega, s
+from haptisym.kernel.rings import c as symbol_c
 from haptisym.kernel.solutions import Solution
-from haptisym.kernel.symbols import c as symbol_c
-from haptisym.kernel.symbols import omega, s
 from haptisym.model import solved
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.chain import Chain
@@ -202,7 +200,7 @@ class Distortion(Shown):
         return self._told(self.relative_form(Part.IMAG)[0])
 
     def form(self, part: Part) -> tuple[Expr, bool]:
-        """Re or Im dH in ``kernel.symbols.omega``, as short as is known; and whether that is in lowest terms."""
+        """Re or Im dH in ``kernel.rings.omega``, as short as is known; and whether that is in lowest terms."""
 
         def others() -> Expr:
             return self._factors.part(part, part_of(self.env_response, part).factored())
@@ -237,7 +235,7 @@ class Distortion(Shown):
         with each effect, and are what code should compute. SceneError for another name.
 
         >>> from haptisym import effects, environments
-        >>> from haptisym.kernel.symbols import symbols
+        >>> from haptisym.kernel.rings import symbols
         >>> found = distort(environments.mass_spring_damper(k=symbols("k")), effects.first_order_lag(symbols("w"))).steps("real")
         >>> found.definitions, found.results
         (((M, omega**2 + w**2), (E, -k*omega**2)), {'real': E/M})
@@ -336,7 +334,7 @@ class Distortion(Shown):
         on a ``band`` if one is given, as a display with a delay needs.
 
         >>> from haptisym import effects, environments
-        >>> from haptisym.kernel.symbols import symbols
+        >>> from haptisym.kernel.rings import symbols
         >>> lag = effects.first_order_lag(symbols("w"))
         >>> [x.omega for x in distort(environments.mass_spring_damper(k=symbols("k")), lag).crossings("real")]
         [sqrt(c)*w*sqrt(1/(1 - c))]
@@ -386,7 +384,7 @@ class Distortion(Shown):
         """The leading terms of dH, Re dH and Im dH ``at`` 0 or oo.
 
         >>> from haptisym import effects, environments
-        >>> from haptisym.kernel.symbols import symbols
+        >>> from haptisym.kernel.rings import symbols
         >>> distort(environments.mass_spring_damper(k=symbols("k")), effects.delay(symbols("tau"))).asymptote().imag
         -k*omega*tau
         """
@@ -399,7 +397,7 @@ class Distortion(Shown):
         SceneError where H_perc is infinite at s = 0, or not rational in s but for delays.
 
         >>> from haptisym import effects, environments
-        >>> from haptisym.kernel.symbols import symbols
+        >>> from haptisym.kernel.rings import symbols
         >>> k, b, tau = symbols("k b tau")
         >>> distort(environments.mass_spring_damper(k=k), effects.wave_variables(b, tau)).low_frequency.stiffness
         b*k/(b + k*tau)
@@ -436,7 +434,7 @@ class Distortion(Shown):
         With symbols: while the root is real and positive (the numerator of Re H_env has degree 1 or 2 in omega^2).
 
         >>> from haptisym.environments import mass_spring_damper
-        >>> from haptisym.kernel.symbols import symbols
+        >>> from haptisym.kernel.rings import symbols
         >>> distort(mass_spring_damper(*symbols("m b k"))).changeover_environment
         sqrt(k)/sqrt(m)
         """

@@ -10,8 +10,8 @@ from sympy import Expr
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, need
-from haptisym.kernel.shown import Shown, titled
-from haptisym.kernel.symbols import c
+from haptisym.kernel.objects import Shown, titled
+from haptisym.kernel.rings import c
 from haptisym.model.jnd import Threshold
 from haptisym.model.parameters import free_name
 from haptisym.model.quantities import Number

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 from sympy import Expr, Integer, Poly, Symbol
 
 from haptisym.kernel.errors import SceneError, meant
-from haptisym.kernel.shown import Shown
-from haptisym.kernel.symbols import s
+from haptisym.kernel.objects import Shown
+from haptisym.kernel.rings import s
 from haptisym.model.catalogue import Effect
 from haptisym.model.parameters import Parameter, Rule, Slot, read_parameter, renamed, values, with_values
 from haptisym.model.quantities import Dimension, MotionKind, Number

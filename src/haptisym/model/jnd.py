@@ -18,12 +18,11 @@ from typing import Any, TypeAlias
 
 from sympy import Expr, Integer, Rational, pi
 
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import SceneError, meant
-from haptisym.kernel.response import RealFunction
+from haptisym.kernel.objects import Viewed
+from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import chart, sign_of_number
-from haptisym.kernel.shown import Viewed
-from haptisym.kernel.symbols import omega
 from haptisym.model import expressions
 from haptisym.model.parameters import ExactRange, ranged, read_confidence
 from haptisym.model.published import Conversion, like, read_proportion

@@ -9,7 +9,7 @@ from typing import Protocol, TypeVar
 from sympy import Expr
 
 from haptisym.kernel.errors import SceneError, meant
-from haptisym.kernel.symbols import c, omega
+from haptisym.kernel.rings import c, omega
 from haptisym.model.jnd import Part, Threshold, threshold_value
 from haptisym.model.parameters import Parameter, Rule, Slot, read_parameter
 from haptisym.model.quantities import Dimension, Number, number

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from haptisym.kernel.errors import SceneError, quoted
-from haptisym.kernel.shown import Shown, counted
+from haptisym.kernel.objects import Shown, counted
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
 from haptisym.model.welch import Welch
 

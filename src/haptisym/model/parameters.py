@@ -21,8 +21,8 @@ from typing import Annotated, Any, TypeAlias
 from sympy import Expr, Symbol, nan, zoo
 
 from haptisym.kernel.errors import SceneError, SignError, meant, quoted
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.shown import Shown
 from haptisym.model.quantities import (
     Dimension,
     Exponents,

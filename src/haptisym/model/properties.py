@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from sympy import Expr, I, Symbol
 
-from haptisym.kernel.response import RealFunction, Response
+from haptisym.kernel.dynamics import RealFunction, Response
+from haptisym.kernel.rings import X, omega
 from haptisym.kernel.solutions import solve
-from haptisym.kernel.symbols import X, omega
 
 
 @dataclass(frozen=True)

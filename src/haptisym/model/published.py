@@ -23,8 +23,8 @@ from flint import arb
 from sympy import Expr, Rational
 
 from haptisym.kernel.errors import SceneError, meant
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
-from haptisym.kernel.shown import Shown
 from haptisym.model.parameters import ExactRange
 from haptisym.model.quantities import Dimension, Number, decimal, number
 

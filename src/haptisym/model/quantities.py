@@ -40,7 +40,7 @@ from sympy import (
 )
 
 from haptisym.kernel.errors import ExpressionError, SceneError, quoted
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.model import expressions
 from haptisym.model.expressions import evaluate
 

@@ -38,7 +38,7 @@ from typing import Any, NamedTuple, TextIO
 import numpy as np
 
 from haptisym.kernel.errors import SceneError, meant, quoted
-from haptisym.kernel.shown import counted
+from haptisym.kernel.objects import counted
 from haptisym.model.estimating import estimated
 from haptisym.model.measured import CONFIDENCE, Measurement, Reals, check_certainty, check_lines
 from haptisym.model.quantities import Dimension, MotionKind, quantity

@@ -9,8 +9,7 @@ from typing import TypeAlias
 from sympy import Expr, Integer, Symbol, exp
 
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.rings import PolynomialRing, RationalFunction
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import PolynomialRing, RationalFunction, s
 from haptisym.model.catalogue import Effect, Environment, Matrix
 
 SAMPLED_LOOP, HOLD = "sampled-loop", "zero-order-hold"

@@ -18,8 +18,8 @@ from sympy import Expr, Integer, Symbol
 
 from haptisym.kernel.budget import spared
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.objects import Shown, titled
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.shown import Shown, titled
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.chain import NOTHING_TO_FEEL, Chain
 from haptisym.model.distortion import Distortion, felt_instead

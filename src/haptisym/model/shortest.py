@@ -12,10 +12,8 @@ from dataclasses import dataclass
 
 from sympy import Add, Expr, I, Integer, Mul, atan2, cos, count_ops, exp, im, pi, re, sin, sqrt
 
-from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.response import on_axis
-from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.symbols import omega, s
+from haptisym.kernel.dynamics import Ring, on_axis
+from haptisym.kernel.rings import RationalFunction, omega, s
 from haptisym.model.catalogue import Matrix
 from haptisym.model.jnd import Part
 

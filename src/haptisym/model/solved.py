@@ -9,16 +9,14 @@ from typing import Any, NamedTuple, Protocol, TypeAlias
 
 from sympy import Add, Expr, Float, Integer, Mul, Poly, Rational, Symbol, nan, oo, pi, sqrt
 
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis
 from haptisym.kernel.errors import SceneError, quoted
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.response import RealFunction, Response, on_axis
-from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.rings import Polynomial, RationalFunction, omega, s
+from haptisym.kernel.rings import c as symbol_c
 from haptisym.kernel.roots import chart
 from haptisym.kernel.solutions import Solution, solve
-from haptisym.kernel.symbols import c as symbol_c
-from haptisym.kernel.symbols import omega, s
 from haptisym.model.given import given_band
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, decimal, number

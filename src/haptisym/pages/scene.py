@@ -19,11 +19,10 @@ from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi
 
 from haptisym.judge.crossings import noticed, opened
 from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.dynamics import RealFunction, on_axis
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.response import RealFunction, on_axis
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, omega, s
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.symbols import omega, s
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, Shape, Threshold, is_irrational_algebraic

@@ -14,9 +14,9 @@ from sympy import Expr
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import reals
-from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.reals import Hertz, RealNumber
+from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import Interval, Point
-from haptisym.kernel.symbols import Hertz, omega
 from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.published import DIGITS

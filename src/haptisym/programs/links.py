@@ -12,8 +12,7 @@ from typing import Any
 from sympy import Expr, Rational, Symbol
 
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.rings import Polynomial, RationalFunction
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import Polynomial, RationalFunction, s
 from haptisym.programs.program import Program, Writer, phi
 from haptisym.programs.stable import Author, less_one, runs
 

@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 from haptisym.judge.answers import Answer
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import HaptisymError
-from haptisym.kernel.shown import counted, titled
+from haptisym.kernel.objects import counted, titled
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.cost.measurement import HardRow, Measurement, Omission

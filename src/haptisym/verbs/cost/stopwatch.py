@@ -11,8 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 from time import perf_counter
 from typing import Any, TypeVar
 
-from haptisym.kernel.budget import limited, spared
-from haptisym.kernel.caches import forget
+from haptisym.kernel.budget import forget, limited, spared
 from haptisym.kernel.errors import HaptisymError
 
 Key = TypeVar("Key", bound=Hashable)

@@ -37,15 +37,12 @@ from haptisym.judge.crossings import level
 from haptisym.judge.peaks import largest
 from haptisym.judge.regions import Change, Diamond, Ellipse, Polygon, Region, Sided
 from haptisym.kernel.budget import Waiting
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.lattices import Lattice, Signed
+from haptisym.kernel.objects import Shown, counted
 from haptisym.kernel.reals import Ball, SquareRoot, expression_ball
-from haptisym.kernel.response import RealFunction, on_axis
-from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.roots import chart
-from haptisym.kernel.shown import Shown, counted
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import RationalFunction, omega
+from haptisym.kernel.roots import Lattice, Signed, chart
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part, positive

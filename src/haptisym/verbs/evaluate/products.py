@@ -24,9 +24,8 @@ from flint import arb, arb_poly, fmpq, fmpq_poly
 from sympy import Expr, Rational, Symbol
 
 from haptisym.kernel.axis import Axis, ComplexPolynomial
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.model.distortion import Distortion
 

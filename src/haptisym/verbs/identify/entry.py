@@ -21,7 +21,7 @@ import numpy as np
 from haptisym.judge.answers import Answer
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.shown import counted, titled
+from haptisym.kernel.objects import counted, titled
 from haptisym.model.catalogue import Environment
 from haptisym.model.jnd import Threshold
 from haptisym.model.measured import Complexes, Measurement

@@ -35,7 +35,7 @@ from sympy import Symbol
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import SceneError, meant
-from haptisym.kernel.shown import counted
+from haptisym.kernel.objects import counted
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
 from haptisym.model.distortion import distort
 from haptisym.model.measured import Complexes, Measurement, Reals

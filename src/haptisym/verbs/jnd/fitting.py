@@ -29,7 +29,7 @@ from scipy.special import log_ndtr, ndtr, xlogy
 from scipy.stats import chi2
 
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.shown import Viewed, counted
+from haptisym.kernel.objects import Viewed, counted
 from haptisym.programs.values import Array
 from haptisym.verbs.jnd.tables import Answers, Row
 

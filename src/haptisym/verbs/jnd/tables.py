@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from haptisym.kernel.errors import SceneError, meant, need, quoted
-from haptisym.kernel.shown import counted
+from haptisym.kernel.objects import counted
 
 
 @dataclass(frozen=True, slots=True)

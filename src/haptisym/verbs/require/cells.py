@@ -22,9 +22,9 @@ from sympy import Expr, Symbol, pi
 
 from haptisym.judge.crossings import Criterion
 from haptisym.kernel.budget import Waiting
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber, RealNumber, dyadic
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Interval, chart
 from haptisym.verbs.require.feasible import Binding, Kind
 from haptisym.verbs.require.floatcells import Told

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.model.catalogue import Effect
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import Slot, read_parameter

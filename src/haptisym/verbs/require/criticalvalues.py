@@ -35,13 +35,12 @@ from flint import arb, fmpq
 from sympy import Expr, Integer, Poly, Rational, Symbol, pi
 
 from haptisym.judge.crossings import Criterion
-from haptisym.kernel.alike import in_order, ordered
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.factoring import discriminant, resultant
-from haptisym.kernel.polynomials import PolynomialFactor, Root
+from haptisym.kernel.factors import PolynomialFactor, Root
 from haptisym.kernel.reals import (
     SURE_BITS,
     Ball,
@@ -52,10 +51,8 @@ from haptisym.kernel.reals import (
     expression_ball,
     rational_between,
 )
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, monomials
-from haptisym.kernel.roots import Interval, chart, sign_of_number
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, monomials, omega
+from haptisym.kernel.roots import Interval, chart, in_order, ordered, sign_of_number
 from haptisym.kernel.zeros import rounded_up, sign_of, tightened
 from haptisym.model.chain import Chain
 from haptisym.model.knobs import Knob

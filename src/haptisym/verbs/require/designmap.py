@@ -27,9 +27,9 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion
 from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, spared
 from haptisym.kernel.errors import SceneError, several
+from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.shown import Shown, counted, titled
 from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import THRESHOLD, Knob

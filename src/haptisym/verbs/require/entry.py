@@ -7,8 +7,8 @@ from pathlib import Path
 
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.budget import SECONDS, Told, limited
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.reals import whole
-from haptisym.kernel.response import RealFunction
 from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Number

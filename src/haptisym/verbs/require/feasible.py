@@ -8,8 +8,8 @@ from enum import Enum
 from itertools import groupby
 
 from haptisym.judge.crossings import Criterion, Judged
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.shown import Shown
 
 
 class Kind(Enum):

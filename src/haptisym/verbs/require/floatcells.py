@@ -28,8 +28,8 @@ from haptisym.judge.bounds import is_series
 from haptisym.judge.crossings import Criterion
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import HaptisymError, LimitError
-from haptisym.kernel.shown import Shown
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.objects import Shown
+from haptisym.kernel.rings import omega
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.programs.taylormodels import Array

@@ -11,11 +11,10 @@ from sympy import Expr, Integer
 
 from haptisym.judge.bounds import for_any_environment
 from haptisym.judge.crossings import Criterion, noticed, opened
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, several
-from haptisym.kernel.lattices import Lattice
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, monomials
-from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.roots import Lattice, sign_of_number
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import THRESHOLD, Knob

@@ -43,9 +43,9 @@ from sympy import Expr, Rational, Symbol
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, dyadic, expression_ball
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.verbs.require.places import CellVerdict, Shape, Strip, Strips, places
 

@@ -30,11 +30,10 @@ from haptisym.judge.colgate import SampledPassivity, loop_of, sampled_passivity
 from haptisym.judge.crossings import PASSIVE
 from haptisym.judge.passivity import environment_alone, passivity
 from haptisym.kernel.budget import spared, tick
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.factoring import resultant
 from haptisym.kernel.reals import ExactNumber, RealNumber
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob

@@ -22,15 +22,13 @@ from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import PASSIVE, Criterion, opened
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import limited
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
+from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, Sliver
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, monomials
-from haptisym.kernel.shown import titled
+from haptisym.kernel.rings import Polynomial, c, monomials, omega
 from haptisym.kernel.solutions import Solution
 from haptisym.kernel.solutions import solve as formulas_of
-from haptisym.kernel.symbols import c, omega
 from haptisym.model.caveats import clocks
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob

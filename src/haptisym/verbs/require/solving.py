@@ -22,11 +22,10 @@ from haptisym.judge.crossings import Criterion
 from haptisym.judge.peaks import Largest, Top, tops
 from haptisym.judge.regions import Sided
 from haptisym.kernel.budget import share
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, SquareRoot, expression_ball
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.roots import chart
+from haptisym.kernel.roots import Signed, chart
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import THRESHOLD, Knob

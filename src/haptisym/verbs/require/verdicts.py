@@ -18,11 +18,11 @@ from flint import acb, arb
 from sympy import Expr, Rational, exp, pi
 
 from haptisym.judge.crossings import Criterion
-from haptisym.kernel.alike import ascending, is_told, ordered
 from haptisym.kernel.budget import spared, tick
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball, rational_between
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
+from haptisym.kernel.roots import ascending, is_told, ordered
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, how_to_give
 from haptisym.model.knobs import Knob

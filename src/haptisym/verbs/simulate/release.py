@@ -26,8 +26,8 @@ import numpy as np
 from haptisym.judge.answers import Answer
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.objects import titled
 from haptisym.kernel.rootcount import RootChain, at_least, order_at_0
-from haptisym.kernel.shown import titled
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, how_to_give
 from haptisym.model.quantities import Dimension, Number, quantity

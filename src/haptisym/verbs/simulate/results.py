@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
-from haptisym.kernel.shown import counted, titled
+from haptisym.kernel.objects import counted, titled
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene

@@ -19,8 +19,8 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError, meant, several
+from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import whole
-from haptisym.kernel.shown import titled
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import NOBODY, Hand, hands, how_to_give
 from haptisym.model.knobs import Knob

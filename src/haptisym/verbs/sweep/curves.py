@@ -2,7 +2,7 @@
 
 The polynomials whose zeros answer a sweep, with the swept parameters left symbolic and all other numbers in place.
 
-A criterion is one polynomial, or, for a JND region, the largest of the smallest of functions (``kernel.lattices``), each a
+A criterion is one polynomial, or, for a JND region, the largest of the smallest of functions (``kernel.roots``), each a
 product of polynomials that keep their signs between their zeros.
 
 What a sweep asks of a scene with delays, holds or powers s^alpha: the families of functions whose zeros answer it.
@@ -17,13 +17,11 @@ from typing import TypeAlias
 from sympy import Expr, Integer, Symbol
 
 from haptisym.judge.crossings import Criterion, noticed
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import HaptisymError
-from haptisym.kernel.lattices import Lattice, Signed
-from haptisym.kernel.polynomials import Level
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.factors import Level
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, omega
+from haptisym.kernel.roots import Lattice, Signed
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob

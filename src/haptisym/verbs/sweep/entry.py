@@ -17,8 +17,8 @@ import numpy as np
 
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.reals import whole
-from haptisym.kernel.shown import counted, titled
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene

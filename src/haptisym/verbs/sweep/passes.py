@@ -33,10 +33,9 @@ from haptisym.judge.percepts import changeovers
 from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError, SceneError, UndecidedError
-from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import ExactNumber, bounds
 from haptisym.kernel.rings import Polynomial
-from haptisym.kernel.roots import Chart, Key, Point, chart
+from haptisym.kernel.roots import Chart, Key, Point, Signed, chart
 from haptisym.model.caveats import clocks
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.hand import Hand

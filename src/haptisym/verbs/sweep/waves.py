@@ -67,8 +67,8 @@ import numpy as np
 from flint import arb, arb_mat
 from sympy import Expr, Symbol
 
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.reals import expression_ball
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
 from haptisym.verbs.sweep.bernstein import BITS, Array, Batch, Family, Monomial, Zeros, error, monomial, product
 

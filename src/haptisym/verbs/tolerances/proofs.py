@@ -40,9 +40,9 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, kept, noticed
 from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, tick
 from haptisym.kernel.errors import LimitError
+from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.reals import ExactNumber, RealNumber, whole
 from haptisym.kernel.roots import chart
-from haptisym.kernel.shown import counted, titled
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene

@@ -32,7 +32,7 @@ from haptisym.judge.crossings import Criterion
 from haptisym.judge.regions import Diamond, Ellipse, Polygon, Sided
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError, SceneError
-from haptisym.kernel.symbols import c, omega
+from haptisym.kernel.rings import c, omega
 from haptisym.model.jnd import Part
 from haptisym.programs.program import Program
 from haptisym.programs.taylormodels import Array, Model, Modelled, floated, halves, valued, variable

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from haptisym.kernel.response import on_axis
+from haptisym.kernel.dynamics import on_axis
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part

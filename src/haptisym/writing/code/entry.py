@@ -8,7 +8,7 @@ from pathlib import Path
 from sympy import Expr, Pow, Symbol
 
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
 from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.parameters import Rule, values
