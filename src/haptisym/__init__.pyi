@@ -7,18 +7,23 @@ from haptisym.kernel.errors import ExpressionError, HaptisymError, SceneError, U
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import omega, s, symbols
 from haptisym.kernel.roots import Interval, Point
-from haptisym.model.catalogue import Effect, Environment
+from haptisym.model.catalogue import Effect, Environment, Hand, hands
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.estimating import estimated
-from haptisym.model.family import SceneFamily
-from haptisym.model.hand import Hand, hands
-from haptisym.model.jnd import Part, Threshold
+from haptisym.model.jnd import Part, Published, Threshold
 from haptisym.model.measured import Measurement
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.measuring import measured, sampled
-from haptisym.model.published import Published
 from haptisym.model.scene import Scene
-from haptisym.model.scenefile import family_names, load_scene, load_scenes, parse_scene, parse_scenes, scene_names
+from haptisym.model.scenefile import (
+    SceneFamily,
+    family_names,
+    load_scene,
+    load_scenes,
+    parse_scene,
+    parse_scenes,
+    scene_names,
+)
 from haptisym.pages.latex import latex
 from haptisym.programs.accuracy import Accuracy
 from haptisym.verbs.cost.entry import Cost, cost, simulation_cost, sweep_cost

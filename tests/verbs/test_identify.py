@@ -23,7 +23,7 @@ from scipy.stats import f as f_distribution
 from scipy.stats import norm
 
 import haptisym as hs
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.jnd import read_threshold
 from haptisym.model.parameters import Rule
 from haptisym.model.quantities import Dimension, MotionKind

@@ -25,9 +25,7 @@ from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import is_stable
 from haptisym.kernel.roots import chart, ordered, sign_of_number
-from haptisym.model.catalogue import Effect
-from haptisym.model.hand import Device, device
-from haptisym.model.sampled import BACK, CLOCKS, SAMPLED_LOOP, controller
+from haptisym.model.catalogue import BACK, CLOCKS, SAMPLED_LOOP, Device, Effect, controller, device
 from haptisym.model.scene import Scene
 
 _FORCE = "the clock samples a force that was made in continuous time from more than the position at that instant"

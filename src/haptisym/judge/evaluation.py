@@ -56,10 +56,9 @@ from haptisym.kernel.reals import ExactNumber, RealNumber, bits_for, whole
 from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.kernel.zeros import Zero
 from haptisym.model.catalogue import Effect
-from haptisym.model.caveats import caveats
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import SQUARE, Part, Region, Shape, Threshold
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Scene, caveats
 from haptisym.model.scenefile import as_scene
 
 

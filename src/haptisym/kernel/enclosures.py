@@ -198,9 +198,7 @@ _EITHER = arb(0, 1)
 def _cuts(degree: int) -> tuple[arb_mat, arb_mat]:
     """From the coefficients on a piece to those on what is below and above its cut: de Casteljau's corners, exact."""
     with flint.ctx.workprec(8 * degree + 64):
-        left = [
-            [_weight_at_cut(j, i) if i <= j else arb(0) for i in range(degree + 1)] for j in range(degree + 1)
-        ]
+        left = [[_weight_at_cut(j, i) if i <= j else arb(0) for i in range(degree + 1)] for j in range(degree + 1)]
         right = [
             [_weight_at_cut(degree - j, i - j) if i >= j else arb(0) for i in range(degree + 1)]
             for j in range(degree + 1)

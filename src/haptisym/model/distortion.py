@@ -1,4 +1,8 @@
-"""Closed forms: what is felt instead of the environment, and by how much it differs."""
+"""A chain of dynamics between environment and hand, and what it makes of the environment: the distortion.
+
+A ``Chain`` is H_env, what is rendered for it and the effects' chain matrices, nearest the environment first; H_perc is one
+Moebius map of what is rendered. A ``Distortion`` is H_env, H_perc and dH = H_perc - H_env in lowest terms, with all closed forms of them.
+"""
 
 from __future__ import annotations
 
@@ -15,22 +19,151 @@ from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, squa
 from haptisym.kernel.errors import SceneError, meant, need, quoted
 from haptisym.kernel.objects import Shown, counted
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import RationalFunction, omega, s
+from haptisym.kernel.rings import Polynomial, RationalFunction, cleared, omega, s
 from haptisym.kernel.rings import c as symbol_c
+from haptisym.kernel.rings import c as threshold
 from haptisym.kernel.solutions import Solution
-from haptisym.model import solved
-from haptisym.model.catalogue import Effect, Environment
-from haptisym.model.chain import Chain
-from haptisym.model.given import given_effects, given_environment
+from haptisym.model import closedforms as closedforms
+from haptisym.model.catalogue import Effect, Environment, Matrix, given_effects, given_environment, with_controller
+from haptisym.model.closedforms import Factors, ParameterJND, Properties, first_changeover, properties, shortest
 from haptisym.model.jnd import Part
-from haptisym.model.properties import ParameterJND, Properties, first_changeover, properties
-from haptisym.model.sampled import in_place
-from haptisym.model.shortest import Factors, shortest
+from haptisym.model.parameters import in_place
 from haptisym.programs.accuracy import Accuracy, Engine
 
 if TYPE_CHECKING:
+    from haptisym.programs.program import Program
     from haptisym.programs.steps import Steps
     from haptisym.programs.values import Compiled  # brings NumPy, which a certified answer does not need
+
+
+NOTHING_TO_FEEL = (
+    "the environment is zero at every frequency: there is nothing to feel, and nothing to compare with (whether the display "
+    "shakes in a hand can be asked: `stability`)"
+)
+
+
+@dataclass(frozen=True)
+class Chain:
+    """The dynamics themselves: H_env, what is rendered for it, and the effects' chain matrices, nearest the environment first."""
+
+    environment: Expr
+    rendered: Expr
+    matrices: tuple[Matrix, ...]
+
+    def dynamics(
+        self, ring: Ring | None = None, *, free_air: bool = False
+    ) -> tuple[RationalFunction, RationalFunction]:
+        """H_env and H_perc in lowest terms, in a ring that holds them (the smallest one unless given).
+
+        Raises SceneError where H_perc is not a dynamics, and where H_env is zero everywhere but in ``free_air``.
+        """
+        ring = ring or self.ring
+        environment = ring.convert(self.environment).reduced()
+        if environment.is_zero and not free_air:
+            raise SceneError(NOTHING_TO_FEEL)
+        return environment, self.perceived(range(len(self.matrices)), ring)
+
+    def perceived(self, places: Iterable[int], ring: Ring | None = None) -> RationalFunction:
+        """H_perc in lowest terms, of the effects at these places alone, in the ring of all unless given another."""
+        ring = ring or self.ring
+        found = ring.convert(self.rendered)
+        for i in places:
+            found = _through(found, [ring.convert(entry) for entry in self.matrices[i]])
+        return found.reduced()
+
+    @cached_property
+    def ring(self) -> Ring:
+        """The ring that holds them all."""
+        # the symbol c comes along so that thresholds may stay symbols; a variable that does not occur costs nothing
+        own = {x.name for entry in self.entries() for x in entry.free_symbols}
+        return Ring.of([*self.entries(), *(() if threshold.name in own else (threshold,))])
+
+    def entries(self) -> tuple[Expr, ...]:
+        """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
+        return self.environment, self.rendered, *(entry for matrix in self.matrices for entry in matrix)
+
+    @property
+    def parameters(self) -> tuple[Symbol, ...]:
+        """The symbols in it, in the order of their names."""
+        own = {x for entry in self.entries() for x in entry.free_symbols}
+        return tuple(x for x in self.ring.symbols if x in own)
+
+    def program(self, fields: Sequence[str]) -> Program:
+        """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is written as 0."""
+        from haptisym.programs.balls import BallPoint  # a certified answer needs no program
+        from haptisym.programs.stable import stable_program
+
+        write = stable_program(self.environment, self.rendered, self.matrices, self.parameters)
+        program = write(fields, ())
+        # a value that is not 0 at some point settles that a field is not 0 everywhere
+        sample = BallPoint(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
+        zero = [name for name in fields if sample[name].contains(0) and self.vanishes(name)]
+        return write(fields, zero) if zero else program
+
+    def vanishes(self, name: str) -> bool:
+        """Whether a field is 0 at all frequencies, whatever the parameters."""
+        kind, _, part = name.rpartition("_")
+        env, perc = self.dynamics(free_air=kind == "perceived")
+        change = perc - env
+        of = change / env if kind == "relative" else {"environment": env, "perceived": perc}.get(kind, change)
+        raw = on_axis(of)
+        return (raw.raw_real if part == "real" else raw.raw_imag).is_zero
+
+    @cached_property
+    def steps(self) -> Steps:
+        """All fields of ``numeric.Values`` in named steps, as a page shows them: of what is felt, H_env + dH."""
+        from haptisym.programs.steps import DISTORTION, Steps, page_steps
+
+        found = page_steps(self.program((*DISTORTION, "environment_real", "environment_imag")))
+        of = found.results
+        felt = {f"perceived_{part.value}": of[f"environment_{part.value}"] + of[part.value] for part in Part}
+        return Steps(found.definitions, {**of, **felt})
+
+    def without_axis_zeros(self) -> tuple[Chain, bool]:
+        """A chain with the same ratios, though H_env has no zeros on s = j omega; whether r_r is its r_i.
+
+        All dynamics are taken over the factors Z of H_env that are real or imaginary there: H/Z behind [[A, B/Z], [C Z, D]].
+        """
+        environment = self.ring.convert(self.environment).reduced()
+        Z = self.ring.function(_axis_zeros(self.ring, environment.numerator))
+        if Z.numerator.is_constant():
+            return self, False
+
+        def times(x: Expr, power: int) -> Expr:
+            return (self.ring.convert(x) * Z**power).reduced().expression() if x else x
+
+        matrices = tuple((a, times(b, -1), times(c, 1), d) for a, b, c, d in self.matrices)
+        odd = int(Z.numerator.monoms()[0][0]) % 2 == 1
+        return Chain(times(self.environment, -1), times(self.rendered, -1), matrices), odd
+
+    def at(self, values: Mapping[Symbol, Expr]) -> Chain:
+        """The same chain with values for some of its symbols."""
+        return self.map(lambda entry: in_place(entry, values))
+
+    def map(self, change: Callable[[Expr], Expr]) -> Chain:
+        """The chain with every dynamics in it changed."""
+        matrices = tuple((change(a), change(b), change(c), change(d)) for a, b, c, d in self.matrices)
+        return Chain(change(self.environment), change(self.rendered), matrices)
+
+
+def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:
+    """The factors of a polynomial that can vanish on s = j omega: s itself, and those in s^2."""
+    found = ring.constant(1)
+    for factor, n in ring.factors(polynomial, in_square=False)[1] if polynomial else ():
+        even = len({int(exponents[0]) % 2 for exponents in factor.monoms()}) == 1
+        if factor.degrees()[0] and even and not any(factor.degrees()[ring.size :]):
+            found = found * factor**n
+    return found
+
+
+def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> RationalFunction:
+    """The Moebius map (A H + B)/(C H + D), without fractions inside."""
+    a, b, c, d = cleared(matrix)
+    top = a * H.numerator + b * H.denominator
+    bottom = c * H.numerator + d * H.denominator
+    if bottom.is_zero():
+        raise SceneError("the effects make the perceived dynamics infinite at every frequency (C H + D = 0)")
+    return RationalFunction(H.ring, top, bottom)
 
 
 def distort(environment: Any, *effects: Any, rendered: Any = None, omega: Symbol = omega) -> Distortion:
@@ -73,7 +206,7 @@ def _elements(environment: Any, effects: Iterable[Any], rendered: Any) -> Elemen
     """Environment, effects, and what is rendered where that is another one."""
     own = given_environment("environment", environment)
     felt = None if rendered is None else given_environment("rendered", rendered).tied_to(own)
-    return own, tuple(in_place(given_effects(effects), felt or own)), felt
+    return own, tuple(with_controller(given_effects(effects), felt or own)), felt
 
 
 def _chain_of(environment: Environment, effects: tuple[Effect, ...], rendered: Environment | None) -> Chain:
@@ -343,7 +476,7 @@ class Distortion(Shown):
         ['10.000000']
         """
         self._need_names(symbol_c.name)
-        found = solved.crossings(self, solved.part_named(part), solved.threshold(c), band)
+        found = closedforms.crossings(self, closedforms.part_named(part), closedforms.threshold(c), band)
         own: tuple[Solution, ...] | tuple[RealNumber, ...] = self._in_own_frequency(found)
         return own
 
@@ -357,10 +490,10 @@ class Distortion(Shown):
         return tuple(replace(x, equation=self._told(x.equation)) if isinstance(x, Solution) else x for x in found)
 
     @property
-    def changeovers(self) -> solved.Changeovers:
+    def changeovers(self) -> closedforms.Changeovers:
         """Where Re H_env and Re H_perc change their sign, each all of them: formulas, or certified numbers, as ``crossings``."""
-        found = solved.changeovers(self)
-        return solved.Changeovers(*map(self._in_own_frequency, found))
+        found = closedforms.changeovers(self)
+        return closedforms.Changeovers(*map(self._in_own_frequency, found))
 
     def threshold_polynomial(self, part: Part | str, c: Any = symbol_c) -> Poly | Expr:
         """What vanishes where a ratio meets a threshold: a polynomial in W = omega^2, or with delays an expression in omega.
@@ -370,7 +503,7 @@ class Distortion(Shown):
         [-c**2, 1 - 2*c**2, -c**2]
         """
         self._need_names(symbol_c.name, "W")
-        found = solved.threshold_polynomial(self, solved.part_named(part), solved.threshold(c))
+        found = closedforms.threshold_polynomial(self, closedforms.part_named(part), closedforms.threshold(c))
         return found if isinstance(found, Poly) else self._told(found)
 
     def bandwidth(self, c: Any, *, band: tuple[Any, Any] | None = None) -> RealNumber | Expr:
@@ -378,9 +511,9 @@ class Distortion(Shown):
 
         Certified. SceneError for symbols.
         """
-        return solved.bandwidth(self, solved.threshold(c), band)
+        return closedforms.bandwidth(self, closedforms.threshold(c), band)
 
-    def asymptote(self, at: Any = 0) -> solved.Asymptote:
+    def asymptote(self, at: Any = 0) -> closedforms.Asymptote:
         """The leading terms of dH, Re dH and Im dH ``at`` 0 or oo.
 
         >>> from haptisym import effects, environments
@@ -388,10 +521,10 @@ class Distortion(Shown):
         >>> distort(environments.mass_spring_damper(k=symbols("k")), effects.delay(symbols("tau"))).asymptote().imag
         -k*omega*tau
         """
-        return solved.Asymptote(*map(self._told, solved.asymptote(self, at)))
+        return closedforms.Asymptote(*map(self._told, closedforms.asymptote(self, at)))
 
     @property
-    def low_frequency(self) -> solved.LowFrequency:
+    def low_frequency(self) -> closedforms.LowFrequency:
         """Stiffness, damping and mass that a slow hand feels: H_perc(s) = stiffness + damping s + mass s^2 + ..., exactly.
 
         SceneError where H_perc is infinite at s = 0, or not rational in s but for delays.
@@ -402,7 +535,7 @@ class Distortion(Shown):
         >>> distort(environments.mass_spring_damper(k=k), effects.wave_variables(b, tau)).low_frequency.stiffness
         b*k/(b + k*tau)
         """
-        return solved.low_frequency(self.perc)
+        return closedforms.low_frequency(self.perc)
 
     def lambdify(self, quantity: str = "ratio_real", modules: Any = "numpy") -> Callable[..., Any]:
         """A plain function of omega and the parameters by name, as of ``sympy.lambdify``: for NumPy, mpmath, JAX or math.

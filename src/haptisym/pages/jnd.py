@@ -11,7 +11,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-from haptisym.model.published import Published
+from haptisym.model.jnd import Published
 from haptisym.pages.words import noted, rounded
 from haptisym.verbs.jnd.entry import METHODS, Psychometric, PublishedThresholds
 from haptisym.verbs.jnd.fitting import Estimate

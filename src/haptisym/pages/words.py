@@ -17,11 +17,10 @@ from haptisym.kernel import reals
 from haptisym.kernel.reals import Hertz, RealNumber
 from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import Interval, Point
-from haptisym.model.family import SceneFamily
-from haptisym.model.jnd import Part, Shape, Threshold
-from haptisym.model.published import DIGITS
+from haptisym.model.jnd import DIGITS, Part, Shape, Threshold
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.scene import Scene
+from haptisym.model.scenefile import SceneFamily
 from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled
 from haptisym.writing.document import Block, Code, Document, Notes, Number, Phrase, Strong, coded, listed
 from haptisym.writing.layout import layout, named

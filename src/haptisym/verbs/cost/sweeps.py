@@ -22,9 +22,8 @@ from haptisym.kernel.errors import LimitError, SceneError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import Knob
 from haptisym.model.parameters import Rule
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 from haptisym.verbs.cost.tasks import DOUBLE, Attempt, Method, RefusedError, Score, Task, naive, prepared, right_digits
 from haptisym.verbs.simulate.entry import STEP, band_frequencies, default_amplitude
 from haptisym.verbs.simulate.motions import Sines, multisine

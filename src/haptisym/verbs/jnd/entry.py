@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import counted
-from haptisym.model.published import Published, published_by_name
+from haptisym.model.jnd import Published, published_by_name
 from haptisym.verbs.jnd.fitting import Asked, Deviance, Estimate, Fit, grouped_words
 from haptisym.verbs.jnd.tables import Answers, condensed, read_answers
 from haptisym.verbs.simulate.threads import one_thread

@@ -30,11 +30,10 @@ from haptisym.kernel.errors import SceneError, several
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.roots import sign_of_number
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.quantities import Dimension, Number, number
-from haptisym.model.scene import Scene
+from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder

@@ -9,7 +9,7 @@ from haptisym.judge.crossings import noticed
 from haptisym.kernel.budget import SECONDS, Told, limited
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.reals import whole
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene

@@ -30,8 +30,7 @@ from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import HaptisymError, LimitError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.rings import omega
-from haptisym.model.knobs import Knob
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.tolerances.box import Box, Side
 from haptisym.verbs.tolerances.heldbox import Pieces, RectangleSearch, held_plane

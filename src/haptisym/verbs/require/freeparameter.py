@@ -17,10 +17,9 @@ from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.roots import Lattice, sign_of_number
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.parameters import Rule, values
 from haptisym.model.quantities import Number
-from haptisym.model.scene import Scene
+from haptisym.model.scene import THRESHOLD, Knob, Scene
 
 
 @dataclass(frozen=True)

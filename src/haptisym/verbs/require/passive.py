@@ -36,9 +36,8 @@ from haptisym.kernel.factoring import resultant
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.model.distortion import Distortion
-from haptisym.model.knobs import Knob
 from haptisym.model.parameters import Rule, values
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 from haptisym.programs.onaxis import OnAxis
 from haptisym.verbs.require.criticalvalues import (
     ExactSign,

@@ -29,11 +29,9 @@ from haptisym.kernel.reals import RealNumber, Sliver
 from haptisym.kernel.rings import Polynomial, c, monomials, omega
 from haptisym.kernel.solutions import Solution
 from haptisym.kernel.solutions import solve as formulas_of
-from haptisym.model.caveats import clocks
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, bound_ends, spanned
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.nearest import Nearest, nearest

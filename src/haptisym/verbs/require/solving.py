@@ -28,8 +28,7 @@ from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, SquareRoot, e
 from haptisym.kernel.roots import Signed, chart
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import THRESHOLD, Knob
-from haptisym.model.scene import Scene
+from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.verbs.require.cells import Leaf, ValueSearch
 from haptisym.verbs.require.criticalvalues import Problem, allowed, missing, without
 from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, bound_ends, runs

@@ -23,10 +23,8 @@ from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball, rational_between
 from haptisym.kernel.rings import s
 from haptisym.kernel.roots import ascending, is_told, ordered
-from haptisym.model.caveats import clocks
-from haptisym.model.hand import Hand, how_to_give
-from haptisym.model.knobs import Knob
-from haptisym.model.scene import Scene
+from haptisym.model.catalogue import Hand, how_to_give
+from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.verbs.require.criticalvalues import allowed, missing
 from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, runs
 from haptisym.verbs.require.freeparameter import Domain

@@ -43,9 +43,8 @@ from haptisym.kernel.roots import Lattice, Piece, Point, Signed, chart
 from haptisym.kernel.solutions import Equation, ImplicitSlope
 from haptisym.kernel.zeros import is_clear, sign_of
 from haptisym.model.jnd import Part, is_irrational_algebraic
-from haptisym.model.knobs import THRESHOLD, Knob, Knobs
 from haptisym.model.parameters import Rule
-from haptisym.model.scene import Scene
+from haptisym.model.scene import THRESHOLD, Knob, Knobs, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.derive.derivation import Derivation, derive
 

@@ -43,9 +43,7 @@ from sympy import Expr, I, Rational, exp, pi
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import Polynomial
-from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
-from haptisym.model.hand import device
-from haptisym.model.sampled import controller
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model, controller, device
 from haptisym.programs.values import Array
 
 Exact: TypeAlias = fmpq

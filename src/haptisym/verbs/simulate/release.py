@@ -28,11 +28,10 @@ from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import titled
 from haptisym.kernel.rootcount import RootChain, at_least, order_at_0
-from haptisym.model.caveats import clocks
-from haptisym.model.hand import Hand, how_to_give
+from haptisym.model.catalogue import Hand, how_to_give
 from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import MotionKind as Kind
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Scene, clocks
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.engine import Engine

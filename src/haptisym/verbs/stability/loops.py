@@ -43,10 +43,9 @@ from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, expre
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials, omega
 from haptisym.kernel.rootcount import Roots, Row, late_turns, squares, terms_of
 from haptisym.kernel.roots import Point, chart, ordered, sign_of_number
-from haptisym.model.hand import Hand
-from haptisym.model.knobs import Knob
+from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import Rule, values
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 from haptisym.verbs.stability.held import zeros_of
 
 ALLOWED: dict[Rule, tuple[Expr | None, Expr | None, bool]] = {

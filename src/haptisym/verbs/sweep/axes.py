@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from haptisym.kernel.errors import SceneError, need
 from haptisym.kernel.reals import ExactNumber
-from haptisym.model.knobs import Knob
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 
 AxisValues: TypeAlias = "Sequence[Any] | ArrayLike"
 

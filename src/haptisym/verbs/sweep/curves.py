@@ -24,8 +24,7 @@ from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, 
 from haptisym.kernel.roots import Lattice, Signed
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import Knob
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 from haptisym.verbs.sweep.bernstein import Family, Monomial, family
 from haptisym.verbs.sweep.waves import WaveFamily, WaveReader, is_readable, is_trusted
 

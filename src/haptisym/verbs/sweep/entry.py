@@ -19,7 +19,7 @@ from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.reals import whole
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands

@@ -36,13 +36,11 @@ from haptisym.kernel.errors import HaptisymError, SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, bounds
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import Chart, Key, Point, Signed, chart
-from haptisym.model.caveats import clocks
+from haptisym.model.catalogue import Hand
 from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values as values_of
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.verbs.stability.held import characteristic, unstable_roots
 from haptisym.verbs.sweep.bernstein import (
     MOST_DEGREE,

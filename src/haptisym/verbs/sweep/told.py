@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from haptisym.judge.crossings import noticed
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 
 ABSENT, UNKNOWN = float("nan"), -1

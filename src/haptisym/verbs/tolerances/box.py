@@ -11,9 +11,8 @@ from sympy import Expr, Rational
 
 from haptisym.kernel.errors import SceneError
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import Knob
 from haptisym.model.quantities import MotionKind
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,9 @@ from sympy import Expr, Pow, Symbol
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import omega
 from haptisym.model.distortion import Distortion
-from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.parameters import Rule, values
 from haptisym.model.quantities import Dimension, MotionKind
-from haptisym.model.scene import Scene
+from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.writing.code.code import About, Argument, Source, nearest_double
 from haptisym.writing.code.computed import computed

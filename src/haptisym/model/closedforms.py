@@ -1,31 +1,233 @@
-"""What a distortion answers by itself: crossings, changeovers, leading terms, bandwidth, as SymPy has them."""
+"""Closed forms of a distortion: the shortest Re and Im, stiffness, mass and damping, crossings, changeovers, leading terms.
+
+In lowest terms a chain of n devices with parameters of their own has some 2^n terms. Effects in series are factors G_i instead:
+H_perc = |H| prod |G_i| exp(j (arg H + sum arg G_i)) grows by one magnitude and one angle with each. What is neither short nor in
+series is left as Re or Im of H_perc(j omega) as the chain builds it. Named steps (``Distortion.steps``) are short for all.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache, partial
 from math import factorial
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
-from sympy import Add, Expr, Float, Integer, Mul, Poly, Rational, Symbol, nan, oo, pi, sqrt
+from sympy import (
+    Add,
+    Expr,
+    Float,
+    I,
+    Integer,
+    Mul,
+    Poly,
+    Rational,
+    Symbol,
+    atan2,
+    cos,
+    count_ops,
+    exp,
+    im,
+    nan,
+    oo,
+    pi,
+    re,
+    sin,
+    sqrt,
+)
 
 from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis
 from haptisym.kernel.errors import SceneError, quoted
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import Polynomial, RationalFunction, omega, s
+from haptisym.kernel.rings import Polynomial, RationalFunction, X, omega, s
 from haptisym.kernel.rings import c as symbol_c
 from haptisym.kernel.roots import chart
 from haptisym.kernel.solutions import Solution, solve
-from haptisym.model.given import given_band
+from haptisym.model.catalogue import Matrix, given_band
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, decimal, number
+
+_SHORT = 10  # terms of a dynamics up to which lowest terms are it
+_FEW, _MOST = 80, 300  # up to which they are looked at beside factors, and are made where there are none
+_LONGER = 1.3  # lowest terms are kept where they are no longer than this
+_TURN = {Part.REAL: cos, Part.IMAG: sin}
+_PART = {Part.REAL: re, Part.IMAG: im}
+
+
+def shortest(
+    dynamics: RationalFunction, lowest: Callable[[], Expr], others: Callable[[], Expr], *, in_series: bool
+) -> tuple[Expr, bool]:
+    """The shorter of two forms of Re or Im of a dynamics; and whether that is the one in lowest terms.
+
+    ``others`` : in factors, if all effects are ``in_series``, or as Re or Im of H_perc. Lowest terms are preferred where they
+    are short, and not made where that would take long.
+    """
+    terms = len(dynamics.numerator) + len(dynamics.denominator)
+    if terms <= _SHORT or (terms <= _MOST and not in_series):
+        return lowest(), True
+    other = others()
+    if terms > _FEW:
+        return other, False
+    found = lowest()
+    return (found, True) if count_ops(found) <= _LONGER * count_ops(other) else (other, False)
+
+
+@dataclass(frozen=True)
+class Factors:
+    """What is felt of a chain, as factors on s = j omega: ``environment`` H_env, ``rendered`` what the chain is built on."""
+
+    environment: Expr
+    rendered: Expr
+    matrices: tuple[Matrix, ...]
+
+    @property
+    def in_series(self) -> bool:
+        """Whether each effect multiplies the force, and does nothing else."""
+        return all(b == 0 and c == 0 for _, b, c, _ in self.matrices)
+
+    def part(self, part: Part, environment: Expr) -> Expr:
+        """Re or Im dH, less that part of H_env as it is given: in series in magnitudes and angles."""
+        if not self.in_series:
+            return _PART[part](self.perceived, evaluate=False) - environment
+        return self._turned(part, [self.rendered, *self._gains]) - environment
+
+    def relative(self, part: Part) -> Expr:
+        """Re or Im(dH/H_env)."""
+        if not self.in_series:
+            H = self.environment.xreplace({s: I * omega})
+            return _PART[part](self.perceived / H, evaluate=False) - Integer(part is Part.REAL)
+        own = [] if self.rendered == self.environment else [self.rendered, 1 / self.environment]
+        return self._turned(part, [*own, *self._gains]) - Integer(part is Part.REAL)
+
+    @property
+    def perceived(self) -> Expr:
+        """H_perc(j omega), as the chain builds it."""
+        H = self.rendered
+        for a, b, c, d in self.matrices:
+            H = (a * H + b) / (c * H + d)
+        return H.xreplace({s: I * omega})
+
+    @property
+    def _gains(self) -> list[Expr]:
+        return [a / d for a, _, _, d in self.matrices]
+
+    @staticmethod
+    def _turned(part: Part, factors: Sequence[Expr]) -> Expr:
+        polar = [_polar(x) for x in factors]
+        return Mul(*(size for size, _ in polar)) * _TURN[part](Add(*(angle for _, angle in polar)))
+
+
+def _polar(factor: Expr) -> tuple[Expr, Expr]:
+    """Magnitude, which may be negative, and angle of a factor on s = j omega."""
+    above, below = factor.as_numer_denom()
+    size, angle = Integer(1), Integer(0)
+    for x, sign in [(x, 1) for x in Mul.make_args(above)] + [(x, -1) for x in Mul.make_args(below)]:
+        base, power = x.as_base_exp() if not isinstance(x, exp) else (x, Integer(1))
+        n = sign * power if power.is_Integer else Integer(sign)
+        own = _own(base if power.is_Integer else x)
+        size, angle = size * own[0] ** n, angle + own[1] * n
+    return size, angle
+
+
+def _own(x: Expr) -> tuple[Expr, Expr]:
+    base, power = (s, x.args[0] / s) if isinstance(x, exp) else x.as_base_exp()
+    if isinstance(x, exp) and not power.has(s):  # a delay
+        return Integer(1), omega * power
+    if base == s and not power.has(s):
+        return omega**power, pi * power / 2
+    for sign, rest in ((1, x + 1), (-1, 1 - x)):  # of a hold: +-(exp(s T) - 1) = +-exp(s T/2) 2 sinh(s T/2)
+        if isinstance(rest, exp) and not (lag := rest.args[0] / s).has(s):
+            return 2 * sign * sin(omega * lag / 2), (pi + omega * lag) / 2
+    ring = Ring.of([x])
+    response = on_axis(ring.convert(x))
+    a, b = (f.function.reduced().expression() for f in (response.real, response.imag))
+    return sqrt(a**2 + b**2), atan2(b, a)
+
+
+@dataclass(frozen=True)
+class Properties:
+    """What a person makes of a dynamics at a frequency (section 2.3): closed forms in omega.
+
+    ``real``, ``imag``: Re H and Im H, N/m. ``stiffness`` = Re H, N/m; ``mass`` = -Re H/omega^2, kg; ``damping`` =
+    Im H/omega, N s/m. ``spring_inertia_force`` = X Re H (eq. 5) and ``damping_force`` = j X Im H (eq. 6): phasors of
+    the force, N, for a motion of complex amplitude X. For a rotation read N m/rad, kg m^2, N m s/rad and N m.
+    """
+
+    real: Expr
+    imag: Expr
+    frequency: Symbol = omega
+    """The symbol of omega."""
+
+    @property
+    def stiffness(self) -> Expr:
+        """Re H, N/m or N m/rad: a spring where it is positive."""
+        return self.real
+
+    @property
+    def mass(self) -> Expr:
+        """-Re H/omega^2, kg or kg m^2: an inertia where it is positive."""
+        return -self.real / self.frequency**2
+
+    @property
+    def damping(self) -> Expr:
+        """Im H/omega: N s/m or N m s/rad."""
+        return self.imag / self.frequency
+
+    @property
+    def spring_inertia_force(self) -> Expr:
+        """The force of spring and inertia together, for a motion of amplitude X: X Re H."""
+        return X * self.real
+
+    @property
+    def damping_force(self) -> Expr:
+        """The force of the damper, for a motion of amplitude X: j X Im H."""
+        return I * X * self.imag
+
+
+@dataclass(frozen=True)
+class ParameterJND:
+    """How much a single parameter must change to be noticed: dk = c|H|, db = c|H|/omega, dm = c|H|/omega^2.
+
+    N/m, N s/m and kg (for a rotation N m/rad, N m s/rad, kg m^2). Derived from eq. (4): a change of one parameter by p moves
+    Re H by dk or -omega^2 dm, or Im H by omega db.
+    """
+
+    stiffness: Expr
+    damping: Expr
+    mass: Expr
+
+
+def properties(response: Response, frequency: Symbol = omega) -> Properties:
+    """Of the dynamics that has this response, with that symbol for omega."""
+    real, imag = (x.factored().xreplace({omega: frequency}) for x in (response.real, response.imag))
+    return Properties(real, imag, frequency)
+
+
+def first_changeover(f: RealFunction) -> Expr | None:
+    """The lowest zero or pole of odd order, where every one has a readable formula and the lowest is known."""
+    if f.is_zero or any(angle.constant for angle in f.axis.angles):
+        return None  # with s^alpha the sign of a root depends on the order, which may be a symbol
+    # a denominator is a squared modulus and changes no sign, but where its zeros meet those of the numerator
+    numeric = not (f.expression().free_symbols - {omega})
+    poles = solve(RealFunction(f.axis.one / f.function)) if numeric else ()
+    odd = [x for x in (*solve(f), *poles) if x.order % 2]
+    found = [x.omega for x in odd if x.omega is not None]
+    if not found or len(found) < len(odd):
+        return None
+    if all(x.is_number for x in found):
+        return min(found)
+    lowest = [x for x in found if all(x is other or (x - other).is_negative for other in found)]
+    if lowest:
+        return lowest[0]
+    return found[0] if len({x.equation for x in odd}) == 1 else None
+
 
 SQUARE = Symbol("W", positive=True)
 """omega^2, the unknown of a threshold polynomial."""
 _TERMS = 24  # of the expansions of numerator and denominator
 _SOON = 8  # terms of an expansion
-_FEW = 16  # terms of a coefficient that is taken apart
+_FEW_SOLVED = 16  # terms of a coefficient that is taken apart
 
 Frequencies = tuple[Solution, ...] | tuple[RealNumber, ...]
 """Formulas, each with the conditions under which it is in force; or, where all are numbers, certified frequencies."""
@@ -242,7 +444,7 @@ def _over_one_term(above: _Row, below: _Row, _: Ring, count: int) -> Iterator[Ex
     for n in range(count):
         ratios.append((below(n) / below(0)).expand())
         found.append((above(n) / below(0) - Add(*(h * ratios[n - i] for i, h in enumerate(found)))).expand())
-        yield found[-1].factor() if len(Add.make_args(found[-1])) <= _FEW else found[-1]
+        yield found[-1].factor() if len(Add.make_args(found[-1])) <= _FEW_SOLVED else found[-1]
 
 
 def _divided(above: _Row, below: _Row, ring: Ring, count: int) -> Iterator[Expr]:
@@ -255,7 +457,7 @@ def _divided(above: _Row, below: _Row, ring: Ring, count: int) -> Iterator[Expr]
         for i, h in enumerate(found):
             left = left - h * bottom[n - i]
         found.append((left / bottom[0]).reduced())
-        is_short = len(found[-1].numerator) + len(found[-1].denominator) <= _FEW
+        is_short = len(found[-1].numerator) + len(found[-1].denominator) <= _FEW_SOLVED
         yield found[-1].factored() if is_short else found[-1].expression()
 
 
