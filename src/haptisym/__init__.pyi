@@ -42,10 +42,9 @@ from haptisym.verbs.require.designmap import DesignMap, design_map
 from haptisym.verbs.require.entry import require
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.sensitivity.entry import Sensitivities, sensitivity
-from haptisym.verbs.simulate.entry import check, simulate
+from haptisym.verbs.simulate.entry import EncoderQuantisation, ForceSaturation, Simulation, check, simulate
 from haptisym.verbs.simulate.motions import chirp, multisine, recording, sine
 from haptisym.verbs.simulate.release import Release, release
-from haptisym.verbs.simulate.results import EncoderQuantisation, ForceSaturation, Simulation
 from haptisym.verbs.stability.entry import Stability, stability
 from haptisym.verbs.sweep.entry import sweep
 from haptisym.verbs.tolerances.proofs import Tolerances, tolerances

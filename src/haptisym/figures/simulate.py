@@ -25,9 +25,9 @@ from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.propagate import POINTS, finer
+from haptisym.verbs.simulate.entry import Simulation
 from haptisym.verbs.simulate.release import Release
-from haptisym.verbs.simulate.results import Simulation
+from haptisym.verbs.simulate.statespace import POINTS, finer
 
 _IN_TIME, _IN_LOOPS = 3, 1
 """Periods that are shown."""

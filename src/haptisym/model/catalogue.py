@@ -2,11 +2,11 @@
 
 A model is a function from parameters to a dynamics, ``H(s)`` or a chain matrix, entered under its name in scene files by the
 decorator ``environment`` or ``effect``; its signature says what each parameter measures and may be. Numbers, strings with units
-or symbols go in, an ``Environment`` or an ``Effect`` comes out. A ``Hand`` is m s^2 + b s + k, which stands beside H_perc where both
-move together; a shunt of that form, a ``Device``, stands beside it too.
+or symbols go in, an ``Environment`` or an ``Effect`` comes out. A ``Hand`` is m s^2 + b s + k, which stands beside H_perc where
+both move together; a shunt of that form, a ``Device``, stands beside it too.
 
-A controller with a clock renders an environment as a difference equation: ``D(z)`` is its dynamics with a difference in place of
-s, and a ``sampled-loop`` is the effect that makes of what would be rendered what is: D - H beside it, then delay and hold.
+A controller with a clock renders an environment as a difference equation: ``D(z)`` is its dynamics with a difference in place
+of s, and a ``sampled-loop`` is the effect that makes of what would be rendered what is: D - H beside it, then delay and hold.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """A chain of dynamics between environment and hand, and what it makes of the environment: the distortion.
 
 A ``Chain`` is H_env, what is rendered for it and the effects' chain matrices, nearest the environment first; H_perc is one
-Moebius map of what is rendered. A ``Distortion`` is H_env, H_perc and dH = H_perc - H_env in lowest terms, with all closed forms of them.
+Moebius map of what is rendered. A ``Distortion`` is H_env, H_perc and dH = H_perc - H_env in lowest terms, with all closed
+forms of them.
 """
 
 from __future__ import annotations

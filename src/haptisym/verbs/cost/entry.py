@@ -16,7 +16,7 @@ from statistics import median
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
-from haptisym.kernel.budget import limited
+from haptisym.kernel.budget import ONE_THREAD, limited
 from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.objects import counted, titled
 from haptisym.model.scene import Scene
@@ -24,7 +24,6 @@ from haptisym.model.scenefile import as_scene
 from haptisym.verbs.cost.measurement import HardRow, Measurement, Omission
 from haptisym.verbs.cost.stopwatch import Timed, interleaved, machine
 from haptisym.verbs.cost.tasks import Method, Task, crossings_task, delay_tasks, effects_tasks, evaluate_task, prepared
-from haptisym.verbs.simulate.threads import one_thread
 
 _SCATTER = 0.15  # of the middle half of the repeats: quiet machines have 0.02 to 0.1
 BUSY = "This machine is busy: times are not to be trusted."
@@ -248,7 +247,7 @@ def simulation_cost(
     scene = as_scene(scene)
     scene.knobs.need_numbers()
     question = Recovery(scene)
-    with one_thread():  # as ``simulate`` has it
+    with ONE_THREAD:  # as ``simulate`` has it
         question.check()
         attempts, left_out = prepared(simulation_methods(question), question, "simulation")
         task = Task("simulation", attempts, lambda method, answer: question.score(answer), left_out)

@@ -25,10 +25,9 @@ from haptisym.model.jnd import Part
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene
 from haptisym.verbs.cost.tasks import DOUBLE, Attempt, Method, RefusedError, Score, Task, naive, prepared, right_digits
-from haptisym.verbs.simulate.entry import STEP, band_frequencies, default_amplitude
+from haptisym.verbs.simulate.entry import STEP, Run, band_frequencies, default_amplitude, lock, period_of
 from haptisym.verbs.simulate.motions import Sines, multisine
 from haptisym.verbs.simulate.network import name_of
-from haptisym.verbs.simulate.run import Run, lock, period_of
 from haptisym.verbs.sweep.bernstein import Array
 from haptisym.verbs.sweep.passes import AnswerRow, Kernel, exact_answers
 from haptisym.verbs.sweep.told import OPEN

@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
+from haptisym.kernel.budget import ONE_THREAD
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import counted
 from haptisym.model.jnd import Published, published_by_name
 from haptisym.verbs.jnd.fitting import Asked, Deviance, Estimate, Fit, grouped_words
 from haptisym.verbs.jnd.tables import Answers, condensed, read_answers
-from haptisym.verbs.simulate.threads import one_thread
 
 METHODS = {"likelihood": "maximum likelihood", "psignifit": "psignifit 4"}
 
@@ -177,7 +177,7 @@ def jnd(
     else:
         from haptisym.verbs.jnd.fitting import fitted
 
-        with one_thread():
+        with ONE_THREAD:
             fit = fitted(answers, asked, 1 / choices if choices else guess, lapse, confidence)
     if choices:
         fit = replace(fit, jnd=fit.jnd.as_size)

@@ -1,29 +1,21 @@
-"""Linear equations of motion in named signals: the catalogue once more, from the physics.
+"""The catalogue once more, from the physics: equations of motion in named signals, with exact coefficients.
 
-Linear equations of motion in named signals, and dynamics as such equations.
+A ``Network`` is what a scene becomes before it is simulated: equations between signals, each a ``SignalSum`` of derivatives and
+delays that equals zero, and the elements that no linear equation describes (``Hold``, ``Switch``, ``Step``). Nothing here is a
+transfer function of the whole: every block adds its own equations, and only those of blocks that the scene names are ever made.
+They are written from springs, masses, delay lines, clocks and sliding friction, not from the chain matrices, which they are
+there to check. ``near`` and ``far`` are the ports towards the environment and towards the hand, each with force ``F`` and
+displacement ``X``.
 
-Linear equations of motion in named signals: sums of derivatives and delays with exact coefficients.
+*Fractional order.* s^alpha is a bank of first-order relaxations: no history to carry along. In s^(alpha-1) = sin(pi alpha)/pi *
+integral of lambda^(alpha-1)/(s + lambda) over lambda > 0, with lambda = e^y, the integrand is analytic in a strip, so that the
+trapezoidal rule converges exponentially (relative error about exp(-pi^2/step) on the imaginary axis). What lies below the
+slowest and beyond the fastest relaxation is a spring and a damper, whose strengths are geometric series and therefore known
+exactly.
 
-A ``Network`` is what a scene becomes before it is simulated: equations between signals, each a ``Sum`` that equals zero, and
-the elements that no linear equation describes (``Hold``, ``Switch``, ``Step``). Nothing here is a transfer function of
-the whole: every block adds its own equations, and only those of blocks that the scene names are ever made.
-
-Dynamics as equations: a rational function of s, powers of s and delays between signals of a network.
-
-The catalogue once more, as equations of motion.
-
-The catalogue once more, as equations of motion: what each environment and each effect does to force and motion in time.
-
-Every function adds the equations of one element to a ``Network``. They are written from the physics (springs, masses,
-delay lines, clocks, sliding friction), not from the chain matrices, which they are there to check. ``near`` and ``far`` are
-the ports towards the environment and towards the hand, each with force ``F`` and displacement ``X``.
-
-The derivative of fractional order in time, as a bank of first-order relaxations: no history to carry along.
-
-From s^(alpha-1) = sin(pi alpha)/pi * integral of lambda^(alpha-1)/(s + lambda) over lambda > 0: with lambda = e^y the integrand
-is analytic in a strip, so that the trapezoidal rule converges exponentially (relative error about exp(-pi^2/step) on the
-imaginary axis). What lies below the slowest and beyond the fastest relaxation is a spring and a damper, whose strengths are
-geometric series and therefore known exactly.
+*Rest.* In a stable scene each signal goes, long after a step of the hand, to the step times the limit of its transfer function
+at s -> 0. That limit is taken from the equations of motion with a tiny rational s: s = 0 itself would lose what delay lines
+hold (a line of wave variables keeps its position error as a constant flow, and no equation without derivatives knows of it).
 """
 
 from __future__ import annotations
@@ -37,7 +29,7 @@ from math import ceil, floor, log, sin
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from flint import fmpq
+from flint import fmpq, fmpq_mat
 from sympy import Expr, I, Rational, exp, pi
 
 from haptisym.kernel.dynamics import Ring
@@ -161,8 +153,6 @@ class Network:
     holds: list[Hold] = field(default_factory=list)
     switches: list[Switch] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
-    frictions: list[Switch] = field(default_factory=list)
-    """Those of the switches that are friction, as built: where several act on one velocity, ``switches`` has only the first."""
     built: list[str] = field(default_factory=list)
     fractional: list[tuple[float, float, float]] = field(default_factory=list)
     """Order and quadrature range of each fractional derivative."""
@@ -198,11 +188,6 @@ def name_of(signal: SignalSum) -> str:
     """The name of a plain signal."""
     [(name, _, _)] = signal.terms
     return name
-
-
-def quotient(net: Network, formula: Expr, x: SignalSum, y: SignalSum) -> None:
-    """y = (numerator/denominator) x as a differential equation: denominator(d/dt) y = numerator(d/dt) x."""
-    combined(net, [formula], [x], y)
 
 
 def combined(net: Network, formulas: Sequence[Expr], signals: Sequence[SignalSum], y: SignalSum) -> None:
@@ -248,12 +233,6 @@ def _powers(net: Network, made: dict[tuple[Any, int], SignalSum], x: SignalSum, 
             made[key] = fractional(net, x, alpha)
         x = made[key]
     return x
-
-
-def fractional(net: Network, x: SignalSum, alpha: Exact) -> SignalSum:
-    """The derivative of an order that is not whole."""
-
-    return derivative(net, x, alpha)
 
 
 ExactValues: TypeAlias = Mapping[str, Exact]
@@ -319,21 +298,13 @@ def _branch(net: Network, k: Exact, b: Exact, x: SignalSum) -> SignalSum:
     return force
 
 
-def _maxwell(net: Network, element: Environment, port: Port) -> None:
+def _maxwell_branches(net: Network, element: Environment, port: Port) -> None:
+    """Beside a spring k0, as ``zener`` and ``prony`` have it."""
     p = _values(element)
-    net.equal(port.F, _branch(net, p["k"], p["b"], port.X))
-
-
-def _zener(net: Network, element: Environment, port: Port) -> None:
-    p = _values(element)
-    net.equal(port.F, p["k0"] * port.X + _branch(net, p["k1"], p["b1"], port.X))
-
-
-def _prony(net: Network, element: Environment, port: Port) -> None:
-    p = _values(element)
-    total, count = p["k0"] * port.X, sum(key.startswith("k[") for key in p)
-    for i in range(1, count + 1):
-        total = total + _branch(net, p[f"k[{i}]"], p[f"b[{i}]"], port.X)
+    total = p.get("k0", fmpq(0)) * port.X
+    for key in p.keys() - {"k0"}:
+        if key.startswith("k"):
+            total = total + _branch(net, p[key], p["b" + key[1:]], port.X)
     net.equal(port.F, total)
 
 
@@ -351,10 +322,7 @@ def _two_mass(net: Network, element: Environment, port: Port) -> None:
 
 
 def _written(net: Network, element: Environment, port: Port) -> None:
-    quotient(net, element.H, port.X, port.F)
-
-
-# Formulas
+    combined(net, [element.H], [port.X], port.F)
 
 
 # Effects
@@ -362,7 +330,7 @@ def _written(net: Network, element: Environment, port: Port) -> None:
 
 def _series(net: Network, element: Effect, near: Port, far: Port) -> None:
     net.equal(far.X, near.X)
-    quotient(net, element.matrix[0], near.F, far.F)
+    combined(net, [element.matrix[0]], [near.F], far.F)
 
 
 def _first_order_lag(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -416,7 +384,7 @@ def _shunt(net: Network, element: Effect, near: Port, far: Port) -> None:
     if own := device(element):
         net.equal(beside, near.X.through(*map(exact, own)))
     else:
-        quotient(net, element.matrix[1], near.X, beside)
+        combined(net, [element.matrix[1]], [near.X], beside)
     net.equal(far.F, near.F + beside)
 
 
@@ -431,13 +399,15 @@ def _coulomb_friction(net: Network, element: Effect, near: Port, far: Port) -> N
     net.equal(far.X, near.X)
     net.equal(far.F, near.F + force)
     net.equal(velocity, near.X.d())
-    limit = float_of(_values(element)["force"])
-    net.frictions.append(Switch(name_of(force), velocity, name_of(velocity), limit, 0.0, element.name))
+    if limit := float_of(_values(element)["force"]):
+        net.switches.append(Switch(name_of(force), velocity, name_of(velocity), limit, 0.0, element.name))
+    else:
+        net.zero(force)
 
 
 def _admittance_display(net: Network, element: Effect, near: Port, far: Port) -> None:
     net.equal(far.X, near.X)
-    quotient(net, 1 / element.matrix[0], far.F, near.F)  # what the hand's force is to the rendered one
+    combined(net, [1 / element.matrix[0]], [far.F], near.F)  # what the hand's force is to the rendered one
 
 
 def _wave_variables(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -485,9 +455,7 @@ def float_of(number: Exact) -> float:
 _ENVIRONMENTS: dict[str, Callable[[Network, Environment, Port], None]] = {
     "mass-spring-damper": _mass_spring_damper,
     "kelvin-voigt": _mass_spring_damper,
-    "maxwell": _maxwell,
-    "zener": _zener,
-    "prony": _prony,
+    **dict.fromkeys(("maxwell", "zener", "prony"), _maxwell_branches),
     "spring-pot": _spring_pot,
     "two-mass": _two_mass,
 }
@@ -536,7 +504,7 @@ def rates_and_weights(alpha: float, span: tuple[float, float]) -> tuple[list[flo
     return rates, weights, spring, damper
 
 
-def derivative(net: Network, x: SignalSum, alpha: Exact) -> SignalSum:
+def fractional(net: Network, x: SignalSum, alpha: Exact) -> SignalSum:
     """A signal that is the derivative of order alpha, 0 < alpha < 1, of a sum."""
     order = int(alpha.p) / int(alpha.q)
     net.fractional.append((order, *net.span))
@@ -561,3 +529,59 @@ def bank_error(alpha: float, span: tuple[float, float], omegas: Array) -> float:
     s = 1j * np.asarray(omegas)[:, None]
     value = spring + damper * s[:, 0] + (np.array(weights) * s / (s + np.array(rates))).sum(axis=1)
     return float(np.abs(value / s[:, 0] ** alpha - 1).max())
+
+
+_S = fmpq(1, 10**40)
+"""1/s. Numbers of the answer are wrong by about as little, relative to the time constants of the scene in s."""
+
+
+def at_rest(net: Network, position: float) -> dict[str, float]:
+    """Every signal of a network while the hand rests at a position, m or rad.
+
+    Clocks let through what they sample, friction gives no force, a limited force is what it is without the limit or the limit,
+    and a quantiser counts as exact. Raises SceneError where something moves on though the hand rests.
+
+    >>> net, f, x = Network((1.0, 1.0)), SignalSum.of("f"), SignalSum.of("x")
+    >>> net.equal(f, x.through(100, 15)), net.equal(x, SignalSum.of("motion"))
+    (None, None)
+    >>> at_rest(net, 0.5)["f"]
+    50.0
+    """
+    ratios = _ratios(net)
+    values = {name: position * float_of(ratio) for name, ratio in ratios.items()}
+    if not all(abs(value) < 1e15 for value in values.values()):
+        raise SceneError("motion: it begins away from 0, where the scene does not come to rest; begin it at 0")
+    return values
+
+
+def _ratios(net: Network) -> dict[str, Exact]:
+    """Each signal as a fraction of the hand's position."""
+    held = [
+        SignalSum.of(x.target) - SignalSum.of(x.source).late(fmpq(*x.period.as_integer_ratio()) / 2) for x in net.holds
+    ]
+    passed = [*held, *(SignalSum.of(x.target) - SignalSum.of(x.source) for x in net.steps)]
+    switched = [switch.closed if switch.offset else SignalSum.of(switch.target) for switch in net.switches]
+    equations = [*net.equations, *passed, *switched]
+    names = list(dict.fromkeys(name for equation in equations for name, _, _ in equation.terms if name != MOTION))
+    if len(equations) != len(names):
+        raise SceneError("the effects do not determine the motion")
+    place = {name: i for i, name in enumerate(names)}
+    left, right = fmpq_mat(len(names), len(names)), fmpq_mat(len(names), 1)
+    for row, equation in enumerate(equations):
+        for key, value in equation.terms.items():
+            if key[0] == MOTION:
+                right[row, 0] -= value * _factor(key)
+            else:
+                left[row, place[key[0]]] += value * _factor(key)
+    try:
+        found = left.solve(right)
+    except ZeroDivisionError:
+        raise SceneError("motion: it begins away from 0, where the scene has no state of rest; begin it at 0") from None
+    return {MOTION: fmpq(1), **{name: found[i, 0] for name, i in place.items()}}
+
+
+def _factor(key: SignalKey) -> Exact:
+    """s^n exp(-s lag) at the tiny s; three terms of the series are exact enough, as s^2 is 1e-80."""
+    _, order, lag = key
+    turned = _S * lag
+    return _S**order * (1 - turned + turned * turned / 2)

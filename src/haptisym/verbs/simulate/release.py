@@ -1,15 +1,9 @@
-"""Held displaced, and let go: the run, what is read from it, and the closed form's rightmost root.
-
-Rate and frequency of what lasts longest in a motion: a matrix pencil (Hua and Sarkar, 1990) on even samples.
-
-What a release hands over: the run, the rate and frequency read from it, and those of the closed form.
-
-Held displaced, and let go: whether hand and display come to rest or shake, by their equations of motion in time.
+"""Held displaced, and let go: whether hand and display come to rest or shake, by their equations of motion in time.
 
 The hand has held the display displaced for so long that everything rests; then the force with which it holds fades within a
-moment, and its mass, damping and stiffness alone stay. Clocks, delay lines and friction are real ones (``blocks``,
-``engine``); the closed form of H_perc is not used. From the motion that follows, rate and frequency of what lasts longest are
-read by a matrix pencil, and held against the rightmost root of H_perc(s) + m s^2 + b s + k.
+moment, and its mass, damping and stiffness alone stay. Clocks, delay lines and friction are real ones; the closed form of
+H_perc is not used. From the motion that follows, rate and frequency of what lasts longest are read by a matrix pencil (Hua and
+Sarkar, 1990) on even samples, and held against the rightmost root of H_perc(s) + m s^2 + b s + k.
 """
 
 from __future__ import annotations
@@ -24,7 +18,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from haptisym.judge.answers import Answer
-from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.budget import ONE_THREAD, SECONDS, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import titled
 from haptisym.kernel.rootcount import RootChain, at_least, order_at_0
@@ -35,14 +29,11 @@ from haptisym.model.scene import Scene, clocks
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.engine import Engine
-from haptisym.verbs.simulate.frictions import join_frictions
+from haptisym.verbs.simulate.entry import build
 from haptisym.verbs.simulate.motions import _fade, positive
-from haptisym.verbs.simulate.network import MOTION, Network, Port, SignalSum, exact, name_of
-from haptisym.verbs.simulate.propagate import Record
-from haptisym.verbs.simulate.rest import at_rest
+from haptisym.verbs.simulate.network import MOTION, Network, Port, SignalSum, at_rest, exact, name_of
 from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost_root
-from haptisym.verbs.simulate.run import build
-from haptisym.verbs.simulate.threads import one_thread
+from haptisym.verbs.simulate.statespace import Record
 from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.held import Held, characteristic, held, ring_of
 
@@ -356,7 +347,7 @@ def release(
     size = positive("release", displacement, Dimension.DISPLACEMENT)
     _one_kind(scene, quantity(displacement, Dimension.DISPLACEMENT).motion, hand)
     length = None if duration is None else positive("duration", duration, Dimension.TIME)
-    with one_thread(), limited(limit):
+    with ONE_THREAD, limited(limit):
         return _Run(scene, hand, size, closed_form(scene, hand)).go(length, progress)
 
 
@@ -431,7 +422,6 @@ class _Run:
         net = Network(span)
         port = build(net, self.scene)[-1]
         net.equal(port.X, SignalSum.of(MOTION))
-        join_frictions(net)
         found = at_rest(net, self.size)
         force = found[name_of(port.F)] + float(self.hand.k.value) * self.size
         return {**found, MOTION: force}
@@ -490,7 +480,7 @@ class _Run:
 
     def _why(self) -> str:
         """Why the closed form is not what was simulated; empty where it is."""
-        if self.net.frictions:
+        if self.net.switches:
             return "sliding friction, for which the closed form has a describing function of one amplitude"
         return "a clock whose loop has no closed form here" if self.periods and self.closed is None else ""
 
@@ -500,5 +490,4 @@ def _held(net: Network, scene: Scene, hand: Hand) -> Port:
     port = build(net, scene)[-1]
     own = port.X.through(*(exact(p.value) for p in (hand.k, hand.b, hand.m)))
     net.equal(port.F + own, SignalSum.of(MOTION))
-    join_frictions(net)
     return port
