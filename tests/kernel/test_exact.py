@@ -48,7 +48,6 @@ import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import kelvin_voigt, mass_spring_damper
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
-from haptisym.kernel.factoring import discriminant, resultant
 from haptisym.kernel.pulse import Exponentials
 from haptisym.kernel.reals import (
     ExactNumber,
@@ -651,31 +650,6 @@ def _up_to_sign(x: Expr) -> frozenset[Expr]:
 
 
 context = flint.fmpq_mpoly_ctx.get(("x", "a", "b", "c"), flint.Ordering.lex)
-
-
-@st.composite
-def in_three_variables(draw: st.DrawFn, least: int, most: int) -> Any:
-    """Of a degree in x from least to most, with whole numbers of up to 60 bits."""
-    degree = draw(st.integers(least, most))
-    key = st.tuples(st.integers(0, degree), st.integers(0, 3), st.just(0), st.integers(0, 2))
-    terms = draw(st.dictionaries(key, st.integers(-(2**60), 2**60).filter(bool), min_size=1, max_size=14))
-    lead = draw(st.tuples(st.just(degree), st.integers(0, 2), st.just(0), st.integers(0, 1)))
-    return context.from_dict({**{e: fmpq(c) for e, c in terms.items()}, lead: fmpq(draw(st.integers(1, 9)))})
-
-
-@examples(20)
-@given(in_three_variables(2, 6), in_three_variables(1, 5))
-def test_discriminants_and_resultants_by_values_are_those_of_polynomial_arithmetic(f: Any, g: Any) -> None:
-    assert discriminant(f, 0) == f.discriminant("x")
-    assert resultant(f, g, 0) == f.resultant(g, "x")
-
-
-@pytest.mark.slow
-def test_a_leading_coefficient_that_vanishes_on_the_first_grid_moves_it() -> None:
-    x, a, _, c = context.gens()
-    f = (a - 1) * (c - 2) * x**6 + (a + c**2) * x**5 + 7 * x**2 - a * c
-    assert discriminant(f, 0) == f.discriminant("x")
-    assert discriminant(f**2, 0).is_zero()
 
 
 @pytest.mark.few(2)

@@ -39,7 +39,6 @@ from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.factoring import discriminant, resultant
 from haptisym.kernel.factors import PolynomialFactor, Root
 from haptisym.kernel.reals import (
     SURE_BITS,
@@ -84,11 +83,11 @@ def critical(
         for kind, end in zip((Kind.START, Kind.EDGE), band, strict=True):
             yield (criterion, kind), substituted(f, 0, ring.convert(end))
         if f.degrees()[0] > (2 if is_even(f) else 1):
-            yield (criterion, Kind.TOUCH), discriminant(in_square(f), 0)
+            yield (criterion, Kind.TOUCH), in_square(f).discriminant(0)
     for f, g in combinations([f for f in factors if f.degrees()[0] and f != ring.variable], 2):
         if is_even(f) and is_even(g):
             f, g = in_square(f), in_square(g)
-        yield (criterion, Kind.TOUCH), resultant(f, g, 0)
+        yield (criterion, Kind.TOUCH), f.resultant(g, 0)
 
 
 def real_roots(factor: Polynomial, index: int, *, negative: bool) -> Iterator[RealNumber]:
@@ -191,9 +190,9 @@ def touch_polynomial(pieces: Sequence[RealFunction]) -> Expr:
     own = [[f for f, n in irreducible(piece.function.numerator) if n % 2 and f.degrees()[0]] for piece in pieces]
     found = axis.constant(1)
     for f in (f for factors in own for f in factors):
-        found *= discriminant(in_square(f), 0) if f.degrees()[0] > (2 if is_even(f) else 1) else 1
+        found *= in_square(f).discriminant(0) if f.degrees()[0] > (2 if is_even(f) else 1) else 1
     for f, g in (pair for one, other in combinations(own, 2) for pair in product(one, other) if pair[0] != pair[1]):
-        found *= resultant(in_square(f), in_square(g), 0) if is_even(f) and is_even(g) else resultant(f, g, 0)
+        found *= in_square(f).resultant(in_square(g), 0) if is_even(f) and is_even(g) else f.resultant(g, 0)
     return axis.factored_expression(found)
 
 
@@ -307,7 +306,7 @@ class Breaking:
         minimal = of_factor(self.ring, self.index, root.factor, mirrored=root is not value)
         own = self.pieces[criterion]
         tops = [f.function.cleared().numerator for f in own]
-        norms = [resultant(p, minimal, self.index) if p.degrees()[self.index] else p for p in tops]
+        norms = [p.resultant(minimal, self.index) if p.degrees()[self.index] else p for p in tops]
         if any(norm.is_zero() for norm in norms):
             return False
         table = chart({i: RealFunction(self.ring.function(norm)) for i, norm in enumerate(norms)}, *self.band)

@@ -32,7 +32,6 @@ from haptisym.judge.passivity import environment_alone, passivity
 from haptisym.kernel.budget import spared, tick
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.factoring import resultant
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.model.distortion import Distortion
@@ -402,7 +401,7 @@ def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[Turn]:
         [(real, imag)] = ring.axis.parts([f])
         common = real.gcd(imag)
         if real and imag and f.degrees()[0]:
-            found.append((Kind.AXIS, resultant(real / common, imag / common, 0)))
+            found.append((Kind.AXIS, (real / common).resultant(imag / common, 0)))
     for kind, polynomial in found:
         for factor, _ in polynomial.factor()[1] if polynomial else ():
             for value in real_roots(factor, index, negative=True):
