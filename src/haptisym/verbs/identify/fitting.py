@@ -1,21 +1,12 @@
-"""Models with free numbers, and weighted least squares.
+"""Models with free numbers, where a fit begins, and weighted least squares.
 
-What is to be identified, and whether other values give the very same response.
+What is to be identified are models of the catalogue, or fractions of given degrees, with parameters that are free. A fit begins
+at values drawn from units and the lines' own scales, a fraction at linear least squares, each time weighted with the
+denominator before; it ends where a model lies nearest to the lines, weighted by their discs.
 
-What is to be identified: models of the catalogue, or fractions of given degrees, with parameters that are free.
-
-Whether other values of a model's parameters give the very same response: a question of algebra, which no line answers.
-
-Two responses are one where numerator and denominator are, but for one factor. With the values that were found (to three digits)
-on the one side these are polynomial equations for the parameters, solved by a Groebner basis.
-
-A model with free numbers, where a fit begins, and weighted least squares.
-
-A model with free parameters as a function of numbers: the response at all lines, for many sets of values at once.
-
-Values to begin a fit with: of models from their units and the lines' own scales, of fractions from linear least squares.
-
-Weighted least squares: the values with which a model lies nearest to measured lines, and how well the lines tell them.
+Whether other values of a model's parameters give the very same response is a question of algebra, which no line answers. Two
+responses are one where numerator and denominator are, but for one factor. With the values that were found (to three digits) on
+the one side these are polynomial equations for the parameters, solved by a Groebner basis.
 """
 
 from __future__ import annotations
@@ -41,8 +32,8 @@ from haptisym.model.distortion import distort
 from haptisym.model.measured import Complexes, Measurement, Reals
 from haptisym.model.parameters import NAMED, Rule, Slot, free_name
 from haptisym.model.quantities import Dimension
-from haptisym.verbs.identify.scenetext import Table
 
+Table: TypeAlias = Mapping[str, Any]
 Degrees: TypeAlias = tuple[int, int]
 HIGHEST = 12
 """Degree of a numerator or denominator."""
