@@ -24,7 +24,7 @@ from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.factors import AnalyticFactor, Level, PeriodicFactor, PolynomialFactor, polynomial_factors
-from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
+from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.turns import vanishes
 from haptisym.kernel.waves import WaveTerm
 from haptisym.kernel.zeros import Factor, is_clear, sign_of
@@ -100,7 +100,9 @@ def factored_function(function: RealFunction | Level, known: Known, *, in_square
     only where all are even or odd: else one frequency might be the zero of two different factors.
     """
     if isinstance(function, Level):
-        one = RealFunction(function.function.axis.one / _denominator(function.function))
+        one = RealFunction(
+            function.function.axis.one / function.function.axis.function(function.function.function.denominator)
+        )
         below = factored_function(one, known, in_square=in_square)
         return replace(below, exponents={**below.exponents, function.factor: 1})
     top, bottom = function.function.numerator, function.function.denominator
@@ -123,10 +125,6 @@ def factored_function(function: RealFunction | Level, known: Known, *, in_square
         for factor, exponent in factors:
             exponents[factor] += direction * exponent
     return Product(sign, power, {factor: n for factor, n in exponents.items() if n} if sign else {})
-
-
-def _denominator(function: RealFunction) -> RationalFunction:
-    return function.axis.function(function.function.denominator)
 
 
 def is_even_or_odd(function: RealFunction | Level) -> bool:
@@ -166,7 +164,7 @@ def _factored(
             continue
         made = next((made for other, made in known.factors if other == factor), None)
         if made is None:
-            made = _factor(factor, axis)
+            made = (_analytic_factor if any(factor.degrees()[axis.size :]) else _polynomial_factor)(factor, axis)
             if _seems_to_vanish(made, axis) and vanishes(factor, axis):
                 return 0, Integer(0), []
             if (alike := _alike(factor, made, axis, known)) is not None:
@@ -266,13 +264,7 @@ def _turning(polynomial: Polynomial, axis: Axis) -> list[int]:
     return [0 if angle.constant else n for angle, n in zip(axis.angles, degrees, strict=False)]
 
 
-def _factor(factor: Polynomial, axis: Axis) -> Factor:
-    """An irreducible polynomial of the axis as a factor."""
-    degrees = [int(n) for n in factor.degrees()]
-    return _analytic_factor(factor, axis) if any(degrees[axis.size :]) else _polynomial_factor(factor)
-
-
-def _polynomial_factor(factor: Polynomial) -> PolynomialFactor:
+def _polynomial_factor(factor: Polynomial, _: Axis) -> PolynomialFactor:
     rows = _rows([(index(e[0]), index(e[1]), index(c.p)) for e, c in monomials(factor)])
     even = not any(any(row) for row in rows[1::2])
     return PolynomialFactor(rows[::2] if even else rows, 2 if even else 1)
@@ -316,12 +308,7 @@ def _made(terms: tuple[WaveTerm, ...], degrees: tuple[int, ...], axis: Axis) -> 
     shorter = terms
     if len(angles) < len(degrees):
         shorter = tuple([WaveTerm(tuple(compress(x.turns, degrees)), x.powers, x.coefficients) for x in terms])
-    alone = len(angles) == 1 and not angles[0].constant
-    kind = PeriodicFactor if alone and all(map(_is_rational, terms)) else AnalyticFactor
+    is_plain = all(len(x.coefficients) == len(x.coefficients[0]) == 1 and not any(x.powers) for x in terms)
+    kind = PeriodicFactor if len(angles) == 1 and not angles[0].constant and is_plain else AnalyticFactor
     rates = tuple([(angle.rate, angle.constant) for angle in angles])
     return kind(shorter, rates, tuple(compress(degrees, degrees)), axis.orders)
-
-
-def _is_rational(term: WaveTerm) -> bool:
-    """Whether it is a rational number times sines and cosines."""
-    return len(term.coefficients) == 1 and len(term.coefficients[0]) == 1 and not any(term.powers)

@@ -222,13 +222,11 @@ def _real_ones(isolated: Iterable[Ball]) -> list[Ball]:
     alone = [
         z
         for i, z in enumerate(roots)
-        if not any(_meet(z.conjugate(), other) for j, other in enumerate(roots) if j != i)
+        if not any(
+            z.real.overlaps(other.real) and (-z.imag).overlaps(other.imag) for j, other in enumerate(roots) if j != i
+        )
     ]
     return [z.real for z in alone if z.imag.contains(0)]
-
-
-def _meet(z: Ball, other: Ball) -> bool:
-    return bool(z.real.overlaps(other.real) and z.imag.overlaps(other.imag))
 
 
 def _positive(roots: Iterable[Ball]) -> tuple[Ball, ...] | None:
@@ -354,7 +352,8 @@ class AnalyticFactor(WaveSum, SeriesFactor):
                 seen |= signs
                 if {1, -1} <= seen:
                     return 0  # there is none all over
-            return _common(self.ranges(box).values())
+            every = {sign_of(x) for x in self.ranges(box).values()}
+            return every.pop() if len(every) == 1 else 0
 
     @property
     def farthest(self) -> float | None:
@@ -382,12 +381,6 @@ class AnalyticFactor(WaveSum, SeriesFactor):
 
     def shown_sign(self, place: Expr) -> int:
         return _shown_sign(self, place)
-
-
-def _common(balls: Iterable[Ball]) -> int:
-    """The sign that all have; 0 where they have none."""
-    signs = {sign_of(x) for x in balls}
-    return signs.pop() if len(signs) == 1 else 0
 
 
 @lru_cache(maxsize=1024)
@@ -493,7 +486,10 @@ class PeriodicFactor(AnalyticFactor):
             ends = [expression_ball(low), expression_ball(high)]
             halves = [float((expression_ball(rate) * end / (2 * arb.pi())).mid()) for end in ends]
             turns = range(floor(halves[0] - 0.5 - _SLACK), floor(halves[1] + 0.5 + _SLACK) + 1)
-            near = [(x, _ticked(x).ball(128)) for x in (Turned(angle, n, rate) for n in turns for angle in self.angles)]
+            near = []
+            for n in turns:
+                tick()
+                near += [(x, x.ball(128)) for x in (Turned(angle, n, rate) for angle in self.angles)]
             known = [end for end, place in zip(ends, (low, high), strict=True) if self.order_at(place)]
             # the zero at an end is counted there
             return [
@@ -501,11 +497,6 @@ class PeriodicFactor(AnalyticFactor):
                 for x, ball in near
                 if not (ball < ends[0] or ball > ends[1] or any(ball.overlaps(end) for end in known))
             ]
-
-
-def _ticked(x: Turned) -> Turned:
-    tick()
-    return x
 
 
 _SLACK = 1e-6  # half turns: more than floats err, so that none is left out

@@ -100,14 +100,10 @@ class _Pickler(pickle.Pickler):
         kind = type(thing)
         if kind in _PARTS:
             return _again, (kind, _PARTS[kind](thing))
-        if not _has_its_own(kind) and kind.__module__.startswith("haptisym.") and hasattr(thing, "__dict__"):
+        is_special = any(name in vars(c) for c in kind.__mro__[:-1] for name in ("__reduce__", "__reduce_ex__"))
+        if not is_special and kind.__module__.startswith("haptisym.") and hasattr(thing, "__dict__"):
             return made, (kind, tuple(thing) if isinstance(thing, tuple) else None), state(thing)
         return NotImplemented
-
-
-def _has_its_own(kind: type) -> bool:
-    """Whether a class says itself how it is copied, as enumerations do."""
-    return any(name in vars(c) for c in kind.__mro__[:-1] for name in ("__reduce__", "__reduce_ex__"))
 
 
 def _exact(x: arb) -> Any:

@@ -332,17 +332,20 @@ def rational_between(low: RealNumber | None, high: RealNumber | None, own: Expr 
     """
     if isinstance(own, Rational) and _is_between(low, own, high):
         return own
-    if low is None or high is None:
-        return _integer_beyond(low, high)
-    apart = at_rising_precision(lambda bits: _apart(low.bounds(bits)[1], high.bounds(bits)[0]), 16, SURE_BITS)
+    if low is None:
+        return Integer(0) if high is None else Integer(ceil(high.bounds(16)[0]) - 1)
+    if high is None:
+        return Integer(floor(low.bounds(16)[1]) + 1)
+
+    def ends(bits: int) -> tuple[Fraction, Fraction] | None:
+        below, above = low.bounds(bits)[1], high.bounds(bits)[0]
+        return (below, above) if below < above else None
+
+    apart = at_rising_precision(ends, 16, SURE_BITS)
     if apart is None:
         raise UndecidedError("whether two numbers are different")
     found = _simplest(*apart)
     return Rational(found.numerator, found.denominator)
-
-
-def _apart(below: Fraction, above: Fraction) -> tuple[Fraction, Fraction] | None:
-    return (below, above) if below < above else None
 
 
 def _is_between(low: RealNumber | None, own: Rational, high: RealNumber | None) -> bool:
@@ -350,12 +353,6 @@ def _is_between(low: RealNumber | None, own: Rational, high: RealNumber | None) 
     with flint.ctx.workprec(_FEW_BITS):
         here = arb(fmpq(int(own.p), int(own.q)))
         return bool((low is None or low.ball(_FEW_BITS) < here) and (high is None or here < high.ball(_FEW_BITS)))
-
-
-def _integer_beyond(low: RealNumber | None, high: RealNumber | None) -> Integer:
-    if low is not None:
-        return Integer(floor(low.bounds(16)[1]) + 1)
-    return Integer(0) if high is None else Integer(ceil(high.bounds(16)[0]) - 1)
 
 
 def _simplest(low: Fraction, high: Fraction) -> Fraction:

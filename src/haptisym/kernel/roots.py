@@ -105,16 +105,13 @@ def _told_apart(numbers: Sequence[RealNumber]) -> list[RealNumber]:
         close[:] = [a for (a, _), (b, _) in pairwise(enclosed) if not a < b]
         return None if close else [number for _, number in enclosed]
 
-    most = MOST_BITS if any(isinstance(x, Undecided) or _may_coincide(x) for x in numbers) else SURE_BITS
+    # zeros of different irreducible polynomials differ
+    analytic = (isinstance(x, Zero) and not isinstance(x.factor, PolynomialFactor) for x in numbers)
+    most = MOST_BITS if any(analytic) or any(isinstance(x, Undecided) for x in numbers) else SURE_BITS
     found = at_rising_precision(told_apart, 128, most)
     if found is None:
         raise UndecidedError(f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same")
     return found
-
-
-def _may_coincide(x: RealNumber) -> bool:
-    """Whether it is a zero of a function that is no polynomial: zeros of different irreducible polynomials differ."""
-    return isinstance(x, Zero) and not isinstance(x.factor, PolynomialFactor)
 
 
 class Piece(NamedTuple):
@@ -254,11 +251,11 @@ class Point(Viewed):
     @property
     def at(self) -> Signs:
         """The sign of each function right here: 0 at a zero; at a pole, the sign on both sides or 0."""
-        return {name: self._sign(name) for name in self.after}
-
-    def _sign(self, name: Key) -> int:
-        order = self.orders.get(name, 0)
-        return 0 if order > 0 or self.before[name] != self.after[name] else self.after[name]
+        found = dict(self.after)
+        for name, sign in self.before.items():
+            if self.orders.get(name, 0) > 0 or sign != found[name]:
+                found[name] = 0
+        return found
 
 
 @dataclass(frozen=True)
@@ -395,14 +392,14 @@ def _refuse_endless(factors: Iterable[Factor], low: Expr, high: Expr) -> None:
 def _products(functions: Mapping[Key, RealFunction | Level], *, in_square: bool) -> dict[Key, Product]:
     """The functions taken apart, short ones first: their factors are those of others' denominators."""
     known, found = Known(), dict[Key, Product]()
-    for name in sorted(functions, key=lambda x: _length(functions[x])):
+
+    def length(name: Key) -> int:
+        f = functions[name]
+        return len((f.function if isinstance(f, RealFunction) else f.function.function).denominator)
+
+    for name in sorted(functions, key=length):
         found[name] = factored_function(functions[name], known, in_square=in_square)
     return {name: found[name] for name in functions}
-
-
-def _length(function: RealFunction | Level) -> int:
-    f = function.function if isinstance(function, RealFunction) else function.function.function
-    return len(f.denominator)
 
 
 def _turned(signs: Signs, products: Mapping[Key, Product], orders: Mapping[Key, int], place: _Place) -> dict[Key, int]:

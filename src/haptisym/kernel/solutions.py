@@ -153,21 +153,16 @@ def _angles(polynomial: Polynomial, axis: Axis, index: int) -> _Found:
         squares = _roots(row[::2])
         if squares is None:
             return None
-        return [(angle / rate, period) for t2 in squares for angle in _both_ways(acos(((1 - t2) / (1 + t2)).cancel()))]
+        found = [acos(((1 - t2) / (1 + t2)).cancel()) for t2 in squares]
+        return [(x / rate, period) for angle in found for x in (angle, 2 * pi - angle)]
     if len(row) == 3 and row[0] == row[2]:
         sine = asin(-2 * row[0] / row[1])
         first = sine + 2 * pi if sine.could_extract_minus_sign() else sine
         return [(first / rate, period), ((pi - sine) / rate, period)]
-    return _each(lambda t: (_turn(t) / rate, period), _roots(row, positive=False))
-
-
-def _turn(t: Expr) -> Expr:
-    """The first positive angle whose half has this tangent; between -pi and pi where the sign of t is open."""
-    return 2 * atan(t) + (2 * pi if t.is_nonpositive else 0)
-
-
-def _both_ways(angle: Expr) -> tuple[Expr, Expr]:
-    return angle, 2 * pi - angle
+    # the first positive angle whose half has this tangent; between -pi and pi where the sign of t is open
+    return _each(
+        lambda t: ((2 * atan(t) + (2 * pi if t.is_nonpositive else 0)) / rate, period), _roots(row, positive=False)
+    )
 
 
 def _row(polynomial: Polynomial, axis: Axis, index: int) -> list[Expr]:

@@ -248,7 +248,8 @@ def _parts(f: SeriesFactor, piece: Stretch) -> Sequence[Stretch | tuple[Ball, Ba
     parts = piece.cut() if piece.is_sharp else None
     if parts:
         return parts
-    middle = _cut(f, piece.low, piece.high)
+    width = piece.high - piece.low  # a little off the middle, where zeros like to be
+    middle = _clear(f, (piece.low + width * 127 / 256).mid(), width / 64)
     return (piece.low, middle), (middle, piece.high)
 
 
@@ -268,7 +269,7 @@ def _judged(f: SeriesFactor, piece: Stretch, index: int) -> list[RealNumber] | N
     if piece.sign():
         return []
     if piece.sign(1):
-        return _between(f, piece, index)
+        return [Zero(f, *piece.nearer(), index)] if _sign(f, piece, 0) != _sign(f, piece, -1) else []
     if bend := piece.sign(2):
         return _on_a_bend(f, piece, bend, index)
     box = piece.low.union(piece.high)
@@ -285,11 +286,6 @@ def _sign(f: SeriesFactor, piece: Stretch, end: int, derivative: int = 0) -> int
     if sign := at_rising_precision(lambda _: sign_of(f.taylor(x, derivative)) or None):
         return sign
     raise UndecidedError(f"the sign of a function at omega = {float(x.mid()):.17g} rad/s")
-
-
-def _between(f: SeriesFactor, piece: Stretch, index: int) -> list[RealNumber]:
-    """On a monotone piece: one zero or none."""
-    return [Zero(f, *piece.nearer(), index)] if _sign(f, piece, 0) != _sign(f, piece, -1) else []
 
 
 def _on_a_bend(f: SeriesFactor, piece: Stretch, bend: int, index: int) -> list[RealNumber]:
@@ -311,12 +307,6 @@ def _on_a_bend(f: SeriesFactor, piece: Stretch, bend: int, index: int) -> list[R
         return [Undecided(f, extremum)]
     middle, sign = found
     return [] if sign == left else [Zero(f, piece.low, middle, index), Zero(f, middle, piece.high, index + 1)]
-
-
-def _cut(f: SeriesFactor, a: Ball, b: Ball) -> Ball:
-    """A dyadic number a little off the middle of a piece, at which the function is not zero."""
-    with flint.ctx.workprec(128):
-        return _clear(f, (a + (b - a) * 127 / 256).mid(), (b - a) / 64)
 
 
 def _clear(f: SeriesFactor, place: Ball, step: Ball) -> Ball:

@@ -100,7 +100,8 @@ class Environment(Shown):
         2*s + 500
         """
         known = {f"environment.{p.key}": p for p in environment.parameters}
-        tied = {p.key: tied_to(p, known, self._slot(p.key)) for p in self.parameters if p.tie}
+        slots = ENVIRONMENTS[self.model].slots
+        tied = {p.key: tied_to(p, known, slots.get(p.key.partition("[")[0], NAMED)) for p in self.parameters if p.tie}
         names = {p.symbol: tied[p.key].symbol for p in self.parameters if p.tie}
         taken = {x.name for x in (*names.values(), *(p.symbol for p in self.own))}
         for x in (p.symbol for p in self.own if p.symbol in names.values()):
@@ -108,10 +109,6 @@ class Environment(Shown):
             taken.add(names[x].name)
         parameters = (tied.get(p.key, replace(p, symbol=names.get(p.symbol, p.symbol))) for p in self.parameters)
         return replace(self, parameters=tuple(parameters), dynamics=self.dynamics.xreplace(names))
-
-    def _slot(self, key: str) -> Slot:
-        """The place that a parameter has in the model."""
-        return ENVIRONMENTS[self.model].slots.get(key.partition("[")[0], NAMED)
 
 
 @dataclass(frozen=True, repr=False)

@@ -7,7 +7,7 @@ series is left as Re or Im of H_perc(j omega) as the chain builds it. Named step
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from math import factorial
@@ -311,7 +311,11 @@ def crossings(d: Responses, part: Part, c: Expr, band: tuple[Any, Any] | None) -
     """As of ``Distortion.crossings``."""
     if not c.free_symbols:
         return _zeros(d, excess(d, part, c), band, odd=False)
-    return tuple(_renamed(x, {symbol_c: c}) for x in solve(excess(d, part, symbol_c)))
+    names = {symbol_c: c}
+    return tuple(
+        Solution(x.omega and x.omega.xreplace(names), x.equation.xreplace(names), x.period.xreplace(names), x.order)
+        for x in solve(excess(d, part, symbol_c))
+    )
 
 
 def changeovers(d: Responses) -> Changeovers:
@@ -348,10 +352,6 @@ def _far(f: RealFunction) -> Expr:
     if found.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
         raise SceneError("as far as all crossings lie is not known: give a band, as band=(0, 100)")
     return max(found.radius, Integer(1))
-
-
-def _renamed(x: Solution, names: Mapping[Symbol, Expr]) -> Solution:
-    return Solution(x.omega and x.omega.xreplace(names), x.equation.xreplace(names), x.period.xreplace(names), x.order)
 
 
 def threshold_polynomial(d: Responses, part: Part, c: Expr) -> Poly | Expr:

@@ -327,12 +327,10 @@ def si_unit(exponents: tuple[tuple[str, Fraction], ...]) -> str:
     powers = {"N": newtons, "m": metres, "s": seconds}
     if left or any(x.denominator > 1 or abs(x) > 9 for x in powers.values()):
         return ""
-    above, below = ([_power(name, x) for name, x in powers.items() if sign * x > 0] for sign in (1, -1))
+    above, below = (
+        [name if abs(x) == 1 else f"{name}^{abs(x)}" for name, x in powers.items() if sign * x > 0] for sign in (1, -1)
+    )
     return "/".join(["*".join(above) or "1", *below])
-
-
-def _power(name: str, exponent: Fraction) -> str:
-    return name if abs(exponent) == 1 else f"{name}^{abs(exponent)}"
 
 
 _SPELT = [

@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, reduce
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 from sympy import Expr, Integer, Max, Rational, Symbol, pi
 
@@ -49,15 +49,6 @@ from haptisym.model.quantities import Dimension, MotionKind, Number, number
 
 THRESHOLD = "evaluation.jnd"
 """The path of both thresholds as one."""
-
-SceneT = TypeVar("SceneT", bound="HasKnobs")
-
-
-class HasKnobs(Protocol):
-    """A scene, as far as it is needed here."""
-
-    def with_values(self: SceneT, values: dict[str, Number]) -> SceneT:
-        """The same scene with other values of some numbers, by path."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -121,7 +112,7 @@ class Knob(Parameter):
         else:
             read_parameter(self.path, given, Slot(self.dimension, self.rule), self.symbol.name)
 
-    def put(self, scene: SceneT, given: Number) -> SceneT:
+    def put(self, scene: Scene, given: Number) -> Scene:
         """The scene with this value for it; SceneError where the model does not allow it."""
         return scene.with_values({self.path: given})
 
@@ -310,15 +301,11 @@ def symbol_names(elements: Iterable[tuple[str, HasParameters | None]]) -> list[d
         names = {symbol: free_name(f"{symbol.name}{suffix}", taken) for symbol in shared}
         taken |= set(names.values())
         tied = {p.symbol: renamed[0][p.symbol] for p in held if p.tie and p.symbol in renamed[0]}
-        renamed.append({**tied, **{symbol: _like(symbol, name) for symbol, name in names.items()}})
+        renamed.append({**tied, **{symbol: Symbol(name, **symbol.assumptions0) for symbol, name in names.items()}})
     return renamed
 
 
 _OF_THRESHOLDS = ("c", "c_real", "c_imag")
-
-
-def _like(symbol: Symbol, name: str) -> Symbol:
-    return Symbol(name, **symbol.assumptions0)
 
 
 @dataclass(frozen=True, repr=False)
@@ -477,11 +464,6 @@ class Scene(Shown):
             self.knobs.limits.values() if not asked else [self.knobs[f"{THRESHOLD}.{part.value}"] for part in parts]
         )
         return {x.path: x for x in (*self.parameters, *limits) if x.interval and x not in but}
-
-    @property
-    def nominal_note(self) -> str:
-        """That parameters vary and only their nominal values are looked at; empty where none does."""
-        return self.nominal_but()
 
     def nominal_but(self, besides: Collection[str] = ()) -> str:
         """The same of all parameters but some, by their paths: those that a question is about."""

@@ -332,7 +332,8 @@ class Identification(Answer):
             *(("[[effects]]", filled(x, value)) for x in own.effects),
         ]
         source = f"fitted to {self.measurement.name} by haptisym identify"
-        return scene_text(self.title, source, self._remarks(), [*tables, ("[evaluation]", evaluation)])
+        remarks = [*self._told(), *(f"The same response: {self.moved(x)}." for x in self.fit.others or ())]
+        return scene_text(self.title, source, remarks, [*tables, ("[evaluation]", evaluation)])
 
     @property
     def has_ranges(self) -> bool:
@@ -358,9 +359,6 @@ class Identification(Answer):
         plain = dimension in (Dimension.ANY, Dimension.RATIO) or (motion is None and len(set(dimension.value)) > 1)
         unit = "" if plain else f" {dimension.unit(motion)}"
         return [f"{end!r}{unit}" for end in (x.least, x.value, x.most)] if self.has_ranges else f"{x.value!r}{unit}"
-
-    def _remarks(self) -> list[str]:
-        return [*self._told(), *(f"The same response: {self.moved(x)}." for x in self.fit.others or ())]
 
     def moved(self, other: Any) -> str:
         """What is another value in another answer with the same response: paths, values and units."""

@@ -207,16 +207,15 @@ def _model(text: str, catalogue: Mapping[str, Model], place: str, names: _Symbol
             f"{name}: a formula has no parameters to be found by themselves: choose another model, or degrees"
         )
     try:
-        keys = _keys(listed, slots) if colon else dict.fromkeys(_usual(slots))
+        keys = (
+            _keys(listed, slots)
+            if colon
+            else {key: None for key, x in slots.items() if not x.formula and (x.required or not x.is_setting)}
+        )
         found = {key: _entry(f"{place}.{key}", slots[key], given, names) for key, given in keys.items()}
     except SceneError as error:
         raise error.within(name) from None
     return {"model": name, **found}
-
-
-def _usual(slots: Mapping[str, Slot]) -> list[str]:
-    """The parameters of a model of which nothing is said: all, but settings that may be absent."""
-    return [key for key, x in slots.items() if not x.formula and (x.required or not x.is_setting)]
 
 
 def _keys(listed: str, slots: Mapping[str, Slot]) -> dict[str, str | None]:
@@ -243,13 +242,9 @@ def _entry(path: str, slot: Slot, given: str | None, names: _Symbols) -> Any:
         return [names.free(f"{path}[{i}]", slot) for i in range(1, count + 1)]
     if slot.is_setting:
         if given is None:
-            raise SceneError(f"{key}: is no number to be found: give it, as in {key}={_example(slot)}")
+            raise SceneError(f"{key}: is no number to be found: give it, as in {key}={[*slot.choices, 1][0]}")
         return int(given) if given.isdigit() else given
     return names.free(path, slot) if given is None else given
-
-
-def _example(slot: Slot) -> str:
-    return slot.choices[0] if slot.choices else "1"
 
 
 _LIMITS = 60, 400, 20_000  # polynomials of a basis, terms of one, bits of a coefficient
@@ -320,15 +315,10 @@ def _solved(basis: list[Any], count: int) -> list[Reals] | None:
     for k in range(count):
         at = 2 + count - 1 - k  # its place in the context
         own = [p for p in basis if p.degrees()[at] and not any(p.degrees()[:at])]
-        if not any(all(not n for i, n in enumerate(_leading(p)) if i != at) for p in own):
+        if not any(all(not n for i, n in enumerate(p.monomial(0)) if i != at) for p in own):
             return None
         found = [[x, *rest] for rest in found for x in _roots(own, at, rest)]
     return [np.array(x) for x in found]
-
-
-def _leading(p: Any) -> tuple[int, ...]:
-    powers: tuple[int, ...] = tuple(p.monomial(0))
-    return powers
 
 
 def _roots(own: Sequence[Any], at: int, rest: Sequence[float]) -> Iterator[float]:

@@ -466,12 +466,10 @@ def fitted_by_psignifit(answers: Answers, asked: Asked, confidence: float) -> Fi
             )
     except (PsignifitException, ValueError, AssertionError) as error:
         raise SceneError(f"{answers.name}: psignifit cannot fit this: {str(error) or 'it gives no reason'}") from None
-    notes = dict.fromkeys(f"psignifit warns: {_first_sentence(str(x.message))}" for x in told)
+    words = (" ".join(str(x.message).removeprefix("psignifit:boundWarning").split()) for x in told)
+    sentences = (x.partition(". ")[0].rstrip(".") for x in words)
+    notes = dict.fromkeys(f"psignifit warns: {x}" for x in sentences)
     return replace(_read_psignifit(found, answers, asked, str(confidence)), notes=tuple(notes))
-
-
-def _first_sentence(message: str) -> str:
-    return " ".join(message.removeprefix("psignifit:boundWarning").split()).partition(". ")[0].rstrip(".")
 
 
 def _read_psignifit(found: Any, answers: Answers, asked: Asked, key: str) -> Fit:

@@ -427,7 +427,9 @@ class Engine:
 
     def _switch(self, index: int) -> None:
         switch, old = self.net.switches[index], self.modes[index]
-        before, everything = self.system, self._everything()
+        before = self.system
+        now = before.everything @ np.concatenate([self.z, self._inputs(np.array(self.t))])
+        everything = dict(zip(before.exact.columns, map(float, now), strict=True))
         force = everything.get((switch.target, 0), self.held[switch.target])
         after_closed = 1 if force > 0 else -1
         self.modes[index] = after_closed if old == 0 else 0 if switch.offset else self._after_slip(index)
@@ -438,7 +440,7 @@ class Engine:
     def _after_slip(self, index: int) -> int:
         """What follows when the sliding velocity reaches zero: slip the other way, if that force would let it; else stick."""
         switch, old = self.net.switches[index], self.modes[index]
-        if not self._can_stick_now(index):
+        if self.systems[frozenset(i for i, mode in enumerate(self.modes) if mode == 0 or i == index)] is None:
             return -old
         for order in (0, 1):
             row = self.system.rows[self.column(switch.driver, order)]
@@ -452,16 +454,6 @@ class Engine:
                 other = now - 2 * old * switch.limit * found[1]
                 return -old if other * old < 0 else 0
         return -old
-
-    def _can_stick_now(self, index: int) -> bool:
-        closed = frozenset(i for i, mode in enumerate(self.modes) if mode == 0 or i == index)
-        return self.systems[closed] is not None
-
-    def _everything(self) -> dict[Reading, float]:
-        """Every variable of the equations now."""
-        w = self._inputs(np.array(self.t))
-        values = self.system.everything @ np.concatenate([self.z, w])
-        return dict(zip(self.system.exact.columns, map(float, values), strict=True))
 
     def _state_from(self, everything: dict[Reading, float]) -> Array:
         """The state of the present equations when these variables go on without a jump."""

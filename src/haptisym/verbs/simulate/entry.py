@@ -38,13 +38,14 @@ from haptisym.verbs.simulate.network import (
     SignalSum,
     Step,
     Switch,
+    bank_error,
     build_controller,
     build_effect,
     build_environment,
     float_of,
     name_of,
 )
-from haptisym.verbs.simulate.statespace import Input, Reading, Record, StateSpace
+from haptisym.verbs.simulate.statespace import Reading, Record, StateSpace
 
 
 @dataclass(frozen=True)
@@ -438,11 +439,12 @@ def _build_extra(net: Network, extra: Extra, far: Port, scene: Scene) -> Port:
 
 def _sized(key: str, given: Number, dimension: Dimension, scene: Scene) -> float:
     value = positive(key, given, dimension)
-    _same_kind(key, quantity(given, dimension).motion, scene)
+    same_kind(key, quantity(given, dimension).motion, scene)
     return value
 
 
-def _same_kind(key: str, kind: Kind | None, scene: Scene) -> None:
+def same_kind(key: str, kind: Kind | None, scene: Scene) -> None:
+    """SceneError where a unit is of the other kind of motion than the scene."""
     if kind is not None and scene.motion is not None and kind is not scene.motion:
         raise SceneError(f"{key}: its unit is {kind.value}, but the scene is {scene.motion.value}")
 
@@ -456,7 +458,7 @@ def check_question(scene: Scene, motion: Motion, extras: Sequence[Extra]) -> Non
     if not isinstance(extras, Sequence) or not all(isinstance(x, Extra) for x in extras):
         raise SceneError(f"extras: {extras!r:.60} is no list of EncoderQuantisation and ForceSaturation")
     scene.knobs.need_numbers()
-    _same_kind("motion", motion.kind, scene)
+    same_kind("motion", motion.kind, scene)
 
 
 def _check_poles(scene: Scene, engine: Engine) -> None:
@@ -537,15 +539,11 @@ def _jumps_behind(system: StateSpace, net: Network, source: str) -> set[str]:
         if name in net.jumps:
             found.add(name)
             continue
-        for channel in _acting(system, name):
+        for channel in (x for x in system.inputs if system.reach(name, 0, x) is not None):
             if channel.name != MOTION and channel.name not in seen:
                 seen.add(channel.name)
                 todo.append(channel.name)
     return found
-
-
-def _acting(system: StateSpace, name: str) -> list[Input]:
-    return [channel for channel in system.inputs if system.reach(name, 0, channel) is not None]
 
 
 _NOISE = 1e-6  # m or rad
@@ -718,8 +716,6 @@ def _fractional_error(net: Network, omegas: Array) -> float:
     """How far the bank of relaxations is from s^alpha, relatively, at its worst."""
     if not net.fractional:
         return 0.0
-    from haptisym.verbs.simulate.network import bank_error
-
     return 3 * max(bank_error(alpha, (low, high), omegas) for alpha, low, high in net.fractional)
 
 

@@ -194,15 +194,11 @@ def combined(net: Network, formulas: Sequence[Expr], signals: Sequence[SignalSum
     """y = G_1 x_1 + G_2 x_2 + ... over one denominator: what the formulas share is one motion in time, not several."""
     ring = Ring.of(formulas)
     quotients = [ring.convert(formula).reduced() for formula in formulas]
-    common = reduce(_least_multiple, (q.denominator for q in quotients))
+    common = reduce(lambda x, y: x * (y // x.gcd(y)), (q.denominator for q in quotients))
     total = SignalSum({})
     for q, x in zip(quotients, signals, strict=True):
         total = total + operator(net, q.numerator * (common // q.denominator), ring, x)
     net.equal(operator(net, common, ring, y), total)
-
-
-def _least_multiple(one: Polynomial, other: Polynomial) -> Polynomial:
-    return one * (other // one.gcd(other))
 
 
 def operator(net: Network, polynomial: Polynomial, ring: Ring, x: SignalSum) -> SignalSum:
@@ -280,37 +276,19 @@ def _values(element: Environment | Effect) -> dict[str, Exact]:
     return {parameter.key: exact(parameter.value) for parameter in element.parameters}
 
 
-def _msd(p: ExactValues, x: SignalSum) -> SignalSum:
-    return x.through(p.get("k", fmpq(0)), p.get("b", fmpq(0)), p.get("m", fmpq(0)))
-
-
 # Environments
 
 
-def _mass_spring_damper(net: Network, element: Environment, port: Port) -> None:
-    net.equal(port.F, _msd(_values(element), port.X))
-
-
-def _branch(net: Network, k: Exact, b: Exact, x: SignalSum) -> SignalSum:
-    """The force of a spring and a damper in a row: their velocities add up to that of x."""
-    force = net.signal("branch")
-    net.equal(force.through(1 / b, 1 / k), x.d())
-    return force
-
-
 def _maxwell_branches(net: Network, element: Environment, port: Port) -> None:
-    """Beside a spring k0, as ``zener`` and ``prony`` have it."""
+    """Springs and dampers in a row, whose velocities add up to that of x; perhaps with a spring k0 beside them."""
     p = _values(element)
     total = p.get("k0", fmpq(0)) * port.X
     for key in p.keys() - {"k0"}:
         if key.startswith("k"):
-            total = total + _branch(net, p[key], p["b" + key[1:]], port.X)
+            force = net.signal("branch")
+            net.equal(force.through(1 / p["b" + key[1:]], 1 / p[key]), port.X.d())
+            total = total + force
     net.equal(port.F, total)
-
-
-def _spring_pot(net: Network, element: Environment, port: Port) -> None:
-    p = _values(element)
-    net.equal(port.F, p.get("k", fmpq(0)) * port.X + p["k_alpha"] * fractional(net, port.X, p["alpha"]))
 
 
 def _two_mass(net: Network, element: Environment, port: Port) -> None:
@@ -322,6 +300,7 @@ def _two_mass(net: Network, element: Environment, port: Port) -> None:
 
 
 def _written(net: Network, element: Environment, port: Port) -> None:
+    """Springs, masses and dampers, also of fractional order, and users' own."""
     combined(net, [element.H], [port.X], port.F)
 
 
@@ -329,25 +308,9 @@ def _written(net: Network, element: Environment, port: Port) -> None:
 
 
 def _series(net: Network, element: Effect, near: Port, far: Port) -> None:
+    """Every filter is its own differential equation."""
     net.equal(far.X, near.X)
     combined(net, [element.matrix[0]], [near.F], far.F)
-
-
-def _first_order_lag(net: Network, element: Effect, near: Port, far: Port) -> None:
-    omega_c = _values(element)["omega_c"]
-    net.equal(far.X, near.X)
-    net.equal(far.F.d(), omega_c * (near.F - far.F))
-
-
-def _second_order_lowpass(net: Network, element: Effect, near: Port, far: Port) -> None:
-    p = _values(element)
-    net.equal(far.X, near.X)
-    net.equal(far.F.through(p["omega_n"] ** 2, 2 * p["zeta"] * p["omega_n"], 1), p["omega_n"] ** 2 * near.F)
-
-
-def _delay(net: Network, element: Effect, near: Port, far: Port) -> None:
-    net.equal(far.X, near.X)
-    net.equal(far.F, near.F.late(_values(element)["tau"]))
 
 
 def _zero_order_hold(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -453,20 +416,13 @@ def float_of(number: Exact) -> float:
 
 
 _ENVIRONMENTS: dict[str, Callable[[Network, Environment, Port], None]] = {
-    "mass-spring-damper": _mass_spring_damper,
-    "kelvin-voigt": _mass_spring_damper,
     **dict.fromkeys(("maxwell", "zener", "prony"), _maxwell_branches),
-    "spring-pot": _spring_pot,
     "two-mass": _two_mass,
 }
 _EFFECTS: dict[str, Callable[[Network, Effect, Port, Port], None]] = {
-    "first-order-lag": _first_order_lag,
-    "second-order-lowpass": _second_order_lowpass,
-    "delay": _delay,
-    "pade-delay": _series,
     "sampled-loop": _sampled_loop,
     "zero-order-hold": _zero_order_hold,
-    "series": _series,
+    **dict.fromkeys(("series", "first-order-lag", "second-order-lowpass", "delay", "pade-delay"), _series),
     "shunt": _shunt,
     "compliance": _compliance,
     "coulomb-friction": _coulomb_friction,

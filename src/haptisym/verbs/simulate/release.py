@@ -29,7 +29,7 @@ from haptisym.model.scene import Scene, clocks
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.engine import Engine
-from haptisym.verbs.simulate.entry import build
+from haptisym.verbs.simulate.entry import build, same_kind
 from haptisym.verbs.simulate.motions import _fade, positive
 from haptisym.verbs.simulate.network import MOTION, Network, Port, SignalSum, at_rest, exact, name_of
 from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost_root
@@ -345,7 +345,8 @@ def release(
     scene.knobs.need_numbers()
     hand = _the_hand(scene, hand)
     size = positive("release", displacement, Dimension.DISPLACEMENT)
-    _one_kind(scene, quantity(displacement, Dimension.DISPLACEMENT).motion, hand)
+    same_kind("release", quantity(displacement, Dimension.DISPLACEMENT).motion, scene)
+    same_kind(f"hand {hand.name}", hand.motion, scene)
     length = None if duration is None else positive("duration", duration, Dimension.TIME)
     with ONE_THREAD, limited(limit):
         return _Run(scene, hand, size, closed_form(scene, hand)).go(length, progress)
@@ -360,12 +361,6 @@ def _the_hand(scene: Scene, given: str | Hand | None) -> Hand:
         f"which one of {', '.join(x.name for x in scene.hands)}" if scene.hands else "of this scene nothing tells which"
     )
     raise SceneError(f"letting go needs a hand, {several}: {how_to_give()}")
-
-
-def _one_kind(scene: Scene, kind: Kind | None, hand: Hand) -> None:
-    for what, own in (("release", kind), (f"hand {hand.name}", hand.motion)):
-        if own is not None and scene.motion is not None and own is not scene.motion:
-            raise SceneError(f"{what}: its unit is {own.value}, but the scene is {scene.motion.value}")
 
 
 def closed_form(scene: Scene, hand: Hand) -> Closed | None:
@@ -387,7 +382,9 @@ class _Run:
     def __init__(self, scene: Scene, hand: Hand, size: float, closed: Closed | None) -> None:
         self.scene, self.hand, self.size, self.closed = scene, hand, size, closed
         self.periods = [float(x) for x in clocks(scene)]
-        self.scale = self._scale()
+        found = abs(closed.s) if closed and closed.chain is None else 0.0
+        self.scale = max(found if found < _HIGHEST else 0.0, float(scene.band[1]) / 3)
+        """The frequency, rad/s, on which steps and the fading of the force are laid out."""
         self.lead = self._lead()
         span = (1e-3 * self.scale, max(30 * self.scale, 3 * float(scene.band[1])))
         self.net = Network(span)
@@ -404,11 +401,6 @@ class _Run:
             self.engine = Engine(self.net, letting_go, outputs, _STEP / (3 * self.scale), rest)
         except SceneError as error:
             raise SceneError(f"the hand {hand.name} does not make it a motion in time: {error}") from None
-
-    def _scale(self) -> float:
-        """The frequency, rad/s, on which steps and the fading of the force are laid out."""
-        found = abs(self.closed.s) if self.closed and self.closed.chain is None else 0.0
-        return max(found if found < _HIGHEST else 0.0, float(self.scene.band[1]) / 3)
 
     def _lead(self) -> complex:
         """What the motion is expected to last as: how long a run takes follows from it, and nothing else."""

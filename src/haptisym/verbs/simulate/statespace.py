@@ -159,16 +159,13 @@ class Record:
         """Steps of length h from a start on, with values (steps, nodes, signals)."""
         steps = len(values)
         while self.count + steps > len(self.times):
-            self._grow()
+            for name in ("times", "lengths", "values", "coefficients"):
+                old: Array = getattr(self, name)
+                setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
         span = slice(self.count, self.count + steps)
         self.times[span], self.lengths[span] = start + h * np.arange(steps), h
         self.values[span], self.coefficients[span] = values, series(values)
         self.count += steps
-
-    def _grow(self) -> None:
-        for name in ("times", "lengths", "values", "coefficients"):
-            old: Array = getattr(self, name)
-            setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
 
     def at(self, t: Array, columns: Sequence[int]) -> Array:
         """Signals at given times, along a new last axis; what they were before, before the first step."""
@@ -236,12 +233,9 @@ class StateSpace:
         column = self.columns[name, min(order, known)]
         row = SignalRow(_row(self.K, column), tuple(_row(c, column) for c in self.C))
         for _ in range(order - known):
-            row = self._differentiated(row)
+            moved = [row.state * n for n in self.N]
+            row = SignalRow(row.state * self.M, tuple(_added(moved, [0 * moved[0], *row.inputs])))
         return row
-
-    def _differentiated(self, row: SignalRow) -> SignalRow:
-        moved = [row.state * n for n in self.N]
-        return SignalRow(row.state * self.M, tuple(_added(moved, [0 * moved[0], *row.inputs])))
 
     def reach(self, name: str, order: int, channel: Input) -> int | None:
         """The highest derivative of an input in a signal; -1 if it acts through the state alone, None if not at all."""
@@ -335,7 +329,7 @@ def _reduced(system: _Descriptor) -> StateSpace:
             f"the effects give {E.nrows()} equations for {size} unknowns: they do not determine the motion"
         )
     chosen = list(range(size))
-    K, C = _identity(size), [fmpq_mat(size, width)]
+    K, C = fmpq_mat(size, size, [fmpq(int(i == k)) for i in range(size) for k in range(size)]), [fmpq_mat(size, width)]
     while True:
         upper, lower = _row_reduced(E, A, B)
         if not lower:
@@ -348,10 +342,8 @@ def _reduced(system: _Descriptor) -> StateSpace:
         K, C = K * back, _added(C, [K * f for f in forward])
         chosen = [chosen[i] for i in keep]
     rows = _stack(upper, len(chosen) * 2 + width * len(B))
-    M = _negative(_columns(rows, len(chosen), 2 * len(chosen)))
-    N = [
-        _negative(_columns(rows, 2 * len(chosen) + k * width, 2 * len(chosen) + (k + 1) * width)) for k in range(len(B))
-    ]
+    M = -1 * (_columns(rows, len(chosen), 2 * len(chosen)))
+    N = [-1 * (_columns(rows, 2 * len(chosen) + k * width, 2 * len(chosen) + (k + 1) * width)) for k in range(len(B))]
     return _without_derivatives(system, M, N, K, C, tuple(chosen))
 
 
@@ -359,8 +351,10 @@ def _row_reduced(
     E: RationalMatrix, A: RationalMatrix, B: Sequence[RationalMatrix]
 ) -> tuple[list[list[Any]], list[list[Any]]]:
     """The rows of [E | -A | -B] in echelon form: those with a derivative, and those without."""
-    table = _beside([E, -1 * A, *(-1 * b for b in B)])
-    form, _ = table.rref()
+    beside = zip(*(part.tolist() for part in (E, -1 * A, *(-1 * b for b in B))), strict=True)
+    form, _ = _stack(
+        [[x for part in row for x in part] for row in beside], 2 * E.ncols() + sum(b.ncols() for b in B)
+    ).rref()
     rows = [row for row in form.tolist() if any(x != 0 for x in row)]
     size = E.ncols()
     lower = [row for row in rows if all(x == 0 for x in row[:size])]
@@ -394,8 +388,8 @@ def _substituted(
 ) -> tuple[RationalMatrix, RationalMatrix, list[RationalMatrix]]:
     """The remaining equations in the remaining variables; a derivative of a replaced one raises the inputs' order."""
     table = _stack(upper, 2 * size + width * len(forward))
-    E, A = _columns(table, 0, size), _negative(_columns(table, size, 2 * size))
-    B = [_negative(_columns(table, 2 * size + k * width, 2 * size + (k + 1) * width)) for k in range(len(forward))]
+    E, A = _columns(table, 0, size), -1 * (_columns(table, size, 2 * size))
+    B = [-1 * (_columns(table, 2 * size + k * width, 2 * size + (k + 1) * width)) for k in range(len(forward))]
     B = _added(B, [A * f for f in forward])
     B = _added(B, [fmpq_mat(len(upper), width), *(-1 * (E * f) for f in forward)])
     while len(B) > 1 and B[-1] == fmpq_mat(len(upper), width):
@@ -432,21 +426,8 @@ def _without_derivatives(
 # Matrices of exact numbers
 
 
-def _identity(size: int) -> RationalMatrix:
-    return fmpq_mat(size, size, [fmpq(int(i == k)) for i in range(size) for k in range(size)])
-
-
-def _negative(matrix: RationalMatrix) -> RationalMatrix:
-    return -1 * matrix
-
-
 def _stack(rows: list[list[Any]], width: int) -> RationalMatrix:
     return fmpq_mat(len(rows), width, [x for row in rows for x in row])
-
-
-def _beside(parts: Sequence[RationalMatrix]) -> RationalMatrix:
-    rows = zip(*(part.tolist() for part in parts), strict=True)
-    return _stack([[x for piece in row for x in piece] for row in rows], sum(part.ncols() for part in parts))
 
 
 def _columns(matrix: RationalMatrix, first: int, last: int) -> RationalMatrix:
@@ -543,12 +524,13 @@ def _drives_of(system: StateSpace, reading: Reading, net: Network) -> list[Drive
         return driving
     row = system.signal(*reading)
     direct = [(x, k) for k, c in enumerate(row.inputs) for i, x in enumerate(system.inputs) if c[0, i] != 0]
-    back = [(x, k) for k, c in enumerate(system.shifts) for i, x in enumerate(system.inputs) if _any(c, i)]
+    back = [
+        (x, k)
+        for k, c in enumerate(system.shifts)
+        for i, x in enumerate(system.inputs)
+        if any(c[r, i] != 0 for r in range(c.nrows()))
+    ]
     return [*driving, *direct, *back]
-
-
-def _any(matrix: Any, column: int) -> bool:
-    return any(matrix[i, column] != 0 for i in range(matrix.nrows()))
 
 
 def _floats(system: StateSpace, net: Network, readings: tuple[Reading, ...]) -> Linear:
