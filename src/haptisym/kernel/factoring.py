@@ -27,7 +27,7 @@ from haptisym.kernel.factors import AnalyticFactor, Level, PeriodicFactor, Polyn
 from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.turns import vanishes
 from haptisym.kernel.waves import WaveTerm
-from haptisym.kernel.zeros import Factor, is_clear, sign_of
+from haptisym.kernel.zeros import Factor, is_clear
 
 Pieces: TypeAlias = list[tuple[Polynomial, int]]
 """Polynomials, and how often each is a factor."""
@@ -167,11 +167,7 @@ def _factored(
             made = (_analytic_factor if any(factor.degrees()[axis.size :]) else _polynomial_factor)(factor, axis)
             if _seems_to_vanish(made, axis) and vanishes(factor, axis):
                 return 0, Integer(0), []
-            if (alike := _alike(factor, made, axis, known)) is not None:
-                made = alike.factor
-                sign *= alike.sign**exponent
-            else:
-                known.factors.append((factor, made))
+            known.factors.append((factor, made))
         if not _changes(factor, axis):
             sign *= made.sign_at(lambda _: arb(1)) ** exponent
         else:
@@ -187,57 +183,6 @@ def _seems_to_vanish(factor: Factor, axis: Axis) -> bool:
     with flint.ctx.workprec(128):
         shown = isinstance(factor, AnalyticFactor) and factor.shows_itself
         return not shown and not is_clear(factor.value(arb(1.25)))
-
-
-@dataclass(frozen=True)
-class _Alike:
-    """A known factor, and the sign of the number by which it is multiplied."""
-
-    factor: Factor
-    sign: int
-
-
-def _alike(factor: Polynomial, made: Factor, axis: Axis, known: Known) -> _Alike | None:
-    """The known factor of which one is a multiple, as omega^(1/2) cos(pi/4) - 1 is of omega^(1/2) sin(pi/4) - 1.
-
-    In the ring cosine and sine of the angle of a power of s are free of each other; that they are not is looked at here, so
-    that different factors do not share all their zeros.
-    """
-    if not axis.orders or not _changes(factor, axis):
-        return None
-    for other, taken in known.factors:
-        if (
-            _turning(other, axis) == _turning(factor, axis)
-            and (sign := _seeming_sign(made, taken))
-            and not vanishes(own := _leading(other, axis), axis)
-            and vanishes(factor * own - other * _leading(factor, axis), axis)
-        ):
-            return _Alike(taken, sign)
-    return None
-
-
-def _seeming_sign(factor: Factor, other: Factor) -> int:
-    """The sign of the quotient of two factors, if it seems to be the same number at two frequencies; else 0."""
-    with flint.ctx.workprec(128):
-        (a, b), (c, d) = ((f.value(arb(1.25)), f.value(arb(2.75))) for f in (factor, other))
-        return 0 if is_clear(a * d - b * c) else sign_of(a * c)
-
-
-def _leading(polynomial: Polynomial, axis: Axis) -> Polynomial:
-    """What stands before the highest power of omega, and of the tangents that turn."""
-    found: dict[tuple[Expr, tuple[int, ...]], dict[tuple[int, ...], object]] = {}
-    for exponents, value in monomials(polynomial):
-        power, of_pi, *own = map(int, exponents)
-        waves, powers = own[axis.size - 2 :][: len(axis.angles)], own[axis.size - 2 + len(axis.angles) :]
-        still = [n if angle.constant else 0 for n, angle in zip(waves, axis.angles, strict=True)]
-        raised = sum((x * n for x, n in zip(axis.orders, powers, strict=True)), Integer(power))
-        turning = tuple(n - m for n, m in zip(waves, still, strict=True))
-        group, key = (
-            found.setdefault((raised, turning), {}),
-            (0, of_pi, *own[: axis.size - 2], *still, *[0] * len(powers)),
-        )
-        group[key] = group.get(key, 0) + value
-    return axis.context.from_dict(found[max(found)])
 
 
 def _power_of_omega(factor: Polynomial, axis: Axis) -> Expr | None:

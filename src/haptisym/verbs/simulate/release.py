@@ -30,7 +30,7 @@ from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.engine import Engine
 from haptisym.verbs.simulate.entry import build, same_kind
-from haptisym.verbs.simulate.motions import _fade, positive
+from haptisym.verbs.simulate.motions import LettingGo, positive
 from haptisym.verbs.simulate.network import MOTION, Network, Port, SignalSum, at_rest, exact, name_of
 from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost_root
 from haptisym.verbs.simulate.statespace import Record
@@ -292,32 +292,6 @@ _NOTHING = 1e-25  # N: what the limit of statics leaves of no force
 _CLEAR = 0.02  # relative: readings further apart are none
 _HIGHEST = 1e4  # rad/s: what is faster is not what a hand is let go with
 _BROAD = 10  # times the scale: the frequencies at which a release moves anything
-
-
-@dataclass(frozen=True)
-class LettingGo:
-    """The force with which the hand holds: constant, then fading within ``fade`` seconds. As a ``Motion`` of an engine."""
-
-    force: float
-    fade: float
-    span: tuple[float, float]
-    name: str = "release"
-    omegas: tuple[float, ...] = ()
-    duration: float | None = None
-    smoothness: int = 1000
-    breaks: tuple[float, ...] = ()
-    kind: Kind | None = None
-
-    @property
-    def amplitude(self) -> float:
-        """The force that holds the hand displaced, N or N m."""
-        return abs(self.force)
-
-    def derivatives(self, t: Array, order: int) -> Array:
-        """The force and its derivatives."""
-        rows = -self.force * _fade(t, self.fade, order)
-        rows[0] += self.force
-        return rows
 
 
 def release(
