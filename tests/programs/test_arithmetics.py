@@ -28,7 +28,8 @@ import haptisym as hs
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.rings import omega, s
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS
-from haptisym.model.distortion import Chain, Distortion
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion
 from haptisym.programs import certified as doubled
 from haptisym.programs.balls import FUNCTIONS, BallPoint, nearest_double
 from haptisym.programs.certified import BLOCK, Doubled, Doubles, add, div, fast_two_sum, of_ball, two_product, two_sum

@@ -15,7 +15,7 @@ from flint import acb, arb, fmpq
 from sympy import Add, Expr, I, Integer, Mul, Pow, Rational, Symbol, cosh, exp, pi, sinh
 
 from haptisym.kernel.rings import s
-from haptisym.model.distortion import Chain
+from haptisym.model.chain import Chain
 
 BITS = 1000
 

@@ -30,7 +30,8 @@ from haptisym.figures.style import (
 )
 from haptisym.judge.crossings import Criterion
 from haptisym.kernel.errors import SceneError
-from haptisym.model.distortion import Chain, Distortion
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import values
 from haptisym.model.quantities import Dimension
 from haptisym.model.scene import Knob

@@ -19,7 +19,8 @@ from haptisym.kernel.dynamics import RealFunction, squared_modulus
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Lattice, Signed, chart
-from haptisym.model.distortion import Chain, Distortion
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Shape, Threshold
 from haptisym.model.scene import Scene
 

@@ -43,7 +43,8 @@ from haptisym.kernel.rings import Polynomial, RationalFunction, omega, s
 from haptisym.kernel.rootcount import count_roots, is_stable, order_at_0
 from haptisym.kernel.roots import Chart, Interval, chart, sign_of_number
 from haptisym.model.catalogue import Effect
-from haptisym.model.distortion import Chain, Distortion
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene, clocks, sampled_loop
 
 

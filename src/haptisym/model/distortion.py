@@ -1,8 +1,6 @@
-"""A chain of dynamics between environment and hand, and what it makes of the environment: the distortion.
+"""Closed forms: what is felt instead of the environment, and by how much it differs.
 
-A ``Chain`` is H_env, what is rendered for it and the effects' chain matrices, nearest the environment first; H_perc is one
-Moebius map of what is rendered. A ``Distortion`` is H_env, H_perc and dH = H_perc - H_env in lowest terms, with all closed
-forms of them.
+A ``Distortion`` is H_env, H_perc and dH = H_perc - H_env in lowest terms, with all closed forms of them.
 """
 
 from __future__ import annotations
@@ -20,151 +18,35 @@ from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, squa
 from haptisym.kernel.errors import SceneError, meant, need, quoted
 from haptisym.kernel.objects import Shown, counted
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import Polynomial, RationalFunction, cleared, omega, s
+from haptisym.kernel.rings import RationalFunction, omega, s
 from haptisym.kernel.rings import c as symbol_c
-from haptisym.kernel.rings import c as threshold
 from haptisym.kernel.solutions import Solution
-from haptisym.model import closedforms as closedforms
-from haptisym.model.catalogue import Effect, Environment, Matrix, given_effects, given_environment, with_controller
-from haptisym.model.closedforms import Factors, ParameterJND, Properties, first_changeover, properties, shortest
+from haptisym.model.catalogue import Effect, Environment, given_effects, given_environment, with_controller
+from haptisym.model.chain import (
+    Asymptote,
+    Chain,
+    Changeovers,
+    LowFrequency,
+    ParameterJND,
+    Properties,
+    asymptote,
+    bandwidth,
+    crossings,
+    first_changeover,
+    low_frequency,
+    part_named,
+    properties,
+    shortest,
+    threshold,
+    threshold_polynomial,
+    zeros,
+)
 from haptisym.model.jnd import Part
-from haptisym.model.parameters import in_place
 from haptisym.programs.accuracy import Accuracy, Engine
 
 if TYPE_CHECKING:
-    from haptisym.programs.program import Program
     from haptisym.programs.steps import Steps
     from haptisym.programs.values import Compiled  # brings NumPy, which a certified answer does not need
-
-
-NOTHING_TO_FEEL = (
-    "the environment is zero at every frequency: there is nothing to feel, and nothing to compare with (whether the display "
-    "shakes in a hand can be asked: `stability`)"
-)
-
-
-@dataclass(frozen=True)
-class Chain:
-    """The dynamics themselves: H_env, what is rendered for it, and the effects' chain matrices, nearest the environment first."""
-
-    environment: Expr
-    rendered: Expr
-    matrices: tuple[Matrix, ...]
-
-    def dynamics(
-        self, ring: Ring | None = None, *, free_air: bool = False
-    ) -> tuple[RationalFunction, RationalFunction]:
-        """H_env and H_perc in lowest terms, in a ring that holds them (the smallest one unless given).
-
-        Raises SceneError where H_perc is not a dynamics, and where H_env is zero everywhere but in ``free_air``.
-        """
-        ring = ring or self.ring
-        environment = ring.convert(self.environment).reduced()
-        if environment.is_zero and not free_air:
-            raise SceneError(NOTHING_TO_FEEL)
-        return environment, self.perceived(range(len(self.matrices)), ring)
-
-    def perceived(self, places: Iterable[int], ring: Ring | None = None) -> RationalFunction:
-        """H_perc in lowest terms, of the effects at these places alone, in the ring of all unless given another."""
-        ring = ring or self.ring
-        found = ring.convert(self.rendered)
-        for i in places:
-            found = _through(found, [ring.convert(entry) for entry in self.matrices[i]])
-        return found.reduced()
-
-    @cached_property
-    def ring(self) -> Ring:
-        """The ring that holds them all."""
-        # the symbol c comes along so that thresholds may stay symbols; a variable that does not occur costs nothing
-        own = {x.name for entry in self.entries() for x in entry.free_symbols}
-        return Ring.of([*self.entries(), *(() if threshold.name in own else (threshold,))])
-
-    def entries(self) -> tuple[Expr, ...]:
-        """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
-        return self.environment, self.rendered, *(entry for matrix in self.matrices for entry in matrix)
-
-    @property
-    def parameters(self) -> tuple[Symbol, ...]:
-        """The symbols in it, in the order of their names."""
-        own = {x for entry in self.entries() for x in entry.free_symbols}
-        return tuple(x for x in self.ring.symbols if x in own)
-
-    def program(self, fields: Sequence[str]) -> Program:
-        """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is written as 0."""
-        from haptisym.programs.balls import BallPoint  # a certified answer needs no program
-        from haptisym.programs.stable import stable_program
-
-        write = stable_program(self.environment, self.rendered, self.matrices, self.parameters)
-        program = write(fields, ())
-        # a value that is not 0 at some point settles that a field is not 0 everywhere
-        sample = BallPoint(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
-        zero = [name for name in fields if sample[name].contains(0) and self.vanishes(name)]
-        return write(fields, zero) if zero else program
-
-    def vanishes(self, name: str) -> bool:
-        """Whether a field is 0 at all frequencies, whatever the parameters."""
-        kind, _, part = name.rpartition("_")
-        env, perc = self.dynamics(free_air=kind == "perceived")
-        change = perc - env
-        of = change / env if kind == "relative" else {"environment": env, "perceived": perc}.get(kind, change)
-        raw = on_axis(of)
-        return (raw.raw_real if part == "real" else raw.raw_imag).is_zero
-
-    @cached_property
-    def steps(self) -> Steps:
-        """All fields of ``numeric.Values`` in named steps, as a page shows them: of what is felt, H_env + dH."""
-        from haptisym.programs.steps import DISTORTION, Steps, page_steps
-
-        found = page_steps(self.program((*DISTORTION, "environment_real", "environment_imag")))
-        of = found.results
-        felt = {f"perceived_{part.value}": of[f"environment_{part.value}"] + of[part.value] for part in Part}
-        return Steps(found.definitions, {**of, **felt})
-
-    def without_axis_zeros(self) -> tuple[Chain, bool]:
-        """A chain with the same ratios, though H_env has no zeros on s = j omega; whether r_r is its r_i.
-
-        All dynamics are taken over the factors Z of H_env that are real or imaginary there: H/Z behind [[A, B/Z], [C Z, D]].
-        """
-        environment = self.ring.convert(self.environment).reduced()
-        Z = self.ring.function(_axis_zeros(self.ring, environment.numerator))
-        if Z.numerator.is_constant():
-            return self, False
-
-        def times(x: Expr, power: int) -> Expr:
-            return (self.ring.convert(x) * Z**power).reduced().expression() if x else x
-
-        matrices = tuple((a, times(b, -1), times(c, 1), d) for a, b, c, d in self.matrices)
-        odd = int(Z.numerator.monoms()[0][0]) % 2 == 1
-        return Chain(times(self.environment, -1), times(self.rendered, -1), matrices), odd
-
-    def at(self, values: Mapping[Symbol, Expr]) -> Chain:
-        """The same chain with values for some of its symbols."""
-        return self.map(lambda entry: in_place(entry, values))
-
-    def map(self, change: Callable[[Expr], Expr]) -> Chain:
-        """The chain with every dynamics in it changed."""
-        matrices = tuple((change(a), change(b), change(c), change(d)) for a, b, c, d in self.matrices)
-        return Chain(change(self.environment), change(self.rendered), matrices)
-
-
-def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:
-    """The factors of a polynomial that can vanish on s = j omega: s itself, and those in s^2."""
-    found = ring.constant(1)
-    for factor, n in ring.factors(polynomial, in_square=False)[1] if polynomial else ():
-        even = len({int(exponents[0]) % 2 for exponents in factor.monoms()}) == 1
-        if factor.degrees()[0] and even and not any(factor.degrees()[ring.size :]):
-            found = found * factor**n
-    return found
-
-
-def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> RationalFunction:
-    """The Moebius map (A H + B)/(C H + D), without fractions inside."""
-    a, b, c, d = cleared(matrix)
-    top = a * H.numerator + b * H.denominator
-    bottom = c * H.numerator + d * H.denominator
-    if bottom.is_zero():
-        raise SceneError("the effects make the perceived dynamics infinite at every frequency (C H + D = 0)")
-    return RationalFunction(H.ring, top, bottom)
 
 
 def distort(environment: Any, *effects: Any, rendered: Any = None, omega: Symbol = omega) -> Distortion:
@@ -337,12 +219,12 @@ class Distortion(Shown):
         """Re or Im dH in ``kernel.rings.omega``, as short as is known; and whether that is in lowest terms."""
 
         def others() -> Expr:
-            return self._factors.part(part, part_of(self.env_response, part).factored())
+            return self.chain.part_of_distortion(part, part_of(self.env_response, part).factored())
 
         def lowest() -> Expr:
             return part_of(self.difference_response, part).factored()
 
-        return shortest(self.difference, lowest, others, in_series=self._factors.in_series)
+        return shortest(self.difference, lowest, others, in_series=self.chain.in_series)
 
     def _ratio(self, part: Part) -> Expr:
         found, is_lowest = self.form(part)
@@ -356,11 +238,7 @@ class Distortion(Shown):
         def lowest() -> Expr:
             return part_of(self.relative_response, part).factored()
 
-        return shortest(change, lowest, lambda: self._factors.relative(part), in_series=self._factors.in_series)
-
-    @cached_property
-    def _factors(self) -> Factors:
-        return Factors(self.chain.environment, self.chain.rendered, self.chain.matrices)
+        return shortest(change, lowest, lambda: self.chain.part_of_relative(part), in_series=self.chain.in_series)
 
     def steps(self, *of: str) -> Steps:
         """Some closed forms in short named steps, ``definitions`` and ``results``: Re dH and Im dH if none is named.
@@ -477,7 +355,8 @@ class Distortion(Shown):
         ['10.000000']
         """
         self._need_names(symbol_c.name)
-        found = closedforms.crossings(self, closedforms.part_named(part), closedforms.threshold(c), band)
+        squared = self.squared_ratios[part_named(part)]
+        found = crossings(squared, threshold(c), band, symbolic=bool(self.free_symbols))
         own: tuple[Solution, ...] | tuple[RealNumber, ...] = self._in_own_frequency(found)
         return own
 
@@ -491,10 +370,11 @@ class Distortion(Shown):
         return tuple(replace(x, equation=self._told(x.equation)) if isinstance(x, Solution) else x for x in found)
 
     @property
-    def changeovers(self) -> closedforms.Changeovers:
+    def changeovers(self) -> Changeovers:
         """Where Re H_env and Re H_perc change their sign, each all of them: formulas, or certified numbers, as ``crossings``."""
-        found = closedforms.changeovers(self)
-        return closedforms.Changeovers(*map(self._in_own_frequency, found))
+        both = (x.real for x in (self.env_response, self.perc_response))
+        found = (zeros(f, None, odd=True, symbolic=bool(self.free_symbols)) for f in both)
+        return Changeovers(*map(self._in_own_frequency, found))
 
     def threshold_polynomial(self, part: Part | str, c: Any = symbol_c) -> Poly | Expr:
         """What vanishes where a ratio meets a threshold: a polynomial in W = omega^2, or with delays an expression in omega.
@@ -504,7 +384,7 @@ class Distortion(Shown):
         [-c**2, 1 - 2*c**2, -c**2]
         """
         self._need_names(symbol_c.name, "W")
-        found = closedforms.threshold_polynomial(self, closedforms.part_named(part), closedforms.threshold(c))
+        found = threshold_polynomial(self.squared_ratios[part_named(part)], threshold(c))
         return found if isinstance(found, Poly) else self._told(found)
 
     def bandwidth(self, c: Any, *, band: tuple[Any, Any] | None = None) -> RealNumber | Expr:
@@ -512,9 +392,9 @@ class Distortion(Shown):
 
         Certified. SceneError for symbols.
         """
-        return closedforms.bandwidth(self, closedforms.threshold(c), band)
+        return bandwidth(self.squared_ratios, threshold(c), band, self.free_symbols)
 
-    def asymptote(self, at: Any = 0) -> closedforms.Asymptote:
+    def asymptote(self, at: Any = 0) -> Asymptote:
         """The leading terms of dH, Re dH and Im dH ``at`` 0 or oo.
 
         >>> from haptisym import effects, environments
@@ -522,10 +402,10 @@ class Distortion(Shown):
         >>> distort(environments.mass_spring_damper(k=symbols("k")), effects.delay(symbols("tau"))).asymptote().imag
         -k*omega*tau
         """
-        return closedforms.Asymptote(*map(self._told, closedforms.asymptote(self, at)))
+        return Asymptote(*map(self._told, asymptote(self.difference, at)))
 
     @property
-    def low_frequency(self) -> closedforms.LowFrequency:
+    def low_frequency(self) -> LowFrequency:
         """Stiffness, damping and mass that a slow hand feels: H_perc(s) = stiffness + damping s + mass s^2 + ..., exactly.
 
         SceneError where H_perc is infinite at s = 0, or not rational in s but for delays.
@@ -536,7 +416,7 @@ class Distortion(Shown):
         >>> distort(environments.mass_spring_damper(k=k), effects.wave_variables(b, tau)).low_frequency.stiffness
         b*k/(b + k*tau)
         """
-        return closedforms.low_frequency(self.perc)
+        return low_frequency(self.perc)
 
     def lambdify(self, quantity: str = "ratio_real", modules: Any = "numpy") -> Callable[..., Any]:
         """A plain function of omega and the parameters by name, as of ``sympy.lambdify``: for NumPy, mpmath, JAX or math.

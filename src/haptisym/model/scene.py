@@ -33,7 +33,8 @@ from haptisym.model.catalogue import (
     given_hands,
     with_controller,
 )
-from haptisym.model.distortion import NOTHING_TO_FEEL, Chain, Distortion, felt_instead
+from haptisym.model.chain import NOTHING_TO_FEEL, Chain
+from haptisym.model.distortion import Distortion, felt_instead
 from haptisym.model.jnd import Part, Threshold, read_threshold, threshold_value
 from haptisym.model.parameters import (
     Parameter,

@@ -44,7 +44,8 @@ from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from haptisym.kernel.rings import Polynomial, s
 from haptisym.kernel.rings import omega as omega_
 from haptisym.kernel.roots import Chart, chart
-from haptisym.model.distortion import Chain, Distortion, part_of
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part, Threshold, is_irrational_algebraic
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array

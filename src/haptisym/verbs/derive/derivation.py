@@ -60,7 +60,8 @@ from haptisym.kernel.reals import RealNumber, SquareRoot
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, c, omega, s
 from haptisym.kernel.roots import Lattice, Piece
 from haptisym.kernel.solutions import Equation, Solution, solve
-from haptisym.model.distortion import Chain, Distortion, part_of
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, MotionKind, Number, dimension_exponents

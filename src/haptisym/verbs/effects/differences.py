@@ -43,7 +43,8 @@ from haptisym.kernel.objects import Shown, counted
 from haptisym.kernel.reals import Ball, SquareRoot, expression_ball
 from haptisym.kernel.rings import RationalFunction, omega
 from haptisym.kernel.roots import Lattice, Signed, chart
-from haptisym.model.distortion import Chain, Distortion, part_of
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part, positive
 from haptisym.model.scene import Scene
 from haptisym.programs.links import links

@@ -38,7 +38,8 @@ from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import ExactNumber, RealNumber, short
 from haptisym.kernel.rings import Polynomial, RationalFunction, cleared, omega
 from haptisym.kernel.roots import Chart, Interval, Point, chart, sign_of_number
-from haptisym.model.distortion import Chain, Distortion
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion
 from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Scene, clocks
 from haptisym.verbs.metrics.freeresponse import FreeResponse, Rule, free_response

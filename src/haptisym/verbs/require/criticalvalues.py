@@ -53,7 +53,7 @@ from haptisym.kernel.reals import (
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, monomials, omega
 from haptisym.kernel.roots import Interval, chart, in_order, ordered, sign_of_number
 from haptisym.kernel.zeros import rounded_up, sign_of, tightened
-from haptisym.model.distortion import Chain
+from haptisym.model.chain import Chain
 from haptisym.model.parameters import values
 from haptisym.model.scene import Knob, Scene
 from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, runs

@@ -342,9 +342,9 @@ class Recording:
 Motion: TypeAlias = Sines | Chirp | Recording | LettingGo
 """A prescribed motion of the hand.
 
-``amplitude`` : the largest displacement, m or rad. ``omegas`` : the frequencies of a sum of sines, rad/s. ``span`` : the lowest and
-the highest frequency. ``duration`` : s, None if it goes on. ``smoothness`` : how many derivatives exist; ``breaks`` : where a higher
-one jumps, s. ``kind`` : of motion, where a unit told it. ``derivatives`` : the motion and its derivatives, along a new first axis.
+``amplitude`` : the largest displacement, m or rad. ``omegas`` : the frequencies of a sum of sines, rad/s. ``span`` : the lowest
+and the highest frequency. ``duration`` : s, None if it goes on. ``smoothness`` : how many derivatives exist; ``breaks`` : where
+a higher one jumps, s. ``kind`` : of motion, where a unit told it. ``derivatives`` : up to an order, along a new first axis.
 """
 
 

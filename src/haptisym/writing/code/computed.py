@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from haptisym.kernel.dynamics import on_axis
-from haptisym.model.distortion import Chain, Distortion, part_of
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
 from haptisym.programs.balls import BallPoint
 from haptisym.programs.program import Program

@@ -1,17 +1,21 @@
-"""Closed forms of a distortion: the shortest Re and Im, stiffness, mass and damping, crossings, changeovers, leading terms.
+"""A chain of dynamics between environment and hand, and its closed forms.
 
-In lowest terms a chain of n devices with parameters of their own has some 2^n terms. Effects in series are factors G_i instead:
+A ``Chain`` is H_env, what is rendered for it and the effects' chain matrices, nearest the environment first; H_perc is one
+Moebius map of what is rendered.
+
+Closed forms are the shortest Re and Im, stiffness, mass and damping, crossings, changeovers and leading terms. In lowest terms a
+chain of n devices with parameters of their own has some 2^n terms. Effects in series are factors G_i instead:
 H_perc = |H| prod |G_i| exp(j (arg H + sum arg G_i)) grows by one magnitude and one angle with each. What is neither short nor in
 series is left as Re or Im of H_perc(j omega) as the chain builds it. Named steps (``Distortion.steps``) are short for all.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from math import factorial
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from sympy import (
     Add,
@@ -40,13 +44,185 @@ from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis
 from haptisym.kernel.errors import SceneError, quoted
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import Polynomial, RationalFunction, X, omega, s
+from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, omega, s
 from haptisym.kernel.rings import c as symbol_c
 from haptisym.kernel.roots import chart
 from haptisym.kernel.solutions import Solution, solve
 from haptisym.model.catalogue import Matrix, given_band
 from haptisym.model.jnd import Part
+from haptisym.model.parameters import in_place
 from haptisym.model.quantities import Dimension, decimal, number
+
+if TYPE_CHECKING:
+    from haptisym.programs.program import Program
+    from haptisym.programs.steps import Steps
+
+
+NOTHING_TO_FEEL = (
+    "the environment is zero at every frequency: there is nothing to feel, and nothing to compare with (whether the display "
+    "shakes in a hand can be asked: `stability`)"
+)
+
+
+@dataclass(frozen=True)
+class Chain:
+    """The dynamics themselves: H_env, what is rendered for it, and the effects' chain matrices, nearest the environment first."""
+
+    environment: Expr
+    rendered: Expr
+    matrices: tuple[Matrix, ...]
+
+    def dynamics(
+        self, ring: Ring | None = None, *, free_air: bool = False
+    ) -> tuple[RationalFunction, RationalFunction]:
+        """H_env and H_perc in lowest terms, in a ring that holds them (the smallest one unless given).
+
+        Raises SceneError where H_perc is not a dynamics, and where H_env is zero everywhere but in ``free_air``.
+        """
+        ring = ring or self.ring
+        environment = ring.convert(self.environment).reduced()
+        if environment.is_zero and not free_air:
+            raise SceneError(NOTHING_TO_FEEL)
+        return environment, self.perceived(range(len(self.matrices)), ring)
+
+    def perceived(self, places: Iterable[int], ring: Ring | None = None) -> RationalFunction:
+        """H_perc in lowest terms, of the effects at these places alone, in the ring of all unless given another."""
+        ring = ring or self.ring
+        found = ring.convert(self.rendered)
+        for i in places:
+            found = _through(found, [ring.convert(entry) for entry in self.matrices[i]])
+        return found.reduced()
+
+    @cached_property
+    def ring(self) -> Ring:
+        """The ring that holds them all."""
+        # the symbol c comes along so that thresholds may stay symbols; a variable that does not occur costs nothing
+        own = {x.name for entry in self.entries() for x in entry.free_symbols}
+        return Ring.of([*self.entries(), *(() if symbol_c.name in own else (symbol_c,))])
+
+    def entries(self) -> tuple[Expr, ...]:
+        """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
+        return self.environment, self.rendered, *(entry for matrix in self.matrices for entry in matrix)
+
+    @property
+    def parameters(self) -> tuple[Symbol, ...]:
+        """The symbols in it, in the order of their names."""
+        own = {x for entry in self.entries() for x in entry.free_symbols}
+        return tuple(x for x in self.ring.symbols if x in own)
+
+    def program(self, fields: Sequence[str]) -> Program:
+        """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is written as 0."""
+        from haptisym.programs.balls import BallPoint  # a certified answer needs no program
+        from haptisym.programs.stable import stable_program
+
+        write = stable_program(self.environment, self.rendered, self.matrices, self.parameters)
+        program = write(fields, ())
+        # a value that is not 0 at some point settles that a field is not 0 everywhere
+        sample = BallPoint(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
+        zero = [name for name in fields if sample[name].contains(0) and self.vanishes(name)]
+        return write(fields, zero) if zero else program
+
+    def vanishes(self, name: str) -> bool:
+        """Whether a field is 0 at all frequencies, whatever the parameters."""
+        kind, _, part = name.rpartition("_")
+        env, perc = self.dynamics(free_air=kind == "perceived")
+        change = perc - env
+        of = change / env if kind == "relative" else {"environment": env, "perceived": perc}.get(kind, change)
+        raw = on_axis(of)
+        return (raw.raw_real if part == "real" else raw.raw_imag).is_zero
+
+    @cached_property
+    def steps(self) -> Steps:
+        """All fields of ``numeric.Values`` in named steps, as a page shows them: of what is felt, H_env + dH."""
+        from haptisym.programs.steps import DISTORTION, Steps, page_steps
+
+        found = page_steps(self.program((*DISTORTION, "environment_real", "environment_imag")))
+        of = found.results
+        felt = {f"perceived_{part.value}": of[f"environment_{part.value}"] + of[part.value] for part in Part}
+        return Steps(found.definitions, {**of, **felt})
+
+    @property
+    def in_series(self) -> bool:
+        """Whether each effect multiplies the force, and does nothing else."""
+        return all(b == 0 and c == 0 for _, b, c, _ in self.matrices)
+
+    def part_of_distortion(self, part: Part, environment: Expr) -> Expr:
+        """Re or Im dH, less that part of H_env as it is given: in series in magnitudes and angles."""
+        if not self.in_series:
+            return _PART[part](self.formula, evaluate=False) - environment
+        return self._turned(part, [self.rendered, *self._gains]) - environment
+
+    def part_of_relative(self, part: Part) -> Expr:
+        """Re or Im(dH/H_env)."""
+        if not self.in_series:
+            H = self.environment.xreplace({s: I * omega})
+            return _PART[part](self.formula / H, evaluate=False) - Integer(part is Part.REAL)
+        own = [] if self.rendered == self.environment else [self.rendered, 1 / self.environment]
+        return self._turned(part, [*own, *self._gains]) - Integer(part is Part.REAL)
+
+    @property
+    def formula(self) -> Expr:
+        """H_perc(j omega), as the chain builds it."""
+        H = self.rendered
+        for a, b, c, d in self.matrices:
+            H = (a * H + b) / (c * H + d)
+        return H.xreplace({s: I * omega})
+
+    @property
+    def _gains(self) -> list[Expr]:
+        return [a / d for a, _, _, d in self.matrices]
+
+    @staticmethod
+    def _turned(part: Part, factors: Sequence[Expr]) -> Expr:
+        polar = [_polar(x) for x in factors]
+        return Mul(*(size for size, _ in polar)) * _TURN[part](Add(*(angle for _, angle in polar)))
+
+    def without_axis_zeros(self) -> tuple[Chain, bool]:
+        """A chain with the same ratios, though H_env has no zeros on s = j omega; whether r_r is its r_i.
+
+        All dynamics are taken over the factors Z of H_env that are real or imaginary there: H/Z behind [[A, B/Z], [C Z, D]].
+        """
+        environment = self.ring.convert(self.environment).reduced()
+        Z = self.ring.function(_axis_zeros(self.ring, environment.numerator))
+        if Z.numerator.is_constant():
+            return self, False
+
+        def times(x: Expr, power: int) -> Expr:
+            return (self.ring.convert(x) * Z**power).reduced().expression() if x else x
+
+        matrices = tuple((a, times(b, -1), times(c, 1), d) for a, b, c, d in self.matrices)
+        odd = int(Z.numerator.monoms()[0][0]) % 2 == 1
+        return Chain(times(self.environment, -1), times(self.rendered, -1), matrices), odd
+
+    def at(self, values: Mapping[Symbol, Expr]) -> Chain:
+        """The same chain with values for some of its symbols."""
+        return self.map(lambda entry: in_place(entry, values))
+
+    def map(self, change: Callable[[Expr], Expr]) -> Chain:
+        """The chain with every dynamics in it changed."""
+        matrices = tuple((change(a), change(b), change(c), change(d)) for a, b, c, d in self.matrices)
+        return Chain(change(self.environment), change(self.rendered), matrices)
+
+
+def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:
+    """The factors of a polynomial that can vanish on s = j omega: s itself, and those in s^2."""
+    found = ring.constant(1)
+    for factor, n in ring.factors(polynomial, in_square=False)[1] if polynomial else ():
+        even = len({int(exponents[0]) % 2 for exponents in factor.monoms()}) == 1
+        if factor.degrees()[0] and even and not any(factor.degrees()[ring.size :]):
+            found = found * factor**n
+    return found
+
+
+def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> RationalFunction:
+    """The Moebius map (A H + B)/(C H + D), without fractions inside."""
+    a, b, c, d = cleared(matrix)
+    top = a * H.numerator + b * H.denominator
+    bottom = c * H.numerator + d * H.denominator
+    if bottom.is_zero():
+        raise SceneError("the effects make the perceived dynamics infinite at every frequency (C H + D = 0)")
+    return RationalFunction(H.ring, top, bottom)
+
 
 _SHORT = 10  # terms of a dynamics up to which lowest terms are it
 _FEW, _MOST = 80, 300  # up to which they are looked at beside factors, and are made where there are none
@@ -71,51 +247,6 @@ def shortest(
         return other, False
     found = lowest()
     return (found, True) if count_ops(found) <= _LONGER * count_ops(other) else (other, False)
-
-
-@dataclass(frozen=True)
-class Factors:
-    """What is felt of a chain, as factors on s = j omega: ``environment`` H_env, ``rendered`` what the chain is built on."""
-
-    environment: Expr
-    rendered: Expr
-    matrices: tuple[Matrix, ...]
-
-    @property
-    def in_series(self) -> bool:
-        """Whether each effect multiplies the force, and does nothing else."""
-        return all(b == 0 and c == 0 for _, b, c, _ in self.matrices)
-
-    def part(self, part: Part, environment: Expr) -> Expr:
-        """Re or Im dH, less that part of H_env as it is given: in series in magnitudes and angles."""
-        if not self.in_series:
-            return _PART[part](self.perceived, evaluate=False) - environment
-        return self._turned(part, [self.rendered, *self._gains]) - environment
-
-    def relative(self, part: Part) -> Expr:
-        """Re or Im(dH/H_env)."""
-        if not self.in_series:
-            H = self.environment.xreplace({s: I * omega})
-            return _PART[part](self.perceived / H, evaluate=False) - Integer(part is Part.REAL)
-        own = [] if self.rendered == self.environment else [self.rendered, 1 / self.environment]
-        return self._turned(part, [*own, *self._gains]) - Integer(part is Part.REAL)
-
-    @property
-    def perceived(self) -> Expr:
-        """H_perc(j omega), as the chain builds it."""
-        H = self.rendered
-        for a, b, c, d in self.matrices:
-            H = (a * H + b) / (c * H + d)
-        return H.xreplace({s: I * omega})
-
-    @property
-    def _gains(self) -> list[Expr]:
-        return [a / d for a, _, _, d in self.matrices]
-
-    @staticmethod
-    def _turned(part: Part, factors: Sequence[Expr]) -> Expr:
-        polar = [_polar(x) for x in factors]
-        return Mul(*(size for size, _ in polar)) * _TURN[part](Add(*(angle for _, angle in polar)))
 
 
 def _polar(factor: Expr) -> tuple[Expr, Expr]:
@@ -223,38 +354,13 @@ def first_changeover(f: RealFunction) -> Expr | None:
     return found[0] if len({x.equation for x in odd}) == 1 else None
 
 
-SQUARE = Symbol("W", positive=True)
-"""omega^2, the unknown of a threshold polynomial."""
+_SQUARE = Symbol("W", positive=True)  # omega^2, the unknown of a threshold polynomial
 _TERMS = 24  # of the expansions of numerator and denominator
 _SOON = 8  # terms of an expansion
-_FEW_SOLVED = 16  # terms of a coefficient that is taken apart
+_SHORT_TERM = 16  # terms of a coefficient that is taken apart
 
 Frequencies = tuple[Solution, ...] | tuple[RealNumber, ...]
 """Formulas, each with the conditions under which it is in force; or, where all are numbers, certified frequencies."""
-
-
-class Responses(Protocol):
-    """What a ``Distortion`` holds of what is asked here."""
-
-    @property
-    def free_symbols(self) -> frozenset[Symbol]:
-        """The parameters that are still symbols."""
-
-    @property
-    def squared_ratios(self) -> dict[Part, RealFunction]:
-        """r_r^2 and r_i^2."""
-
-    @property
-    def env_response(self) -> Response:
-        """H_env on s = j omega."""
-
-    @property
-    def perc_response(self) -> Response:
-        """H_perc on s = j omega."""
-
-    @property
-    def difference(self) -> RationalFunction:
-        """dH."""
 
 
 class Changeovers(NamedTuple):
@@ -299,32 +405,28 @@ def threshold(given: Any) -> Expr:
     return value
 
 
-def excess(d: Responses, part: Part, c: Expr) -> RealFunction:
-    """r^2 - c^2 of a part."""
-    f = d.squared_ratios[part].function
+def _excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
+    """r^2 - c^2."""
+    f = squared_ratio.function
     square = f.ring.convert(c**2)
     top = f.numerator * square.denominator - square.numerator * f.denominator
     return RealFunction(f.ring.function(top, f.denominator * square.denominator).reduced())
 
 
-def crossings(d: Responses, part: Part, c: Expr, band: tuple[Any, Any] | None) -> Frequencies:
-    """As of ``Distortion.crossings``."""
+def crossings(squared_ratio: RealFunction, c: Expr, band: tuple[Any, Any] | None, *, symbolic: bool) -> Frequencies:
+    """Where a ratio meets a threshold; ``symbolic`` : where parameters are symbols."""
     if not c.free_symbols:
-        return _zeros(d, excess(d, part, c), band, odd=False)
+        return zeros(_excess(squared_ratio, c), band, odd=False, symbolic=symbolic)
     names = {symbol_c: c}
     return tuple(
         Solution(x.omega and x.omega.xreplace(names), x.equation.xreplace(names), x.period.xreplace(names), x.order)
-        for x in solve(excess(d, part, symbol_c))
+        for x in solve(_excess(squared_ratio, symbol_c))
     )
 
 
-def changeovers(d: Responses) -> Changeovers:
-    """As of ``Distortion.changeovers``."""
-    return Changeovers(*(_zeros(d, x.real, None, odd=True) for x in (d.env_response, d.perc_response)))
-
-
-def _zeros(d: Responses, f: RealFunction, band: tuple[Any, Any] | None, *, odd: bool) -> Frequencies:
-    if d.free_symbols:
+def zeros(f: RealFunction, band: tuple[Any, Any] | None, *, odd: bool, symbolic: bool) -> Frequencies:
+    """All positive zeros of a function, or those of ``odd`` order: formulas, or certified numbers."""
+    if symbolic:
         return tuple(x for x in solve(f) if x.order % 2 or not odd)
     low, high = _ends(band) if band else (Integer(0), _far(f))
     points = chart({0: f}, low, high).points
@@ -354,20 +456,22 @@ def _far(f: RealFunction) -> Expr:
     return max(found.radius, Integer(1))
 
 
-def threshold_polynomial(d: Responses, part: Part, c: Expr) -> Poly | Expr:
-    """As of ``Distortion.threshold_polynomial``."""
-    f = excess(d, part, symbol_c if c.free_symbols else c)
+def threshold_polynomial(squared_ratio: RealFunction, c: Expr) -> Poly | Expr:
+    """What vanishes where a ratio meets a threshold."""
+    f = _excess(squared_ratio, symbol_c if c.free_symbols else c)
     found = f.function.expression().as_numer_denom()[0].expand().xreplace({symbol_c: c})
     is_polynomial = found.is_polynomial(omega) and all(n % 2 == 0 for (n,) in Poly(found, omega).monoms())
-    return Poly(found.subs(omega, sqrt(SQUARE)), SQUARE) if is_polynomial else found
+    return Poly(found.subs(omega, sqrt(_SQUARE)), _SQUARE) if is_polynomial else found
 
 
-def bandwidth(d: Responses, c: Expr, band: tuple[Any, Any] | None) -> RealNumber | Expr:
-    """As of ``Distortion.bandwidth``."""
-    if c.free_symbols or d.free_symbols:
-        free = ", ".join(sorted(map(str, c.free_symbols | d.free_symbols)))
+def bandwidth(
+    squared_ratios: Mapping[Part, RealFunction], c: Expr, band: tuple[Any, Any] | None, symbols: frozenset[Symbol]
+) -> RealNumber | Expr:
+    """The end of the interval from 0, or the band's low end, on which no ratio exceeds c; ``symbols`` : that are left."""
+    if c.free_symbols or symbols:
+        free = ", ".join(sorted(map(str, c.free_symbols | symbols)))
         raise SceneError(f"a bandwidth is a number: give {free} values; crossings(part, c) has the formulas")
-    functions = {part: excess(d, part, c) for part in Part}
+    functions = {part: _excess(f, c) for part, f in squared_ratios.items()}
     low, high = _ends(band) if band else (Integer(0), max(map(_far, functions.values())))
     table = chart(functions, low, high)
     kept = table.where(lambda signs: all(x <= 0 for x in signs.values()))
@@ -376,18 +480,18 @@ def bandwidth(d: Responses, c: Expr, band: tuple[Any, Any] | None) -> RealNumber
     return oo if kept[0].high is table.points[-1] and not band else kept[0].high.omega
 
 
-def asymptote(d: Responses, at: Any) -> Asymptote:
-    """As of ``Distortion.asymptote``."""
+def asymptote(difference: RationalFunction, at: Any) -> Asymptote:
+    """The leading terms at 0 or oo."""
     if at not in (0, oo):
         raise SceneError(f"at: {quoted(at)} is neither 0 nor oo")
-    if at == oo and _ring(d.difference).lags:
+    if at == oo and _ring(difference).lags:
         raise SceneError("at = oo: a delay turns for ever, so that there is no leading term")
-    if d.difference.is_zero:
+    if difference.is_zero:
         return Asymptote(Integer(0), Integer(0), Integer(0))
     found: list[Expr | None] = [None, None, None]
-    for n, (power, h) in enumerate(_expansion(d.difference, at)):
+    for n, (power, h) in enumerate(_expansion(difference, at)):
         if n == _SOON:  # a part that does not come soon may vanish: asked late, as it takes longer
-            exact = on_axis(d.difference)
+            exact = on_axis(difference)
             vanishing = (False, exact.raw_real.is_zero, exact.raw_imag.is_zero)
             found = [Integer(0) if gone else x for x, gone in zip(found, vanishing, strict=True)]
         if h != 0:
@@ -400,7 +504,7 @@ def asymptote(d: Responses, at: Any) -> Asymptote:
 
 
 def low_frequency(perceived: RationalFunction) -> LowFrequency:
-    """As of ``Distortion.low_frequency``."""
+    """The first terms in s, from its static value on."""
     if perceived.is_zero:
         return LowFrequency(Integer(0), Integer(0), Integer(0))
     found = {0: Integer(0), 1: Integer(0), 2: Integer(0)}
@@ -444,7 +548,7 @@ def _over_one_term(above: _Row, below: _Row, _: Ring, count: int) -> Iterator[Ex
     for n in range(count):
         ratios.append((below(n) / below(0)).expand())
         found.append((above(n) / below(0) - Add(*(h * ratios[n - i] for i, h in enumerate(found)))).expand())
-        yield found[-1].factor() if len(Add.make_args(found[-1])) <= _FEW_SOLVED else found[-1]
+        yield found[-1].factor() if len(Add.make_args(found[-1])) <= _SHORT_TERM else found[-1]
 
 
 def _divided(above: _Row, below: _Row, ring: Ring, count: int) -> Iterator[Expr]:
@@ -457,7 +561,7 @@ def _divided(above: _Row, below: _Row, ring: Ring, count: int) -> Iterator[Expr]
         for i, h in enumerate(found):
             left = left - h * bottom[n - i]
         found.append((left / bottom[0]).reduced())
-        is_short = len(found[-1].numerator) + len(found[-1].denominator) <= _FEW_SOLVED
+        is_short = len(found[-1].numerator) + len(found[-1].denominator) <= _SHORT_TERM
         yield found[-1].factored() if is_short else found[-1].expression()
 
 
