@@ -23,7 +23,7 @@ from typing import Any, NamedTuple, TypeAlias, get_args, get_type_hints
 
 from sympy import Expr, Integer, Poly, Pow, Symbol, exp, nan, pi, zoo
 
-from haptisym.kernel.errors import SceneError, SignError, meant, need, quoted, several
+from haptisym.kernel.errors import SceneError, SignError, meant, need, quoted, several, within
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.rings import PolynomialRing, RationalFunction, s
 from haptisym.model.parameters import (
@@ -311,10 +311,8 @@ def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
 def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     if isinstance(given, Expr):
         by_name = {p.symbol.name: p.symbol for p in parameters}
-        try:
+        with within(key):
             found = in_laplace(given)
-        except SceneError as error:
-            raise error.within(key) from None
         return found.xreplace({x: by_name[x.name] for x in found.free_symbols if x.name in by_name})
     if isinstance(given, int | float):
         given = str(given)
@@ -328,10 +326,8 @@ def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
         except SceneError as error:
             raise error if str(error).startswith(f"{key}:") else error.within(key) from None
     names: dict[str, Expr] = {"s": s, "pi": pi, **{p.symbol.name: p.symbol for p in parameters}}
-    try:
+    with within(key):
         return evaluate(given, number=decimal, name=lambda name: _known(name, names))
-    except SceneError as error:
-        raise error.within(key) from None
 
 
 def _known(name: str, names: Mapping[str, Expr]) -> Expr:
@@ -412,10 +408,8 @@ def with_controller(effects: Iterable[Effect], rendered: Environment) -> tuple[E
         raise SceneError(
             f"effects.{first.name}: a {SAMPLED_LOOP} must be the first effect: its controller renders the environment itself"
         )
-    try:
+    with within(f"effects.{first.name}"):
         placed = replace(first, renders=rendered, dynamics=_sampled_matrix(first, rendered))
-    except SceneError as error:
-        raise error.within(f"effects.{first.name}") from None
     return placed, *others
 
 
@@ -610,10 +604,8 @@ def given_effects(given: Iterable[Any]) -> tuple[Effect, ...]:
 
 
 def _system_read(key: str, how: str, given: object) -> Any:
-    try:
+    with within(key):
         return resolve_name(f"haptisym.interop:{how}")(given)
-    except SceneError as error:
-        raise error.within(key) from None
 
 
 def given_hands(given: Iterable[Hand]) -> tuple[Hand, ...]:

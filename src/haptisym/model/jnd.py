@@ -26,7 +26,7 @@ from flint import arb
 from sympy import Expr, Integer, Rational, pi
 
 from haptisym.kernel.dynamics import RealFunction, Ring
-from haptisym.kernel.errors import SceneError, meant
+from haptisym.kernel.errors import SceneError, meant, within
 from haptisym.kernel.objects import Shown, Viewed
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.rings import omega
@@ -142,10 +142,8 @@ class Conversion:
 
 def read_proportion(key: str, given: Number) -> Expr:
     """A proportion of right answers, above one half and below 1; SceneError for any other."""
-    try:
+    with within(key):
         value = number(given, Dimension.RATIO).value
-    except SceneError as error:
-        raise error.within(key) from None
     if not value.is_Rational or not Rational(1, 2) < value < 1:
         raise SceneError(f'{key}: "{given}" must be rational, above 0.5, where answers are guesses, and below 1')
     return value
@@ -394,13 +392,11 @@ class Threshold(Viewed):
 
     def check(self, low: Expr, high: Expr, motion: MotionKind | None) -> None:
         """SceneError unless it makes a region at every frequency of a band, for a scene of that motion."""
-        try:
+        with within("jnd"):
             self.region.check(low, high)
             for key, x in {"real": self.real, "imag": self.imag, **self.region.numbers}.items():
                 if x.has(omega) and not positive(x, low, high):
                     raise SceneError(f"{key}: {x} must be > 0 on the whole band")
-        except SceneError as error:
-            raise error.within("jnd") from None
         if self.region.motion and motion and self.region.motion is not motion:
             raise SceneError(f"jnd: floor: is {self.region.motion.value}, but the scene is {motion.value}")
 
@@ -503,10 +499,8 @@ def formula(key: str, given: object) -> Expr | None:
     if isinstance(given, Expr) and {x.name for x in given.free_symbols} == {omega.name}:
         value: Expr = given.xreplace(dict.fromkeys(given.free_symbols, omega))
     elif isinstance(given, str) and _NAMES_OMEGA.search(given):
-        try:
+        with within(key):
             value = evaluate(given, number=decimal, name={omega.name: omega, "pi": pi}.__getitem__)
-        except SceneError as error:
-            raise error.within(key) from None
     else:
         return None
     try:
@@ -615,11 +609,9 @@ def _floor(given: Any) -> tuple[Expr, MotionKind | None, ExactRange | None]:
     found = formula("floor", given)
     if found is not None and found.has(omega):
         return found, None, None
-    try:
+    with within("floor"):
         read = ranged(given, Dimension.STIFFNESS)
         value = require_number(given, read.nominal).value
-    except SceneError as error:
-        raise error.within("floor") from None
     if any(sign_of_number(x) <= 0 for x in (value, *(read.interval or ()))):
         raise SceneError(f'floor: "{given}" must be > 0')
     return value, read.nominal.motion, read.interval
@@ -630,10 +622,8 @@ def _number(key: str, given: Any) -> Expr:
     found = formula(key, given)
     if found is not None:
         return found
-    try:
+    with within(key):
         return number(given, Dimension.RATIO).value
-    except SceneError as error:
-        raise error.within(key) from None
 
 
 def _corners(given: Any) -> tuple[Corner, ...]:

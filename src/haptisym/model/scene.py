@@ -18,7 +18,7 @@ from typing import Any, Protocol
 from sympy import Expr, Integer, Max, Rational, Symbol, pi
 
 from haptisym.kernel.budget import spared
-from haptisym.kernel.errors import SceneError, meant
+from haptisym.kernel.errors import SceneError, meant, within
 from haptisym.kernel.objects import Shown, titled
 from haptisym.kernel.rings import c, omega
 from haptisym.kernel.roots import sign_of_number
@@ -98,10 +98,8 @@ class Knob(Parameter):
 
     def number(self, given: Number) -> Expr:
         """A number for it, SI, exact; SceneError for a unit that does not fit, and for a symbol."""
-        try:
+        with within(self.path):
             read = number(given, self.dimension)
-        except SceneError as error:
-            raise error.within(self.path) from None
         if read.motion and self.motion and read.motion is not self.motion:
             raise SceneError(f'{self.path}: "{given}" is {read.motion.value}, but the scene is {self.motion.value}')
         return read.value
@@ -249,10 +247,8 @@ def read_friction(given: Any) -> FrictionThreshold:
             raise SceneError(
                 f'friction: unknown key "{str(key)[:60]}": {meant(str(key), _FRICTION_KEYS)}valid are {", ".join(_FRICTION_KEYS)}'
             )
-        try:
+        with within(f"friction: {key}"):
             read = number(x, _FRICTION_KEYS[key])
-        except SceneError as error:
-            raise error.within(f"friction: {key}") from None
         if read.value.free_symbols or sign_of_number(read.value) < 0:
             raise SceneError(f'friction: {key}: "{x}" must be a number >= 0')
         found[key] = read.value
@@ -571,10 +567,8 @@ class Scene(Shown):
 
     def at_proportion(self, end: Number) -> Scene:
         """The same scene with its threshold at another proportion of right answers; SceneError where its own is not told."""
-        try:
+        with within("jnd"):
             return replace(self, threshold=self.threshold.at_proportion(end))
-        except SceneError as error:
-            raise error.within("jnd") from None
 
     def with_band(self, low: Number, high: Number) -> Scene:
         """The same scene on another band, rad/s or with a unit."""
@@ -583,10 +577,8 @@ class Scene(Shown):
 
 def frequency(key: str, given: Number) -> Expr:
     """An exact frequency, rad/s."""
-    try:
+    with within(key):
         return number(given, Dimension.FREQUENCY).value
-    except SceneError as error:
-        raise error.within(key) from None
 
 
 def _different(hands: Iterable[Hand]) -> None:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 from sympy import Expr, Integer
 
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import SceneError, meant, need
+from haptisym.kernel.errors import SceneError, meant, need, within
 from haptisym.kernel.objects import Shown, titled
 from haptisym.kernel.rings import c
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Hand, Model, read_hand
@@ -225,24 +225,19 @@ def _formulas(table: Table, text: str) -> SceneFamily:
     _only(evaluation, ("band", "jnd", "confidence", "friction"), "evaluation")
     effects = tuple(_effects(table.get("effects", [])))
     band = _band(evaluation["band"]) if "band" in evaluation else _DEFAULT_BAND
-    threshold = _threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
+    with within("evaluation: jnd"):
+        threshold = read_threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
     title, source = _text(table, "title"), _text(table, "source")
     rows = _environments(table) if "environments" in table else [_one_environment(table)]
     hands = tuple(_hands(table))
     shared: dict[str, Any] = {"hands": hands, "text": text}
     if "friction" in evaluation:
-        shared["friction"] = _read("evaluation", read_friction, evaluation["friction"])
+        with within("evaluation"):
+            shared["friction"] = read_friction(evaluation["friction"])
     if "confidence" in evaluation:
         shared["confidence"] = read_confidence("evaluation: confidence", evaluation["confidence"])
     scenes = ((name, Scene(own, effects, band, threshold, rendered, **shared)) for name, own, rendered in rows)
     return named(scenes, title, source)
-
-
-def _read(place: str, reader: Any, given: Any) -> Any:
-    try:
-        return reader(given)
-    except SceneError as error:
-        raise error.within(place) from None
 
 
 def _one_environment(table: Table) -> tuple[str, Environment, Environment | None]:
@@ -275,10 +270,8 @@ def _environments(table: Table) -> Iterable[tuple[str, Environment, Environment 
 
 def _rendered(given: Any, environment: Environment, place: str) -> Environment:
     """What is rendered for an environment; its references are to that environment's values."""
-    try:
+    with within(place):
         return _environment(given, place).tied_to(environment)
-    except SceneError as error:
-        raise error.within(place) from None
 
 
 def _environment(given: Any, place: str) -> Environment:
@@ -313,10 +306,8 @@ def _hands(table: Table) -> Iterable[Hand]:
         name = own.pop("name", "hand" if place == "hand" else None)
         if not isinstance(name, str) or not name:
             raise SceneError(f"{place}: name: each of several hands needs one, a string that is not empty")
-        try:
+        with within(place):
             yield read_hand(name, own)
-        except SceneError as error:
-            raise error.within(place) from None
 
 
 def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Model, dict[str, Any]]:
@@ -333,10 +324,8 @@ def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Mode
 def _built(model: Model, parameters: Table, place: str) -> Any:
     if "parameters" in parameters:
         _table(parameters["parameters"], f"{place}: parameters")
-    try:
+    with within(place):
         return model.build(**parameters)
-    except SceneError as error:
-        raise error.within(place) from None
 
 
 def _band(given: Any) -> tuple[Any, Any]:
@@ -366,7 +355,8 @@ def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
     evaluation = _table(table.get("evaluation", {}), "evaluation")
     _only(evaluation, ("band", "jnd"), "evaluation")
     band = _band(evaluation["band"]) if "band" in evaluation else None
-    threshold = _threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
+    with within("evaluation: jnd"):
+        threshold = read_threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
     return MeasuredScene(environment, perceived, band, threshold, _text(table, "title"), _text(table, "source"))
 
 
@@ -374,7 +364,7 @@ def _measurement(table: Table, place: str, folder: Path) -> Measurement:
     from haptisym.model.measured import CONFIDENCE, read_slope
     from haptisym.model.responsefile import RECORDS, read_file
 
-    try:
+    with within(place):
         _only(table, ("file", "averages", "confidence", "slope", *RECORDS), "")
         name = table.get("file")
         if not isinstance(name, str) or not name or "\0" in name:
@@ -386,24 +376,13 @@ def _measurement(table: Table, place: str, folder: Path) -> Measurement:
         slope = read_slope(table["slope"]) if "slope" in table else None
         found = read_file(folder / name, averages, CONFIDENCE if confidence is None else confidence, settings)
         return found if slope is None else replace(found, slope=slope)
-    except SceneError as error:
-        raise error.within(place) from None
 
 
 def _float(table: Table, key: str) -> float | None:
     if key not in table:
         return None
-    try:
+    with within(key):
         return float(number(table[key], Dimension.RATIO).value)
-    except SceneError as error:
-        raise error.within(key) from None
-
-
-def _threshold(given: Any) -> Threshold:
-    try:
-        return read_threshold(given)
-    except SceneError as error:
-        raise error.within("evaluation: jnd") from None
 
 
 def _text(table: Table, key: str) -> str:
@@ -495,10 +474,8 @@ def felt_through(own: SceneFamily, name: str, environments: Iterable[str | Path]
     given = [(label, x) for place in environments for label, x in _labelled(place)]
     if not given:
         return own
-    try:
+    with within(name):
         return named(((label, _with_environment(own.first, label, x)) for label, x in given), own.title, own.source)
-    except SceneError as error:
-        raise error.within(name) from None
 
 
 def open_scenes(scene: str | Path) -> tuple[SceneFamily | MeasuredScene, str]:
@@ -532,10 +509,8 @@ def as_family(given: SceneFamily | Scene | str | Path) -> SceneFamily:
 
 def _with_environment(display: Scene, label: str, other: Scene) -> Scene:
     """The display of one scene with the environment of another."""
-    try:
+    with within(label):
         return replace(display, environment=other.environment, rendered=other.rendered)
-    except SceneError as error:
-        raise error.within(label) from None
 
 
 def _labelled(place: str | Path) -> list[tuple[str, Scene]]:
@@ -562,12 +537,10 @@ def parse_scenes(text: str, name: str = "scene") -> SceneFamily:
 
 
 def _parsed(name: str, read: Callable[[], _T]) -> _T:
-    try:
+    with within(name):
         found = read()
         for scene in () if isinstance(found, MeasuredScene) else found.scenes.values():
             _ = scene.closed  # what is wrong with the dynamics as a whole is wrong with this file
-    except SceneError as error:
-        raise error.within(name) from None
     return found
 
 
@@ -577,12 +550,10 @@ def _chosen(text: str, name: str, environment: str | None) -> Scene:
 
 def chosen(family: SceneFamily, name: str, environment: str | None) -> Scene:
     """One environment of several, or the only one; ``name`` is what error messages call the file."""
-    try:
+    with within(name):
         if environment is None:
             return family.only()
         scene = family[environment]
-    except SceneError as error:
-        raise error.within(name) from None
     return replace(scene, title=f"{scene.title or 'Untitled scene'}: {environment}")
 
 

@@ -25,7 +25,7 @@ from flint import fmpz_mpoly_ctx, fmpz_mpoly_vec, fmpz_poly
 from sympy import Symbol
 
 from haptisym.kernel.budget import tick
-from haptisym.kernel.errors import SceneError, meant
+from haptisym.kernel.errors import SceneError, meant, within
 from haptisym.kernel.objects import counted
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
 from haptisym.model.distortion import distort
@@ -206,15 +206,13 @@ def _model(text: str, catalogue: Mapping[str, Model], place: str, names: _Symbol
         raise SceneError(
             f"{name}: a formula has no parameters to be found by themselves: choose another model, or degrees"
         )
-    try:
+    with within(name):
         keys = (
             _keys(listed, slots)
             if colon
             else {key: None for key, x in slots.items() if not x.formula and (x.required or not x.is_setting)}
         )
         found = {key: _entry(f"{place}.{key}", slots[key], given, names) for key, given in keys.items()}
-    except SceneError as error:
-        raise error.within(name) from None
     return {"model": name, **found}
 
 

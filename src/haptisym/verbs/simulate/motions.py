@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from haptisym.kernel.errors import SceneError, need, several
+from haptisym.kernel.errors import SceneError, need, several, within
 from haptisym.model.quantities import Dimension, Number, number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
@@ -167,12 +167,10 @@ def _frequency(given: Number) -> float:
 
 def positive(key: str, given: Number, dimension: Dimension) -> float:
     """A quantity > 0 as a float in SI units; SceneError names the key."""
-    try:
+    with within(key):
         value = number(given, dimension).value
         if not value > 0:
             raise SceneError(f'"{given}" must be > 0')
-    except SceneError as error:
-        raise error.within(key) from None
     return float(value)
 
 
@@ -413,10 +411,8 @@ def _unit(path: str | Path, header: str) -> str:
 
 
 def _scale(path: str | Path, unit: str, dimension: Dimension) -> tuple[float, Kind | None]:
-    try:
+    with within(f"{path}: line 1"):
         read = quantity(f"1 {unit}", dimension)
-    except SceneError as error:
-        raise error.within(f"{path}: line 1") from None
     return float(read.value), read.motion
 
 

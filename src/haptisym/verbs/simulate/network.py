@@ -21,8 +21,7 @@ hold (a line of wave variables keeps its position error as a constant flow, and 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import reduce
 from math import ceil, floor, log, sin
@@ -33,7 +32,7 @@ from flint import fmpq, fmpq_mat
 from sympy import Expr, I, Rational, exp, pi
 
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, within
 from haptisym.kernel.rings import Polynomial
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model, controller, device
 from haptisym.programs.values import Array
@@ -245,7 +244,7 @@ def build_environment(net: Network, environment: Environment, port: Port) -> Non
     """Add the equations of an environment that is felt at a port."""
     net.built.append(environment.model)
     ours = _ENVIRONMENTS.get(environment.model) if _is_ours(ENVIRONMENTS, environment.model) else None
-    with _named(environment.model):
+    with within(environment.model):
         (ours or _written)(net, environment, port)
 
 
@@ -255,21 +254,13 @@ def build_effect(net: Network, effect: Effect, near: Port, far: Port) -> None:
     ours = _EFFECTS.get(effect.model) if _is_ours(EFFECTS, effect.model) else None
     if ours is None:
         net.foreign.append(effect.name)
-    with _named(effect.name):
+    with within(effect.name):
         (ours or _two_port)(net, effect, near, far)
 
 
 def _is_ours(catalogue: Mapping[str, Model], model: str) -> bool:
     """Whether a model is the package's own, not one that a user has entered, perhaps under the same name."""
     return model in catalogue and catalogue[model].build.__module__.startswith(__name__.partition(".")[0] + ".")
-
-
-@contextmanager
-def _named(element: str) -> Iterator[None]:
-    try:
-        yield
-    except SceneError as error:
-        raise error.within(element) from None
 
 
 def _values(element: Environment | Effect) -> dict[str, Exact]:
