@@ -199,7 +199,7 @@ def _continuous(dt: Any) -> None:
 
 
 def _quotient(above: Iterable[Any], below: Iterable[Any]) -> Expr:
-    top, bottom = (Add(*(_number(x) * s**n for n, x in enumerate(reversed(row)))) for row in (above, below))
+    top, bottom = (Add(*(_number(x) * s**n for n, x in enumerate(reversed([*row])))) for row in (above, below))
     if bottom == 0:
         raise SceneError("the denominator is zero")
     return top / bottom

@@ -9,6 +9,7 @@ a transient) leaks into the fit by orders of magnitude less than through a plain
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -91,15 +92,57 @@ class Estimate:
         return None if self.approximate else self.difference <= self.error
 
 
+class _Runs(Answer):
+    """Simulated runs of one scene: what is said of them together. Their errors are estimated."""
+
+    __slots__ = ()
+    _schema: ClassVar[str] = "haptisym.simulation/1"
+    _page: ClassVar[str] = "haptisym.pages.simulate:page"
+
+    @property
+    @abstractmethod
+    def runs(self) -> tuple[Simulation, ...]:
+        """All of them."""
+
+    @property
+    def certified(self) -> bool:
+        """False: errors of a simulation are estimated."""
+        return False
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether all estimates agree with the closed forms; None where no exact closed form could be compared."""
+        verdicts = [x.agrees for run in self.runs for x in run.estimates if x.agrees is not None]
+        return all(verdicts) if verdicts else None
+
+    def _body(self) -> dict[str, Any]:
+        runs, first = self.runs, self.runs[0]
+        return {
+            "motion": {
+                "kind": first.motion.name,
+                "amplitude": first.motion.amplitude,
+                "omega": [omega for run in runs for omega in run.motion.omegas],
+                **_smoothing(first.motion),
+            },
+            "time": [0.0, max(float(run.time[-1]) for run in runs)],
+            "samples": sum(len(run.time) for run in runs),
+            "built": list(first.built),
+            "force": {
+                "least": min(float(r.force.min()) for r in runs),
+                "most": max(float(r.force.max()) for r in runs),
+            },
+            "estimates": [_estimate_row(x) for run in runs for x in run.estimates],
+            "agrees": self.agrees,
+            **({"notes": list(first.notes)} if first.notes else {}),
+        }
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class Simulation(Answer):
+class Simulation(_Runs):
     """A simulated run. Arrays over time, s: the hand's ``displacement``, m or rad, and ``force``, N or N m, and the same of
     the environment (``environment_displacement``, ``environment_force``). ``estimates``: H_perc at each excited frequency,
     none for a chirp or a recording or where the run is too short. ``built``: the models that were simulated.
     """
-
-    _schema: ClassVar[str] = "haptisym.simulation/1"
-    _page: ClassVar[str] = "haptisym.pages.simulate:page"
 
     scene: Scene
     motion: Motion
@@ -122,37 +165,14 @@ class Simulation(Answer):
         """This one alone: ``Simulations`` are several."""
         return (self,)
 
-    @property
-    def certified(self) -> bool:
-        """False: errors of a simulation are estimated."""
-        return False
-
-    def _body(self) -> dict[str, Any]:
-        return _body(self.runs)
-
     def to_csv(self) -> str:
         """The run in time as a table, units in its header; rows are as far apart as the steps of the simulation want them."""
-        length, force = ("rad", "N m") if self.scene.motion is Kind.ROTATION else ("m", "N")
-        heads = (
-            "time [s]", f"displacement [{length}]", f"force [{force}]",
-            f"environment displacement [{length}]", f"environment force [{force}]",
-        )  # fmt: skip
-        columns = (self.time, self.displacement, self.force, self.environment_displacement, self.environment_force)
-        rows = (",".join(map(repr, map(float, row))) for row in zip(*columns, strict=True))
-        return "\n".join([",".join(heads), *rows]) + "\n"
-
-    @property
-    def agrees(self) -> bool | None:
-        """Whether all estimates agree with the closed forms; None where no exact closed form could be compared."""
-        verdicts = [x.agrees for x in self.estimates if x.agrees is not None]
-        return all(verdicts) if verdicts else None
+        hand, environment = (self.displacement, self.force), (self.environment_displacement, self.environment_force)
+        return in_time(self.scene, self.time, {"": hand, "environment ": environment})
 
 
-class Simulations(Answer, tuple[Simulation, ...]):
+class Simulations(_Runs, tuple[Simulation, ...]):
     """Runs of one scene, one for each frequency: as a page and as a document they are one answer."""
-
-    _schema: ClassVar[str] = Simulation._schema
-    _page: ClassVar[str] = Simulation._page
 
     def _line(self) -> str:
         return f"{titled(self.scene.title)}: {counted(len(self), 'run')}"
@@ -167,39 +187,17 @@ class Simulations(Answer, tuple[Simulation, ...]):
         """All of them."""
         return tuple(self)
 
-    @property
-    def certified(self) -> bool:
-        """False: errors of a simulation are estimated."""
-        return False
 
-    @property
-    def agrees(self) -> bool | None:
-        """Whether all estimates agree with the closed forms; None where no exact closed form could be compared."""
-        verdicts = [x.agrees for x in self if x.agrees is not None]
-        return all(verdicts) if verdicts else None
-
-    def _body(self) -> dict[str, Any]:
-        return _body(self.runs)
-
-
-def _body(runs: Sequence[Simulation]) -> dict[str, Any]:
-    first, rows = runs[0], [x for run in runs for x in run.estimates]
-    verdicts = [x.agrees for x in rows if x.agrees is not None]
-    return {
-        "motion": {
-            "kind": first.motion.name,
-            "amplitude": first.motion.amplitude,
-            "omega": [omega for run in runs for omega in run.motion.omegas],
-            **_smoothing(first.motion),
-        },
-        "time": [0.0, max(float(run.time[-1]) for run in runs)],
-        "samples": sum(len(run.time) for run in runs),
-        "built": list(first.built),
-        "force": {"least": min(float(r.force.min()) for r in runs), "most": max(float(r.force.max()) for r in runs)},
-        "estimates": [_estimate_row(x) for x in rows],
-        "agrees": all(verdicts) if verdicts else None,
-        **({"notes": list(first.notes)} if first.notes else {}),
-    }
+def in_time(scene: Scene, time: Array, ports: Mapping[str, tuple[Array, Array]]) -> str:
+    """Displacement and force at ports, by the beginning of their headings, over time: CSV with units in the header."""
+    length, force = ("rad", "N m") if scene.motion is Kind.ROTATION else ("m", "N")
+    heads = [
+        "time [s]",
+        *(head for name in ports for head in (f"{name}displacement [{length}]", f"{name}force [{force}]")),
+    ]
+    columns = (time, *(column for port in ports.values() for column in port))
+    rows = (",".join(map(repr, map(float, row))) for row in zip(*columns, strict=True))
+    return "\n".join([",".join(heads), *rows]) + "\n"
 
 
 def _smoothing(motion: Motion) -> dict[str, Any]:

@@ -29,7 +29,7 @@ from haptisym.model.scene import Scene, clocks
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.engine import Engine
-from haptisym.verbs.simulate.entry import build, same_kind
+from haptisym.verbs.simulate.entry import build, in_time, same_kind
 from haptisym.verbs.simulate.motions import LettingGo, positive
 from haptisym.verbs.simulate.network import MOTION, Network, Port, SignalSum, at_rest, exact, name_of
 from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost_root
@@ -251,11 +251,7 @@ class Release(Answer):
 
     def to_csv(self) -> str:
         """The run in time as a table, units in its header."""
-        force = "N m" if self.unit == "rad" else "N"
-        rows = (
-            ",".join(map(repr, map(float, row))) for row in zip(self.time, self.hand_motion, self.force, strict=True)
-        )
-        return "\n".join([f"time [s],displacement [{self.unit}],force [{force}]", *rows]) + "\n"
+        return in_time(self.scene, self.time, {"": (self.hand_motion, self.force)})
 
     def _body(self) -> dict[str, Any]:
         fitted = self.fitted and {"rate": self.fitted.rate, "omega": self.fitted.omega, "error": self.error}
