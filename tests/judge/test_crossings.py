@@ -434,7 +434,6 @@ def test_a_reversed_damper_is_outside_the_model_and_claims_no_percept() -> None:
     ("name", "method"),
     [
         ("fu2019", "certified polynomial roots"),
-        ("delayed-spring", "arctangents of certified polynomial roots"),
         ("satellite-contact", "interval Newton in ball arithmetic"),
     ],
 )

@@ -14,7 +14,7 @@ from typing import Any
 import flint
 import mpmath
 import pytest
-from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx
+from flint import arb, fmpq
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from marks import examples
@@ -64,7 +64,7 @@ from haptisym.kernel.reals import (
     rounded,
     short,
 )
-from haptisym.kernel.rings import Polynomial, PolynomialRing, degree_in, irreducible, omega, s
+from haptisym.kernel.rings import Polynomial, PolynomialRing, degree_in, omega, s
 from haptisym.kernel.roots import ALIKE_BITS, ascending, chart, each_once, ordered, sign_of_number
 from haptisym.kernel.turns import is_zero as is_zero_turn
 from haptisym.kernel.turns import vanishes
@@ -605,21 +605,6 @@ def test_rational_functions_are_added_multiplied_and_reduced_as_sympy_does(seed:
     assert sorted(Poly(RING.expression(h), s).degree() for h, _ in RING.factors(own, in_square=False)[1]) == [2, 2, 2]
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_what_is_quickly_called_irreducible_is_no_product(seed: int) -> None:
-    """Also none with a factor that is free of the variable that is looked at first."""
-    draw, context = random.Random(seed), fmpq_mpoly_ctx.get(("x0", "x1"), Ordering.lex)
-    x, y = context.gens()
-
-    def some(a: Any, b: Any) -> Any:
-        return a ** draw.randint(1, 2) + draw.randint(-2, 2) * b + draw.choice([1, 3, 5])
-
-    first, second = draw.choice([(y + 3, x**2 + 1), (x + 2, y**3 + x + 1), (some(x, y), some(y, x))])
-    assert irreducible(first * second, [0, 1]) is None
-    own = x**2 + y + draw.randint(1, 9)
-    assert irreducible(own * fmpq(2, 3), [0, 1]) == (fmpq(2, 3), [(own, 1)])
-
-
 w = Symbol("w", positive=True)
 
 monomials = st.tuples(st.integers(0, 3), st.integers(0, 2), st.integers(0, 2), st.integers(-9, 9).filter(bool))
@@ -632,7 +617,6 @@ polynomials = st.lists(monomials, min_size=1, max_size=4).map(
 @examples(15)
 @given(polynomials, polynomials, st.integers(1, 2))
 def test_factors_are_those_of_sympy(f: Expr, g: Expr, power: int) -> None:
-    """The quick proof that a polynomial is irreducible must never call one so that is not, nor change a factor."""
     product = (f * g**power).expand()
     if not product:
         return

@@ -50,7 +50,7 @@ from haptisym.judge.percepts import (
 )
 from haptisym.judge.regions import Polygon
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.factors import PolynomialFactor, Root, Turned
+from haptisym.kernel.factors import PolynomialFactor, Root
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import ExactNumber, RealNumber, bits_for, whole
 from haptisym.kernel.roots import Chart, Interval, Point, chart
@@ -139,7 +139,6 @@ class Effort(NamedTuple):
 _POLYNOMIAL = "certified polynomial roots"
 _METHODS = {
     Root: _POLYNOMIAL,
-    Turned: "arctangents of certified polynomial roots",
     Zero: "interval Newton in ball arithmetic",
     ExactNumber: "closed form",
 }

@@ -23,7 +23,7 @@ from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.factors import AnalyticFactor, Level, PeriodicFactor, PolynomialFactor, polynomial_factors
+from haptisym.kernel.factors import AnalyticFactor, Level, PolynomialFactor, polynomial_factors
 from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.turns import vanishes
 from haptisym.kernel.waves import WaveTerm
@@ -248,12 +248,10 @@ def _cosine(axis: Axis, index: int) -> AnalyticFactor:
 
 
 def _made(terms: tuple[WaveTerm, ...], degrees: tuple[int, ...], axis: Axis) -> AnalyticFactor:
-    """The factor, of the kind that knows most about its zeros; angles that it does not hold are none of its."""
+    """The factor; angles that it does not hold are none of its."""
     angles = list(compress(axis.angles, degrees))
     shorter = terms
     if len(angles) < len(degrees):
         shorter = tuple([WaveTerm(tuple(compress(x.turns, degrees)), x.powers, x.coefficients) for x in terms])
-    is_plain = all(len(x.coefficients) == len(x.coefficients[0]) == 1 and not any(x.powers) for x in terms)
-    kind = PeriodicFactor if len(angles) == 1 and not angles[0].constant and is_plain else AnalyticFactor
     rates = tuple([(angle.rate, angle.constant) for angle in angles])
-    return kind(shorter, rates, tuple(compress(degrees, degrees)), axis.orders)
+    return AnalyticFactor(shorter, rates, tuple(compress(degrees, degrees)), axis.orders)

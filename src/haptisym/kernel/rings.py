@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from itertools import count
 from math import gcd, lcm
 from operator import add, mul
 from typing import Any, TypeAlias
@@ -70,31 +69,6 @@ def monomials(polynomial: Any) -> Iterator[tuple[tuple[Any, ...], Any]]:
     [(2, 1), (0, -3)]
     """
     return zip(polynomial.monoms(), polynomial.coeffs(), strict=True)
-
-
-def irreducible(polynomial: Any, used: Sequence[int]) -> tuple[fmpq, list[tuple[Any, int]]] | None:
-    """A polynomial as its only factor, where that is quickly proven; None where it is not. ``used``: its variables.
-
-    At numbers for all variables but one it keeps its degree and is irreducible: of two factors one would be free of that
-    variable. At two numbers for that variable it has no factor in common: there is none that is free of it. Most numbers
-    show both (Hilbert), in a fraction of the time that factoring takes.
-    """
-    degrees = polynomial.degrees()
-    main, *others = sorted(used, key=lambda i: int(degrees[i]))  # the shortest is the cheapest
-    special = polynomial.subs({f"x{i}": number for i, number in zip(others, count(2))})
-    row = {int(exponents[main]): value for exponents, value in monomials(special)}
-    if max(row, default=0) < int(degrees[main]):
-        return None
-    _, factors = fmpq_poly([row.get(n, 0) for n in range(max(row) + 1)]).factor()
-    if len(factors) != 1 or factors[0][1] != 1:
-        return None
-    one, other = (polynomial.subs({f"x{main}": number}) for number in (2, 3))
-    if not one.gcd(other).is_constant():
-        return None
-    values = polynomial.coeffs()
-    whole = fmpq_poly(values)
-    unit = fmpq(whole.numer().content(), whole.denom()) * (1 if values[0] > 0 else -1)
-    return unit, [(polynomial / unit, 1)]
 
 
 Polynomial: TypeAlias = Any  # flint.fmpq_mpoly, which ships no types
@@ -237,8 +211,7 @@ class PolynomialRing:
         used = [i for i, n in enumerate(degrees) if n]
         if len(used) != 1:
             afford(len(polynomial), len(polynomial))
-            is_short = len(polynomial) <= _SHORT and max(degrees) <= _SHORT
-            return (None if is_short else irreducible(polynomial, used)) or polynomial.factor()
+            return polynomial.factor()  # type: ignore[no-any-return]
         terms = {int(exponents[used[0]]): value for exponents, value in monomials(polynomial)}
         unit, factors = fmpq_poly([terms.get(n, fmpq(0)) for n in range(max(terms) + 1)]).factor()
         place = [tuple(n if i == used[0] else 0 for i in range(len(degrees))) for n in range(max(terms) + 1)]
@@ -334,9 +307,6 @@ class RationalFunction:
         """A SymPy quotient, in lowest terms, both numerator and denominator in factors."""
         reduced = self.reduced().cleared()
         return self.ring.factored_expression(reduced.numerator) / self.ring.factored_expression(reduced.denominator)
-
-
-_SHORT = 12  # terms and degree of a polynomial that is factored sooner than proven irreducible
 
 
 def _times(x: Polynomial, y: Polynomial) -> Polynomial:
