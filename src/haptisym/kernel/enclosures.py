@@ -3,13 +3,13 @@
 A ball grows with each number that occurs twice in a formula; two forms stay as narrow as the function is smooth.
 
 *Bernstein.* A polynomial of degree n on [-r, r] lies between its least and its greatest coefficient in the basis of Bernstein's
-polynomials, and de Casteljau's scheme gives those on both parts of a cut by exact averages. A ``Stretch`` is a function between
-two frequencies as such a polynomial: by Taylor's theorem its last coefficient is one over the whole piece.
+polynomials. A ``Stretch`` is a function between two frequencies as such a polynomial: by Taylor's theorem its last coefficient
+is one over the whole piece.
 
-*Jets.* Over a cell q = m + r x, -1 <= x_i <= 1, a function f of q is the sum of f_a x^a over all a of degree < n, and of as many
-terms of degree n, where f_a is the derivative of order a times r^a/a!, at m for degrees < n, and somewhere in the cell for n
-(Lagrange's rest). A ``Jet`` is the row of the f_a, by rising degree, at a set of numbers or all over a cell; f may be a number, a
-polynomial or a matrix, and sums, products and quotients of jets are those of the functions.
+*Jets.* Over a cell q = m + r x, -1 <= x_i <= 1, a function f of q is the sum of f_a x^a over all a of degree < n, and of as
+many terms of degree n, where f_a is the derivative of order a times r^a/a!, at m for degrees < n, and somewhere in the cell for
+n (Lagrange's rest). A ``Jet`` is the row of the f_a, by rising degree, at a set of numbers or all over a cell; f may be a
+number, a polynomial or a matrix, and sums, products and quotients of jets are those of the functions.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, reduce
-from itertools import accumulate, combinations_with_replacement, count, pairwise, repeat
+from itertools import combinations_with_replacement, count, pairwise
 from math import comb
-from operator import add, mul
+from operator import add
 from typing import Any, NamedTuple, TypeAlias
 
 import flint
@@ -73,21 +73,19 @@ Series: TypeAlias = Callable[[Ball, int, int], Sequence[Ball]]
 """Balls around the Taylor coefficients of a function, of orders from one to before another, about every point of a ball."""
 
 _ORDER = 8  # of the polynomial
-_CUT = fmpq(127, 256)  # of a piece, where it is cut: a little off the middle, where zeros like to be
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Stretch:
     """A function between ``low`` and ``high``: at each x in there it, and its slopes, are those of one of the polynomials.
 
-    Taylor's theorem: the last coefficient is one of those over the whole piece; which one may change with x. ``column``: the
-    coefficients between the exact numbers ``ends``, which enclose low and high; ``row``: the same in a list.
+    Taylor's theorem: the last coefficient is one of those over the whole piece; which one may change with x. ``row``: the
+    coefficients between the exact numbers ``ends``, which enclose low and high.
     """
 
     low: Ball
     high: Ball
     ends: tuple[Ball, Ball]
-    column: arb_mat
     row: Sequence[Ball]
 
     @classmethod
@@ -99,11 +97,7 @@ class Stretch:
             reach = (high - middle).max(middle - low).upper()
         ends = middle - reach, middle + reach
         row = [*series(middle, 0, _ORDER), *series(ends[0].union(ends[1]), _ORDER, _ORDER + 1)]
-        return cls._with(low, high, ends, bernstein_coefficients(row, reach))
-
-    @classmethod
-    def _with(cls, low: Ball, high: Ball, ends: tuple[Ball, Ball], column: arb_mat) -> Stretch:
-        return cls(low, high, ends, column, column.entries())
+        return cls(low, high, ends, bernstein_coefficients(row, reach).entries())
 
     def sign(self, order: int = 0) -> int:
         """The sign all over the piece, or that of the slope or the curvature; 0 where it does not show."""
@@ -128,87 +122,8 @@ class Stretch:
             found = found + steepest * beyond / (self.ends[1] - self.ends[0]) * _EITHER
         return int(found > 0) - int(found < 0)
 
-    def nearer(self) -> tuple[Ball, Ball]:
-        """Two exact numbers around the one zero of a monotone piece, near it where the balls are small; neither is a zero.
 
-        The zero is m - f(m)/f'(xi) for every m between the ends, by the mean value theorem; floats find an m near it.
-        """
-        first, last = self.ends
-        slopes = (x.abs_lower() for x in self._differences(1))  # no ball around all of them: it may hold 0
-        least = reduce(arb.min, slopes) * (len(self.row) - 1) / (last - first)
-        t = _crossed([float(x.mid()) for x in self.row])
-        with flint.ctx.workprec(60):
-            place = (first + (last - first) * t).mid()
-        share = (place - first) / (last - first)
-        weights = map(mul, _powers(share), reversed(_powers(1 - share)))
-        value = reduce(add, (x * w * n for x, w, n in zip(self.row, weights, _CHOICES, strict=True)))
-        reach = abs(value / least).upper() * 2 + (last - first) * _LEAST
-        with flint.ctx.workprec(60):
-            low, high = (place - reach).lower(), (place + reach).upper()
-        if not (low.is_finite() and high.is_finite()):
-            return self.low, self.high  # beyond floats
-        return self.low.max(low), self.high.min(high)
-
-    @property
-    def is_sharp(self) -> bool:
-        """Whether its parts may tell more: whether the balls are small beside what the function does."""
-        middles = [x.mid() for x in self.row]
-        return bool(max(x.rad() for x in self.row) * _BLUR < max(middles) - min(middles))
-
-    def cut(self) -> tuple[Stretch, Stretch] | None:
-        """Its two parts, the function not zero where they meet; None where that does not show."""
-        low, high = self.ends
-        place = low + (high - low) * arb(_CUT)
-        left, right = _cuts(_ORDER)
-        first = left * self.column
-        end = first[_ORDER, 0]
-        if not (end > 0 or end < 0) or not place.is_exact() or not self.low < place < self.high:
-            return None
-        below = Stretch._with(self.low, place, (low, place), first)
-        return below, Stretch._with(place, self.high, (place, high), right * self.column)
-
-
-def _crossed(row: list[float]) -> float:
-    """About where between 0 and 1 a monotone polynomial with those Bernstein coefficients is 0: by false position."""
-    a, b = (0.0, row[0]), (1.0, row[-1])
-    t = 0.5
-    for _ in range(_STEPS):
-        t = (a[0] * b[1] - b[0] * a[1]) / (b[1] - a[1]) if b[1] != a[1] else 0.5
-        values = row
-        while len(values) > 1:
-            values = [x + t * (y - x) for x, y in pairwise(values)]
-        if values[0] * a[1] > 0:
-            a, b = (t, values[0]), (b[0], b[1] / 2)  # the Illinois way
-        else:
-            a, b = (a[0], a[1] / 2), (t, values[0])
-    return min(max(t, 1 / 1024), 1 - 1 / 1024)
-
-
-def _powers(x: Ball) -> list[Ball]:
-    return list(accumulate(repeat(x, _ORDER), mul, initial=arb(1)))
-
-
-_STEPS, _LEAST = 6, arb(2) ** -40
-_CHOICES = [comb(_ORDER, n) for n in range(_ORDER + 1)]
-_BLUR = 8
 _EITHER = arb(0, 1)
-
-
-@lru_cache(maxsize=8)
-def _cuts(degree: int) -> tuple[arb_mat, arb_mat]:
-    """From the coefficients on a piece to those on what is below and above its cut: de Casteljau's corners, exact."""
-    with flint.ctx.workprec(8 * degree + 64):
-        left = [[_weight_at_cut(j, i) if i <= j else arb(0) for i in range(degree + 1)] for j in range(degree + 1)]
-        right = [
-            [_weight_at_cut(degree - j, i - j) if i >= j else arb(0) for i in range(degree + 1)]
-            for j in range(degree + 1)
-        ]
-        return arb_mat(left), arb_mat(right)
-
-
-def _weight_at_cut(degree: int, i: int) -> Ball:
-    """The Bernstein polynomial at the cut, a dyadic number."""
-    return arb(comb(degree, i) * _CUT**i * (1 - _CUT) ** (degree - i))
 
 
 Value: TypeAlias = Any

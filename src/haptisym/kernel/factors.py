@@ -2,7 +2,8 @@
 
 A ``PolynomialFactor`` in omega^2 (or omega) has coefficients in Z[pi]; Descartes' rule isolates its roots. A ``LevelFactor`` is
 where a rational function meets an algebraic number that is not rational: a zero of the norm, told from its conjugates. An
-``AnalyticFactor`` holds sines, cosines or powers of omega: its zeros are found by subdivision, as it has all Taylor coefficients.
+``AnalyticFactor`` holds sines, cosines or powers of omega: its zeros are found by subdivision, as it has all Taylor
+coefficients.
 """
 
 from __future__ import annotations
