@@ -14,7 +14,7 @@ from typing import Any
 from timing import machine, medians
 
 import haptisym as hs
-from haptisym.kernel.caches import forget
+from haptisym.kernel.budget import forget
 from haptisym_check import check
 
 SCENES = Path(hs.__file__).parent / "scenes"

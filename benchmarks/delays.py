@@ -18,7 +18,7 @@ from timing import machine, medians, table
 
 import haptisym as hs
 from haptisym.judge.crossings import Criterion, Curve, find_crossings, noticed
-from haptisym.kernel.caches import forget
+from haptisym.kernel.budget import forget
 from haptisym.kernel.roots import chart
 from haptisym.model.distortion import part_of
 

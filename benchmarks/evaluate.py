@@ -21,7 +21,7 @@ from timing import least, machine, table
 
 import haptisym as hs
 from haptisym.judge.crossings import Curve, find_crossings, noticed
-from haptisym.kernel.caches import forget
+from haptisym.kernel.budget import forget
 from haptisym.kernel.roots import chart
 from haptisym.model.distortion import part_of
 

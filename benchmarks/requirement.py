@@ -14,7 +14,7 @@ from timing import machine, medians
 
 import haptisym as hs
 from haptisym.judge.crossings import noticed
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
 from haptisym.verbs.require.freeparameter import conditions
 
 FILTERS = (("80", "0.5"), ("800", "0.5"), ("1200", "0.5"))

@@ -15,7 +15,7 @@ from timing import machine, medians, table
 
 import haptisym as hs
 from haptisym.judge.colgate import sampled_passivity
-from haptisym.kernel.caches import forget
+from haptisym.kernel.budget import forget
 from haptisym.verbs.stability.held import held
 
 FREE, GRIP = hs.Hand("let go"), hs.Hand("grip", b=8, k=400)

@@ -11,7 +11,7 @@ import numpy as np
 from timing import machine, medians, table
 
 import haptisym as hs
-from haptisym.kernel.caches import forget
+from haptisym.kernel.budget import forget
 from haptisym.model.scenefile import load_scene
 from haptisym.verbs.stability.held import held, roots_in_hand
 

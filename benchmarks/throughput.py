@@ -21,7 +21,7 @@ from sympy import lambdify
 from timing import machine, medians
 
 import haptisym as hs
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
 
 RATIOS = ("ratio_real", "ratio_imag")
 BYTES = 24

@@ -179,7 +179,8 @@ print(hs.mathml(d.environment))
 # haptisym:
 
 # %%
-from haptisym.writing.code.entry import Language, scene_code
+from haptisym.writing.code.entry import scene_code
+from haptisym.writing.code.languages import Language
 
 code = scene_code(paper, Language.C, parameters=["omega_n"])
 assert "void distortion(double omega, double omega_n, distortion_values *values)" in code

@@ -13,8 +13,8 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.percepts import Change, Percept, Property
 from haptisym.kernel.errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.rings import omega, s, symbols
 from haptisym.kernel.roots import Interval, Point
-from haptisym.kernel.symbols import omega, s, symbols
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Part, Threshold
@@ -30,10 +30,10 @@ _ON_DEMAND = {
     "Cost": "verbs.cost.entry",
     "Derivation": "verbs.derive.derivation",
     "DesignMap": "verbs.require.designmap",
-    "EncoderQuantisation": "verbs.simulate.results",
+    "EncoderQuantisation": "verbs.simulate.entry",
     "FamilyEvaluation": "verbs.family.entry",
-    "ForceSaturation": "verbs.simulate.results",
-    "Hand": "model.hand",
+    "ForceSaturation": "verbs.simulate.entry",
+    "Hand": "model.catalogue",
     "HardCosts": "verbs.cost.hardcosts",
     "Identification": "verbs.identify.entry",
     "Language": "writing.code.entry",
@@ -44,14 +44,14 @@ _ON_DEMAND = {
     "Peaks": "judge.peaks",
     "Psychometric": "verbs.jnd.entry",
     "Release": "verbs.simulate.release",
-    "Published": "model.published",
+    "Published": "model.jnd",
     "PublishedThresholds": "verbs.jnd.entry",
     "Relevance": "verbs.effects.relevance",
     "Requirement": "verbs.require.required",
-    "SceneFamily": "model.family",
+    "SceneFamily": "model.scenefile",
     "Stability": "verbs.stability.entry",
     "Sensitivities": "verbs.sensitivity.entry",
-    "Simulation": "verbs.simulate.results",
+    "Simulation": "verbs.simulate.entry",
     "Tolerances": "verbs.tolerances.proofs",
     "Verification": "verbs.derive.verify",
     "check": "verbs.simulate.entry",
@@ -63,7 +63,7 @@ _ON_DEMAND = {
     "estimated": "model.estimating",
     "evaluate_all": "verbs.family.entry",
     "family_names": "model.scenefile",
-    "hands": "model.hand",
+    "hands": "model.catalogue",
     "hard_costs": "verbs.cost.hardcosts",
     "identify": "verbs.identify.entry",
     "interop": "",

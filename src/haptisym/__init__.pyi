@@ -5,20 +5,25 @@ from haptisym.judge.peaks import Peak, Peaks, peaks
 from haptisym.judge.percepts import Change, Percept, Property
 from haptisym.kernel.errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.rings import omega, s, symbols
 from haptisym.kernel.roots import Interval, Point
-from haptisym.kernel.symbols import omega, s, symbols
-from haptisym.model.catalogue import Effect, Environment
+from haptisym.model.catalogue import Effect, Environment, Hand, hands
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.estimating import estimated
-from haptisym.model.family import SceneFamily
-from haptisym.model.hand import Hand, hands
-from haptisym.model.jnd import Part, Threshold
+from haptisym.model.jnd import Part, Published, Threshold
 from haptisym.model.measured import Measurement
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.measuring import measured, sampled
-from haptisym.model.published import Published
 from haptisym.model.scene import Scene
-from haptisym.model.scenefile import family_names, load_scene, load_scenes, parse_scene, parse_scenes, scene_names
+from haptisym.model.scenefile import (
+    SceneFamily,
+    family_names,
+    load_scene,
+    load_scenes,
+    parse_scene,
+    parse_scenes,
+    scene_names,
+)
 from haptisym.pages.latex import latex
 from haptisym.programs.accuracy import Accuracy
 from haptisym.verbs.cost.entry import Cost, cost
@@ -34,13 +39,11 @@ from haptisym.verbs.measured.entry import MeasuredEvaluation
 from haptisym.verbs.metrics.entry import metrics
 from haptisym.verbs.metrics.metric import Metrics
 from haptisym.verbs.require.designmap import DesignMap, design_map
-from haptisym.verbs.require.required import require
-from haptisym.verbs.require.required import Requirement
+from haptisym.verbs.require.required import Requirement, require
 from haptisym.verbs.sensitivity.entry import Sensitivities, sensitivity
-from haptisym.verbs.simulate.entry import check, simulate
+from haptisym.verbs.simulate.entry import EncoderQuantisation, ForceSaturation, Simulation, check, simulate
 from haptisym.verbs.simulate.motions import chirp, multisine, recording, sine
 from haptisym.verbs.simulate.release import Release, release
-from haptisym.verbs.simulate.results import EncoderQuantisation, ForceSaturation, Simulation
 from haptisym.verbs.stability.entry import Stability, stability
 from haptisym.verbs.sweep.entry import sweep
 from haptisym.verbs.tolerances.proofs import Tolerances, tolerances

@@ -14,7 +14,7 @@ from math import comb, factorial
 from sympy import Add, Expr, I, Rational, cosh, exp, pi, sinh
 
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.model.catalogue import Matrix, effect
 from haptisym.model.parameters import (
     Amplitude,

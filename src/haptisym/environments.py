@@ -10,7 +10,7 @@ from __future__ import annotations
 from sympy import Expr
 
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.model.catalogue import environment
 from haptisym.model.parameters import (
     Damping,

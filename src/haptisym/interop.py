@@ -22,8 +22,7 @@ from haptisym import effects, environments
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.rings import PolynomialRing, RationalFunction, degree_in
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import PolynomialRing, RationalFunction, degree_in, s
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.measured import Measurement
 from haptisym.model.quantities import Dimension, decimal, in_laplace, quantity
@@ -192,14 +191,10 @@ def _continuous(dt: Any) -> None:
 
 
 def _quotient(above: Iterable[Any], below: Iterable[Any]) -> Expr:
-    top, bottom = (_polynomial([_number(x) for x in coefficients]) for coefficients in (above, below))
+    top, bottom = (Add(*(_number(x) * s**n for n, x in enumerate(reversed([*row])))) for row in (above, below))
     if bottom == 0:
         raise SceneError("the denominator is zero")
     return top / bottom
-
-
-def _polynomial(coefficients: Sequence[Expr]) -> Expr:
-    return Add(*(x * s**n for n, x in enumerate(reversed(coefficients))))
 
 
 def _from_roots(roots: Any) -> Expr:
@@ -215,13 +210,8 @@ def _state_space(A: Any, B: Any, C: Any, D: Any) -> Expr:
     a, b, c, d = (Matrix(np.atleast_2d(np.array(x)).shape[0], np.atleast_2d(np.array(x)).shape[1],
                   [_number(entry) for entry in np.array(x).ravel()]) for x in (A, B, C, D))  # fmt: skip
     _one_channel(b.shape[1], c.shape[0])
-    below, above = (_determinant(m) for m in (a, a - b * c))
+    below, above = (m.charpoly(s).as_expr() for m in (a, a - b * c))
     return d[0, 0] + (above - below).expand() / below
-
-
-def _determinant(matrix: Matrix) -> Expr:
-    """det(sI - matrix)."""
-    return matrix.charpoly(s).as_expr()
 
 
 def _number(given: Any) -> Expr:

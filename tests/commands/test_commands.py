@@ -25,7 +25,7 @@ from pagereader import Page
 import haptisym as hs
 from haptisym.cli import VERBS
 from haptisym.kernel.budget import timed_by
-from haptisym.kernel.copies import packed, unpacked
+from haptisym.kernel.objects import packed, unpacked
 from haptisym.verbs.jnd.tables import Answers, Row
 from haptisym.writing.schemas import json_schema, schema_names
 

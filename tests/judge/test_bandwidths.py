@@ -30,9 +30,8 @@ import haptisym as hs
 from haptisym.effects import delay, first_order_lag, series, shunt
 from haptisym.environments import mass_spring_damper
 from haptisym.judge.peaks import greatest, largest, tops
-from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.response import RealFunction, on_axis
-from haptisym.kernel.symbols import omega as w
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
+from haptisym.kernel.rings import omega as w
 
 PAPER = hs.load_scene("fu2019")
 FU = PAPER.with_band(0, 1000)

@@ -17,12 +17,11 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.colgate import SampledPassivity, sampled_passivity
 from haptisym.judge.passivity import Beyond, has_no_pole_right, passivity, poles_allow, takes_energy
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import Ring, on_axis
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.response import on_axis
+from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain
-from haptisym.kernel.symbols import s
 from haptisym.verbs.stability.held import held
 
 ACTIVE_ABOVE_THE_BAND = {

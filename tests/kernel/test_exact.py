@@ -14,7 +14,7 @@ from typing import Any
 import flint
 import mpmath
 import pytest
-from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx
+from flint import arb, fmpq
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from marks import examples
@@ -47,9 +47,7 @@ from sympy import (
 import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import kelvin_voigt, mass_spring_damper
-from haptisym.kernel.alike import ALIKE_BITS, ascending, each_once, ordered
-from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.factoring import discriminant, resultant
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.pulse import Exponentials
 from haptisym.kernel.reals import (
     ExactNumber,
@@ -66,10 +64,8 @@ from haptisym.kernel.reals import (
     rounded,
     short,
 )
-from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
-from haptisym.kernel.rings import Polynomial, PolynomialRing, degree_in, irreducible
-from haptisym.kernel.roots import chart, sign_of_number
-from haptisym.kernel.symbols import omega, s
+from haptisym.kernel.rings import Polynomial, PolynomialRing, degree_in, omega, s
+from haptisym.kernel.roots import ALIKE_BITS, ascending, chart, each_once, ordered, sign_of_number
 from haptisym.kernel.turns import is_zero as is_zero_turn
 from haptisym.kernel.turns import vanishes
 
@@ -609,21 +605,6 @@ def test_rational_functions_are_added_multiplied_and_reduced_as_sympy_does(seed:
     assert sorted(Poly(RING.expression(h), s).degree() for h, _ in RING.factors(own, in_square=False)[1]) == [2, 2, 2]
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_what_is_quickly_called_irreducible_is_no_product(seed: int) -> None:
-    """Also none with a factor that is free of the variable that is looked at first."""
-    draw, context = random.Random(seed), fmpq_mpoly_ctx.get(("x0", "x1"), Ordering.lex)
-    x, y = context.gens()
-
-    def some(a: Any, b: Any) -> Any:
-        return a ** draw.randint(1, 2) + draw.randint(-2, 2) * b + draw.choice([1, 3, 5])
-
-    first, second = draw.choice([(y + 3, x**2 + 1), (x + 2, y**3 + x + 1), (some(x, y), some(y, x))])
-    assert irreducible(first * second, [0, 1]) is None
-    own = x**2 + y + draw.randint(1, 9)
-    assert irreducible(own * fmpq(2, 3), [0, 1]) == (fmpq(2, 3), [(own, 1)])
-
-
 w = Symbol("w", positive=True)
 
 monomials = st.tuples(st.integers(0, 3), st.integers(0, 2), st.integers(0, 2), st.integers(-9, 9).filter(bool))
@@ -636,7 +617,6 @@ polynomials = st.lists(monomials, min_size=1, max_size=4).map(
 @examples(15)
 @given(polynomials, polynomials, st.integers(1, 2))
 def test_factors_are_those_of_sympy(f: Expr, g: Expr, power: int) -> None:
-    """The quick proof that a polynomial is irreducible must never call one so that is not, nor change a factor."""
     product = (f * g**power).expand()
     if not product:
         return
@@ -654,31 +634,6 @@ def _up_to_sign(x: Expr) -> frozenset[Expr]:
 
 
 context = flint.fmpq_mpoly_ctx.get(("x", "a", "b", "c"), flint.Ordering.lex)
-
-
-@st.composite
-def in_three_variables(draw: st.DrawFn, least: int, most: int) -> Any:
-    """Of a degree in x from least to most, with whole numbers of up to 60 bits."""
-    degree = draw(st.integers(least, most))
-    key = st.tuples(st.integers(0, degree), st.integers(0, 3), st.just(0), st.integers(0, 2))
-    terms = draw(st.dictionaries(key, st.integers(-(2**60), 2**60).filter(bool), min_size=1, max_size=14))
-    lead = draw(st.tuples(st.just(degree), st.integers(0, 2), st.just(0), st.integers(0, 1)))
-    return context.from_dict({**{e: fmpq(c) for e, c in terms.items()}, lead: fmpq(draw(st.integers(1, 9)))})
-
-
-@examples(20)
-@given(in_three_variables(2, 6), in_three_variables(1, 5))
-def test_discriminants_and_resultants_by_values_are_those_of_polynomial_arithmetic(f: Any, g: Any) -> None:
-    assert discriminant(f, 0) == f.discriminant("x")
-    assert resultant(f, g, 0) == f.resultant(g, "x")
-
-
-@pytest.mark.slow
-def test_a_leading_coefficient_that_vanishes_on_the_first_grid_moves_it() -> None:
-    x, a, _, c = context.gens()
-    f = (a - 1) * (c - 2) * x**6 + (a + c**2) * x**5 + 7 * x**2 - a * c
-    assert discriminant(f, 0) == f.discriminant("x")
-    assert discriminant(f**2, 0).is_zero()
 
 
 @pytest.mark.few(2)

@@ -23,8 +23,8 @@ from haptisym.effects import compliance, second_order_lowpass, series, zero_orde
 from haptisym.environments import kelvin_voigt, mass_spring_damper
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain, Roots, count_roots, floor_of, is_stable, least_on_torus
-from haptisym.kernel.symbols import s
 
 E = exp(-s)
 LATE = exp(-pi * s)

@@ -19,8 +19,8 @@ from marks import examples
 from scipy.linalg import expm
 from sympy import Expr, Integer, Rational, Symbol, pi
 
+from haptisym.kernel.enclosures import Line
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.jets import Line
 from haptisym.kernel.nearone import about_axis, about_one, at_one, circle_tests, has_no_pair, hurwitz, in_v, is_clear
 from haptisym.kernel.pulse import Circle, Plant, SampledLoop, States, count_on_circle, opposite_response
 

@@ -25,10 +25,9 @@ from sympy.physics.control import Feedback, Parallel, Series, StateSpace, Transf
 
 import haptisym as hs
 from haptisym import effects, environments, interop
-from haptisym.kernel.symbols import X
-from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS
+from haptisym.kernel.rings import X
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, METHODS
 from haptisym.model.distortion import distort
-from haptisym.model.sampled import METHODS
 from haptisym.model.scenefile import parse_scenes
 
 s = hs.s

@@ -19,9 +19,8 @@ from sympy import I, Integer, Rational, pi, sqrt
 
 import haptisym as hs
 from haptisym.cli import app
-from haptisym.kernel.symbols import omega
-from haptisym.model.jnd import Part, positive, read_threshold
-from haptisym.model.published import DIGITS, Conversion
+from haptisym.kernel.rings import omega
+from haptisym.model.jnd import DIGITS, Conversion, Part, positive, read_threshold
 
 PAPER = hs.load_scene("fu2019")
 FRACTIONS = st.fractions(-50, 50, max_denominator=20)

@@ -20,10 +20,9 @@ from sympy import Eq, Expr, I, Rational, Symbol, nan, oo, pi, sqrt, true, zoo
 
 import haptisym as hs
 from haptisym.environments import expression
-from haptisym.kernel.symbols import s as symbol
-from haptisym.model.expressions import evaluate
+from haptisym.kernel.rings import s as symbol
 from haptisym.model.parameters import Rule, ranged, spread
-from haptisym.model.quantities import Dimension, MotionKind, decimal, quantity, read_unit, si_unit
+from haptisym.model.quantities import Dimension, MotionKind, decimal, evaluate, quantity, read_unit, si_unit
 
 K = Dimension.STIFFNESS
 FRACTIONS = st.fractions(-50, 50, max_denominator=20)

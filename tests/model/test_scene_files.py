@@ -23,15 +23,12 @@ from sympy import Expr, Integer, Rational, Symbol, diff, pi, sqrt
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.kernel.errors import HaptisymError
-from haptisym.model.caveats import caveats, clocks, sampled_loop
-from haptisym.model.family import SceneFamily, named
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.jnd import Threshold
-from haptisym.model.knobs import Knob
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.quantities import MotionKind
-from haptisym.model.scene import Scene, with_names
-from haptisym.model.scenefile import MOST_EFFECTS, chosen, open_scenes, parse_scenes
+from haptisym.model.scene import Knob, Scene, caveats, clocks, sampled_loop, with_names
+from haptisym.model.scenefile import MOST_EFFECTS, SceneFamily, chosen, named, open_scenes, parse_scenes
 from haptisym.verbs.sweep.axes import axes, spaced
 
 Call = Callable[..., tuple[int, str, str]]

@@ -10,7 +10,7 @@ from sympy import Expr, I, Rational, Symbol, exp
 from sympy.physics.control import TransferFunction
 
 import haptisym as hs
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
 
 s, w = Symbol("s"), Symbol("w", positive=True)
 SPRING = hs.environments.mass_spring_damper(k=100)

@@ -15,7 +15,7 @@ import pytest
 from sympy import Expr, Symbol, lambdify, sympify
 
 import haptisym as hs
-from haptisym.kernel.symbols import X, omega, s
+from haptisym.kernel.rings import X, omega, s
 from haptisym.pages.closedforms import ClosedForms
 from haptisym.pages.derivation import derivation
 from haptisym.pages.scene import SceneForms

@@ -22,7 +22,7 @@ from sympy import lambdify
 
 import haptisym as hs
 from haptisym.judge.answers import Answer
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.model.parameters import Rule
 from haptisym.pages import report
 from haptisym.writing.html import Html, element, script

@@ -25,9 +25,8 @@ from mpmath import mp
 from sympy import Expr, Float, I, Rational, Symbol, cos, exp, pi, sin, sinc, symbols
 
 import haptisym as hs
-from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.symbols import omega, s
+from haptisym.kernel.dynamics import RealFunction, Ring
+from haptisym.kernel.rings import omega, s
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion

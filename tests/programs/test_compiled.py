@@ -32,10 +32,9 @@ from haptisym.effects import (
     zero_order_hold,
 )
 from haptisym.environments import expression, kelvin_voigt, mass_spring_damper, spring_pot, zener
-from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.response import RealFunction, on_axis
-from haptisym.kernel.symbols import omega as axis_omega
-from haptisym.kernel.symbols import s
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
+from haptisym.kernel.rings import omega as axis_omega
+from haptisym.kernel.rings import s
 from haptisym.model.distortion import Distortion
 from haptisym.programs import floats as sinc_in_floats
 from haptisym.programs.balls import PointValue

@@ -19,7 +19,7 @@ from sympy import Expr, Integer, Rational, Symbol, cos, diff, exp, lambdify, pi,
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.program import Writer
 from haptisym.programs.taylormodels import Model, Modelled, between, constant, floated, valued, variable

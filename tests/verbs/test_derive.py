@@ -26,10 +26,11 @@ from sympy import Float, I, Rational, Symbol, cosh, count_ops, exp, lambdify, oo
 
 import haptisym as hs
 from haptisym.commands.options import spelt
-from haptisym.kernel.lattices import Lattice, Piece
-from haptisym.kernel.symbols import X, omega, s
-from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Slot, effect
+from haptisym.kernel.rings import X, omega, s
+from haptisym.kernel.roots import Lattice, Piece
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, effect
 from haptisym.model.jnd import Part, read_threshold
+from haptisym.model.parameters import Slot
 from haptisym.model.quantities import Dimension
 from haptisym.verbs.derive.derivation import QUANTITIES, bare, expansion, groups, listed_name
 from haptisym.writing.plain import plain

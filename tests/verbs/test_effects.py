@@ -19,7 +19,7 @@ from sympy import Expr, Rational, exp, lambdify, pi
 import haptisym as hs
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.programs.links import series_arithmetic
 from haptisym.verbs.effects.differences import WIDTH, BallChain, BandPiece, Difference, Kept
 from haptisym.verbs.effects.relevance import CrossingEnclosure, Relevance

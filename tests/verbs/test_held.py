@@ -17,8 +17,8 @@ from windings import winding
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain
-from haptisym.kernel.symbols import s
 from haptisym.verbs.stability.held import Share, held, imposed, whole_box, zeros_of
 
 E, F = hs.environments, hs.effects
@@ -483,7 +483,7 @@ def test_hands_have_knobs_that_change_nothing_of_what_is_felt() -> None:
     text = '[[hands]]\nname = "weak"\nb = ["1 N*s/m", "2 N*s/m"]\n[[hands]]\nname = "strong"\nb = 9\n'
     scene = hs.parse_scene(LATE.format(k=100) + text)
     assert [x.path for x in scene.parameters] == ["environment.k", "effects.delay.tau"]
-    assert scene.nominal_note == ""
+    assert scene.nominal_but() == ""
     assert scene.knobs["hands.weak.b"].interval == (1, 2)
     assert [x.m.value for x in scene.with_values({"hands.strong.m": "2 kg"}).hands] == [0, 2]
     one = hs.parse_scene(LATE.format(k=100) + "[hand]\nm = 1\n")

@@ -23,14 +23,25 @@ from scipy.stats import f as f_distribution
 from scipy.stats import norm
 
 import haptisym as hs
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.jnd import read_threshold
 from haptisym.model.parameters import Rule
 from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.model.scenefile import read_scenes
-from haptisym.verbs.identify.entry import Estimate, estimates, even, opened, rounded, verdict
+from haptisym.verbs.identify.entry import (
+    Estimate,
+    band_value,
+    environment_table,
+    estimates,
+    even,
+    exactly,
+    opened,
+    rounded,
+    scene_text,
+    threshold_value,
+    verdict,
+)
 from haptisym.verbs.identify.fitting import Curve, Free, Noise, fit, noise_of, usable, wanted
-from haptisym.verbs.identify.scenetext import band_value, environment_table, exactly, scene_text, threshold_value
 
 Called = Callable[..., tuple[int, str, str]]
 

@@ -27,8 +27,7 @@ from scipy.stats import chi2
 import haptisym as hs
 from haptisym.cli import app
 from haptisym.programs.values import Array
-from haptisym.verbs.jnd.entry import Psychometric
-from haptisym.verbs.jnd.fitting import Asked, Curve, Deviance, Estimate, Fit, Likelihood
+from haptisym.verbs.jnd.entry import Asked, Curve, Deviance, Estimate, Fit, Likelihood, Psychometric
 from haptisym.verbs.jnd.tables import TOLD, Answers, Row, collected, find_columns, read_answers
 
 LEVELS, COUNTS, TRIALS = (4.4, 4.7, 5.0, 5.3, 5.6, 5.9), (5, 11, 19, 26, 33, 37), 40

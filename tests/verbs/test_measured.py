@@ -20,7 +20,7 @@ from scipy.stats import f as f_distribution
 from sympy import Rational
 
 import haptisym as hs
-from haptisym.kernel.symbols import omega as OMEGA  # noqa: N812
+from haptisym.kernel.rings import omega as OMEGA  # noqa: N812
 from haptisym.model.jnd import Part, read_threshold
 from haptisym.model.measured import Slope, averages_for, coherence_for, disc_radius
 from haptisym.verbs.measured.entry import MOST_AVERAGES, MOST_COHERENCE, spread

@@ -18,8 +18,8 @@ from sympy import Expr, Integer, Mul, Rational, exp, pi
 
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain, Roots
-from haptisym.kernel.symbols import s
 from haptisym.verbs.simulate.release import Closed, Mode, Release, modes
 from haptisym.verbs.simulate.rightmost import Characteristic, Rightmost, clocked_root, rightmost_pole, rightmost_root
 from haptisym.verbs.stability.held import Held

@@ -24,8 +24,8 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.figures.require import draw_requirement
 from haptisym.kernel.budget import timed_by
-from haptisym.model.knobs import THRESHOLD
 from haptisym.model.parameters import values
+from haptisym.model.scene import THRESHOLD
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.required import is_quick
 

@@ -19,12 +19,11 @@ from sympy import Expr, Integer, Poly, Rational, discriminant, exp, lambdify, pi
 
 import haptisym as hs
 from haptisym.judge.crossings import noticed
-from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.lattices import Lattice
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, SquareRoot
-from haptisym.kernel.response import RealFunction, on_axis
-from haptisym.kernel.symbols import omega as w
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import omega as w
+from haptisym.kernel.rings import s
+from haptisym.kernel.roots import Lattice
 from haptisym.verbs.require.feasible import Binding, Domain, End, Kind, Question, Solved, Span, Turn, runs, together
 from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import allowed, critical, edge_polynomial, missing, touch_polynomial

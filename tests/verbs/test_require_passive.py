@@ -15,7 +15,7 @@ import haptisym as hs
 from haptisym.kernel.budget import timed_by
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.verbs.require.energy import Energy
 from haptisym.verbs.require.freeparameter import ExactSign, is_between, keeps_sign, zeros_of
 

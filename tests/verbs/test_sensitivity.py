@@ -18,9 +18,8 @@ from sympy import Expr, Integer, Rational, Symbol
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.kernel.reals import ExactNumber, SquareRoot
-from haptisym.kernel.rings import PolynomialRing
+from haptisym.kernel.rings import PolynomialRing, omega
 from haptisym.kernel.solutions import Equation
-from haptisym.kernel.symbols import omega
 from haptisym.model.quantities import dimension_exponents
 from haptisym.verbs.sensitivity.entry import FLAT, TOUCH, Meeting, Sensitive, Slope
 

@@ -17,8 +17,8 @@ from windings import late_mass, winding
 import haptisym as hs
 from haptisym.judge.passivity import takes_energy
 from haptisym.kernel.budget import limited, timed_by
+from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain
-from haptisym.kernel.symbols import s
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.stability.critical import Critical, Nearest, critical
 from haptisym.verbs.stability.held import held, roots_in_hand

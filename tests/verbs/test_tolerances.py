@@ -79,7 +79,7 @@ def test_what_cannot_vary_has_no_range(text: str, words: str) -> None:
 def test_other_verbs_take_the_nominal_values() -> None:
     plain, ranges = hs.evaluate("fu2019"), hs.evaluate("fu2019-tolerances")
     assert [x.omega.digits(40) for x in plain.crossings] == [x.omega.digits(40) for x in ranges.crossings]
-    assert hs.load_scene("fu2019-tolerances").with_values({"m": 2}).nominal_note.startswith("b, k,")
+    assert hs.load_scene("fu2019-tolerances").with_values({"m": 2}).nominal_but().startswith("b, k,")
 
 
 # --- the box ----------------------------------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ from sympy import Rational, Symbol
 
 import haptisym as hs
 from haptisym.kernel.budget import timed_by
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.verbs.stability.clocked import OnCircle
 from haptisym.verbs.stability.held import held
 from haptisym.verbs.tolerances.heldbox import ClockPlane, HeldInBox, held_in_box, quotient

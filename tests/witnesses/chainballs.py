@@ -14,7 +14,7 @@ import numpy as np
 from flint import acb, arb, fmpq
 from sympy import Add, Expr, I, Integer, Mul, Pow, Rational, Symbol, cosh, exp, pi, sinh
 
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.model.chain import Chain
 
 BITS = 1000

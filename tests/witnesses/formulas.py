@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from sympy import Abs, Expr, Function, I, Integer, Pow, Rational, Symbol, pi
 
 import haptisym as hs
-from haptisym.kernel.rings import PolynomialRing
-from haptisym.kernel.symbols import omega, s
+from haptisym.kernel.rings import PolynomialRing, omega, s
 from haptisym.pages.closedforms import ClosedForms
 
 m, b, k, omega_n, zeta, omega_c, tau, J_w = hs.symbols("m b k omega_n zeta omega_c tau J_w")

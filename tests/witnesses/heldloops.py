@@ -11,7 +11,7 @@ from sympy import lambdify
 from windings import Function, winding
 
 import haptisym as hs
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 
 E, F = hs.environments, hs.effects
 

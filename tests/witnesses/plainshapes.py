@@ -8,9 +8,8 @@ from typing import Any
 from flint import arb
 from sympy import Expr, Rational, Symbol
 
-from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.response import RealFunction, on_axis
-from haptisym.kernel.symbols import s
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
+from haptisym.kernel.rings import s
 from haptisym.verbs.require.places import Shape, Strip, Strips
 
 q = Symbol("q", positive=True)

@@ -14,7 +14,7 @@ import pytest
 from blocks import figure
 from sympy import Add, Symbol
 
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.writing.boxes import Fenced, Name, Numeral, Product, Sum
 from haptisym.writing.document import (
     Block,

@@ -19,7 +19,7 @@ from texreader import equations, value
 
 from haptisym import Scene, Threshold, effects, environments, evaluate, load_scene, scene_names, symbols
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.symbols import X, omega, s
+from haptisym.kernel.rings import X, omega, s
 from haptisym.model.distortion import Distortion, distort
 from haptisym.pages.latex import latex
 from haptisym.writing.latex import broken, escape, symbol_name

@@ -42,8 +42,7 @@ from sympy import (
 
 import haptisym as hs
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.rings import PolynomialRing
-from haptisym.kernel.symbols import X, omega, s
+from haptisym.kernel.rings import PolynomialRing, X, omega, s
 from haptisym.pages.words import unlike
 from haptisym.writing.boxes import (
     Numeral,

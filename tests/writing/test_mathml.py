@@ -30,7 +30,7 @@ from sympy import (
 
 import haptisym as hs
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.symbols import X, omega, s
+from haptisym.kernel.rings import X, omega, s
 from haptisym.writing.boxes import Equation
 from haptisym.writing.equations import QUANTITIES, equation
 from haptisym.writing.mathml import markup, mathml

@@ -102,7 +102,8 @@ def derive(
 def _written(d: Derivation, language: str, kept: tuple[str, ...] | None) -> str:
     """In another language; ``kept`` : the parameters that stay arguments of code."""
     if language in _CODE:
-        from haptisym.writing.code.entry import Language, scene_code
+        from haptisym.writing.code.entry import scene_code
+        from haptisym.writing.code.languages import Language
 
         return scene_code(d.scene, Language["NUMPY" if language == "python" else language.upper()], parameters=kept)
     if language == "latex":

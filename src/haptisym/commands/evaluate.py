@@ -26,9 +26,8 @@ from haptisym.commands.options import (
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
-from haptisym.model.family import SceneFamily
 from haptisym.model.measuredscene import MeasuredScene
-from haptisym.model.scenefile import chosen, felt_through, open_scenes
+from haptisym.model.scenefile import SceneFamily, chosen, felt_through, open_scenes
 from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from haptisym.figures.style import threshold_symbol, written
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.regions import Joint, Sided
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
 from haptisym.model.jnd import Part
 from haptisym.programs.floats import floats_of
 from haptisym.programs.values import Array, Values

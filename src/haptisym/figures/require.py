@@ -32,9 +32,9 @@ from haptisym.judge.crossings import Criterion
 from haptisym.kernel.errors import SceneError
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
-from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.quantities import Dimension
+from haptisym.model.scene import Knob
 from haptisym.programs.values import Array, Values
 from haptisym.verbs.require.feasible import Span
 from haptisym.verbs.require.required import Requirement

@@ -10,8 +10,8 @@ from sympy import Expr, Poly, PolynomialError, fraction
 
 from haptisym.judge.crossings import Curve
 from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.rings import s
 from haptisym.kernel.roots import Interval, Point
-from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.programs.values import Array

@@ -25,9 +25,9 @@ from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.propagate import POINTS, finer
+from haptisym.verbs.simulate.entry import Simulation
 from haptisym.verbs.simulate.release import Release
-from haptisym.verbs.simulate.results import Simulation
+from haptisym.verbs.simulate.statespace import POINTS, finer
 
 _IN_TIME, _IN_LOOPS = 3, 1
 """Periods that are shown."""
@@ -172,7 +172,7 @@ def _environment_loop(run: Simulation, part: slice) -> tuple[Array, Array, str]:
     if not run.motion.omegas:
         return run.environment_displacement[part], run.environment_force[part], "environment"
     values = run.scene.distortion().compile()(np.array(run.motion.omegas))
-    phasors = np.array([run.motion.phasor(omega) for omega in run.motion.omegas])  # type: ignore[attr-defined]
+    phasors = np.array([run.motion.phasor(omega) for omega in run.motion.omegas])  # type: ignore[union-attr]
     forces = (values.environment_real + 1j * values.environment_imag) * phasors
     turning = np.exp(1j * np.multiply.outer(run.time[part], np.array(run.motion.omegas)))
     return run.displacement[part], np.asarray((turning @ forces).imag), "environment alone"

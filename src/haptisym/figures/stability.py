@@ -21,10 +21,10 @@ from haptisym.figures import pen
 from haptisym.figures.sheet import one_column
 from haptisym.figures.style import Room, dress, handle, legend, number, rectangles
 from haptisym.kernel.errors import NothingToDrawError, UndecidedError
-from haptisym.model.caveats import clocks
-from haptisym.model.hand import NOBODY, Hand, hands
-from haptisym.model.hand import hands as published
+from haptisym.model.catalogue import NOBODY, Hand, hands
+from haptisym.model.catalogue import hands as published
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
+from haptisym.model.scene import clocks
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.stability.entry import WALL, Stability, has_plane
 from haptisym.verbs.stability.plane import Plane, Window, boundary, plane, wall_plane

@@ -32,9 +32,8 @@ from sympy import Expr, Symbol, pi
 from haptisym.figures import pen
 from haptisym.figures.sampling import ends_of
 from haptisym.judge.crossings import Criterion
-from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.reals import Hertz, RealNumber
 from haptisym.kernel.roots import Interval
-from haptisym.kernel.symbols import Hertz
 from haptisym.model.quantities import MotionKind, unit_text
 from haptisym.programs.values import Array
 from haptisym.writing.latex import formula

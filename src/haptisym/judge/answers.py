@@ -10,9 +10,8 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, ClassVar, Protocol
 
-from haptisym.kernel.copies import made, packed, state, unpacked
 from haptisym.kernel.errors import NothingToDrawError, SceneError
-from haptisym.kernel.shown import Shown
+from haptisym.kernel.objects import Shown, made, packed, state, unpacked
 
 
 class Subject(Protocol):

@@ -26,8 +26,8 @@ from sympy import Expr, Rational, sqrt
 from haptisym.judge.crossings import JOINT, kept, level, noticed
 from haptisym.judge.peaks import Envelope, Largest, Maximum, ValueAt
 from haptisym.judge.regions import Sided, Term, above_one
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, UndecidedError
-from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.reals import (
     Ball,
     ExactNumber,
@@ -37,8 +37,7 @@ from haptisym.kernel.reals import (
     at_rising_precision,
     expression_ball,
 )
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.roots import Chart, Interval, Point, chart
+from haptisym.kernel.roots import Chart, Interval, Lattice, Point, chart
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import ExactRange

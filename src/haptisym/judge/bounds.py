@@ -15,11 +15,10 @@ from sympy import Expr, Integer, sqrt
 
 from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.regions import Polygon
+from haptisym.kernel.dynamics import RealFunction, squared_modulus
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.lattices import Lattice, Signed
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.response import RealFunction, squared_modulus
-from haptisym.kernel.roots import chart
+from haptisym.kernel.roots import Lattice, Signed, chart
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Shape, Threshold

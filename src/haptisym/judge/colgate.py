@@ -19,17 +19,13 @@ from flint import arb
 from sympy import Expr, Integer
 
 from haptisym.judge.peaks import Greatest, Largest, greatest
-from haptisym.kernel.alike import ordered
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
-from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import is_stable
-from haptisym.kernel.roots import chart, sign_of_number
-from haptisym.kernel.symbols import s
-from haptisym.model.catalogue import Effect
-from haptisym.model.hand import Device, device
-from haptisym.model.sampled import BACK, CLOCKS, SAMPLED_LOOP, controller
+from haptisym.kernel.roots import chart, ordered, sign_of_number
+from haptisym.model.catalogue import BACK, CLOCKS, SAMPLED_LOOP, Device, Effect, controller, device
 from haptisym.model.scene import Scene
 
 _FORCE = "the clock samples a force that was made in continuous time from more than the position at that instant"

@@ -15,14 +15,12 @@ from typing import Any, TypeAlias
 from sympy import Expr, Integer
 
 from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon, Region, Sided
-from haptisym.kernel.lattices import Signed
-from haptisym.kernel.polynomials import Level, algebraic
+from haptisym.kernel.dynamics import RealFunction
+from haptisym.kernel.factors import Level, algebraic
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import ExactNumber, RealNumber
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.roots import Chart, Interval, Key, Point
-from haptisym.kernel.shown import Shown
-from haptisym.kernel.symbols import c, omega
+from haptisym.kernel.rings import RationalFunction, c, omega
+from haptisym.kernel.roots import Chart, Interval, Key, Point, Signed
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part, Shape, Threshold, is_irrational_algebraic
 

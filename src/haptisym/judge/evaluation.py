@@ -43,14 +43,13 @@ from haptisym.judge.percepts import (
 )
 from haptisym.judge.regions import Polygon
 from haptisym.kernel.errors import SceneError, UndecidedError
+from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.roots import Chart, Interval, Point, chart
-from haptisym.kernel.shown import Shown, counted, titled
 from haptisym.model.catalogue import Effect
-from haptisym.model.caveats import caveats
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import SQUARE, Part, Region, Shape, Threshold
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Scene, caveats
 from haptisym.model.scenefile import as_scene
 
 

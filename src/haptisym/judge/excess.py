@@ -21,11 +21,10 @@ from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.regions import Diamond, Ellipse, Polygon, Sided
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.symbols import c, omega
+from haptisym.kernel.rings import c, omega
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import Knob
 from haptisym.model.quantities import MotionKind
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 from haptisym.programs.program import Program
 from haptisym.programs.taylormodels import Array, Model, Modelled, floated, valued, variable
 

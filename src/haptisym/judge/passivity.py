@@ -35,20 +35,17 @@ from haptisym.judge.colgate import SampledPassivity, sampled_passivity
 from haptisym.judge.crossings import PASSIVE
 from haptisym.judge.peaks import Greatest, greatest
 from haptisym.kernel.budget import limited
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Far, Sense, far
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.response import RealFunction, Response, on_axis
-from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.rings import Polynomial, RationalFunction, omega, s
 from haptisym.kernel.rootcount import count_roots, is_stable, order_at_0
 from haptisym.kernel.roots import Chart, Interval, chart, sign_of_number
-from haptisym.kernel.symbols import omega, s
 from haptisym.model.catalogue import Effect
-from haptisym.model.caveats import clocks, sampled_loop
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Scene, clocks, sampled_loop
 
 
 def environment_alone(scene: Scene) -> Scene | None:
@@ -129,7 +126,7 @@ def _takes_energy(Z: Expr) -> bool:
 def poles_allow(F: RationalFunction) -> bool | None:
     """Whether the poles of F/s, F in lowest terms, are as those of a positive real function; None where not decided.
 
-    >>> from haptisym.kernel.symbols import s
+    >>> from haptisym.kernel.rings import s
     >>> def of(Z): return poles_allow(Ring.of([s * Z]).convert(s * Z).reduced())
     >>> of(1 / s), of(-1 / s), of(s / (s - 1)), of(s / (s**2 + 1)), of(s**2), of(-s)
     (True, False, False, True, False, False)

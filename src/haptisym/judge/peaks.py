@@ -22,12 +22,12 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, noticed
 from haptisym.judge.regions import Term
 from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.polynomials import PolynomialFactor, Root, the_one
+from haptisym.kernel.factors import PolynomialFactor, Root, the_one
+from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Key, Point, Signs, chart
-from haptisym.kernel.shown import Shown, counted, titled
 from haptisym.kernel.zeros import Zero
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
@@ -289,7 +289,7 @@ def largest(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
     """The largest value of a real function on a closed band, certified; None where it is unbounded.
 
     >>> from haptisym.kernel.dynamics import Ring
-    >>> from haptisym.kernel.symbols import omega
+    >>> from haptisym.kernel.rings import omega
     >>> from sympy import Integer
     >>> largest(RealFunction(Ring().axis.convert(omega / (omega**2 + 4))), Integer(0), Integer(5)).digits(5)
     '0.25000'

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple, TypeAlias
 from sympy import Add, Expr
 
 from haptisym.judge.crossings import NEARER, Criterion, Curve, judged
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.roots import Chart, Interval, Point, Signs, sign_of_number
-from haptisym.kernel.shown import Shown
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 

@@ -13,10 +13,10 @@ from typing import Any, ClassVar, NamedTuple, Self
 
 from sympy import Expr, Integer, S
 
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.lattices import Lattice, Signed
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import RationalFunction
+from haptisym.kernel.roots import Lattice, Signed
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Corner, Part
 

@@ -16,8 +16,7 @@ from flint import fmpq
 from sympy import Expr, Symbol, cos, pi, sin, sinc
 
 from haptisym.kernel.budget import afford
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in, monomials
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in, monomials, omega
 
 ComplexPolynomial: TypeAlias = tuple[Polynomial, Polynomial]
 """Real and imaginary part."""

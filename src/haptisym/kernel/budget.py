@@ -12,12 +12,15 @@ Every loop of that kind runs on ``Waiting``, so that each has a limit in number 
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
+from importlib import import_module
 from math import isfinite
+from threading import Lock
 from time import monotonic
 from typing import Any, Generic, TypeAlias, TypeVar
 
@@ -179,6 +182,45 @@ def share(part: float) -> Iterator[None]:
         return
     with limited(max(part * (budget.deadline - budget.clock()), 1e-9), budget.told, budget.whole or budget.seconds):
         yield
+
+
+class _OneThread:
+    """How many calls want one thread now.
+
+    A BLAS has one number of threads for the whole process, and simulations in two threads of a program overlap in any order: the
+    first notes the user's number, the last gives it back.
+    """
+
+    def __init__(self) -> None:
+        self.lock, self.callers, self.limit = Lock(), 0, ExitStack()
+
+    def __enter__(self) -> None:
+        with self.lock, suppress(ImportError):  # of the extra "simulate", but nothing fails without it
+            self.callers += 1
+            if self.callers == 1:
+                from threadpoolctl import ThreadpoolController
+
+                import_module("scipy.linalg")  # brings a BLAS of its own, which can be limited only once it is there
+                self.limit.enter_context(ThreadpoolController().select(user_api="blas").limit(limits=1))
+
+    def __exit__(self, *_: object) -> None:
+        with self.lock:
+            self.callers -= 1
+            if not self.callers:
+                self.limit.close()
+
+
+ONE_THREAD = _OneThread()
+"""As a context: every BLAS that threadpoolctl knows (OpenBLAS, MKL, BLIS, FlexiBLAS) has one thread. Where matrices are small,
+threads wait for each other, on a busy machine ten and more times what one takes; results do not depend on it."""
+
+
+def forget() -> None:
+    """Empty the caches of the kernel, so that what is timed does all of the work."""
+    for name, module in list(sys.modules.items()):
+        for found in vars(module).values() if name.startswith(f"{__package__}.") else ():
+            if hasattr(found, "cache_clear"):
+                found.cache_clear()
 
 
 C = TypeVar("C")

@@ -1,17 +1,24 @@
-"""Dynamics in ``s``: quotients of polynomials in ``s``, the parameters, delays and powers of ``s``."""
+"""Dynamics in ``s``, and the real functions that they become on ``s = j omega``.
+
+Dynamics are quotients of polynomials in ``s``, the parameters, delays ``exp(-s tau)`` and powers ``s^alpha``. On ``s = j omega``
+even powers of ``s`` are real and odd ones imaginary, so that real part, imaginary part and squared modulus are had by
+polynomial arithmetic alone: no complex numbers, no ``as_real_imag``, no ``simplify``.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from math import inf
+from operator import mul
 
 from sympy import Add, Expr, I, Integer, Rational, Symbol, cosh, exp, gcd, sinh
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
-from haptisym.kernel.symbols import s
+from haptisym.kernel.reals import Ball, expression_ball
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, monomials, omega, s
 
 _MOST_MULTIPLE = 32  # of a common unit delay; beyond it commensurable delays are treated as independent of each other
 
@@ -158,3 +165,234 @@ def _order(power: Expr) -> tuple[int, Expr, int]:
     if not whole.is_Integer or order.has(s):
         raise SceneError(f"{power}: a power of s must be a number or a symbol")
     return int(whole), abs(number) * rest, 1 if number > 0 else -1
+
+
+@dataclass(frozen=True)
+class Response:
+    """A dynamics on ``s = j omega``: real and imaginary part as exact real functions of omega."""
+
+    raw_real: RationalFunction
+    raw_imag: RationalFunction
+
+    @cached_property
+    def real(self) -> RealFunction:
+        """The real part, a real function of omega."""
+        return RealFunction(_lowest(self.raw_real))
+
+    @cached_property
+    def imag(self) -> RealFunction:
+        """The imaginary part, a real function of omega."""
+        return RealFunction(_lowest(self.raw_imag))
+
+
+def on_axis(dynamics: RationalFunction) -> Response:
+    """The values of a dynamics on ``s = j omega``, as real functions of omega.
+
+    >>> from sympy.abc import k, m
+    >>> from haptisym.kernel.rings import s
+    >>> response = on_axis(Ring.of([m * s**2 + k]).convert(m * s**2 + k))
+    >>> response.real.expression(), response.imag.expression()
+    (k - m*omega**2, 0)
+    """
+    axis = _axis(dynamics)
+    (a, b), (c, d) = axis.parts([dynamics.numerator, dynamics.denominator])
+    modulus = c * c + d * d
+    return Response(axis.function(a * c + b * d, modulus), axis.function(b * c - a * d, modulus))
+
+
+def squared_modulus(dynamics: RationalFunction) -> RealFunction:
+    """|f(j omega)|^2, in lowest terms."""
+    axis = _axis(dynamics)
+    (a, b), (c, d) = axis.parts([dynamics.numerator, dynamics.denominator])
+    return RealFunction(axis.function(a * a + b * b, c * c + d * d).reduced())
+
+
+def _axis(dynamics: RationalFunction) -> Axis:
+    ring = dynamics.ring
+    assert isinstance(ring, Ring)
+    return ring.axis
+
+
+def _lowest(function: RationalFunction) -> RationalFunction:
+    axis = function.ring
+    assert isinstance(axis, Axis)
+    return axis.reduced(function) if len(axis.angles) > 1 else function.reduced()
+
+
+def _square_over(f: Polynomial, g: Polynomial) -> tuple[Polynomial, Polynomial, Polynomial]:
+    """f^2/g in lowest terms, the two factors above the line and what stands below.
+
+    A factor that f and g have is one of f, and perhaps once more of what is left of g.
+    """
+    one, other = f, f
+    common = f.gcd(g)
+    if not common.is_constant():
+        one, g = f / common, g / common
+        common = f.gcd(g)
+        if not common.is_constant():
+            other, g = f / common, g / common
+    return one, other, g
+
+
+@dataclass(frozen=True)
+class RealFunction:
+    """A real function of omega, in lowest terms as a quotient of polynomials of an ``Axis``.
+
+    ``above``, ``below`` : polynomials of which numerator and denominator are known to be products, up to a number: to take
+    these apart one by one is quicker.
+    """
+
+    function: RationalFunction
+    above: tuple[Polynomial, ...] = field(default=(), repr=False, compare=False)
+    below: tuple[Polynomial, ...] = field(default=(), repr=False, compare=False)
+
+    def __add__(self, other: RealFunction) -> RealFunction:
+        return RealFunction(_lowest(self.function + other.function))
+
+    def __mul__(self, other: RealFunction) -> RealFunction:
+        return RealFunction(_lowest(self.function * other.function))
+
+    def __truediv__(self, other: RealFunction) -> RealFunction:
+        return RealFunction(_lowest(self.function / other.function))
+
+    def __sub__(self, other: RealFunction) -> RealFunction:
+        return RealFunction(_lowest(self.function - other.function))
+
+    def square_over(self, other: RealFunction) -> RealFunction:
+        """f^2/g, in lowest terms.
+
+        >>> f, g = (RealFunction(Ring().axis.convert(x)) for x in (omega, omega**2 + omega**4))
+        >>> f.square_over(g).expression()
+        1/(omega**2 + 1)
+        """
+        f, g = self.function, other.function
+        if g.is_zero:
+            raise SceneError("division by zero")
+        *above, below = _square_over(f.numerator, g.numerator)
+        *right, left = _square_over(f.denominator, g.denominator)  # both are in lowest terms: no more can cancel
+        parts = (*above, left), (*right, below)
+        return RealFunction(f.ring.function(*(reduce(mul, x) for x in parts)).monic(), *parts)
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether it vanishes at every frequency."""
+        return self.function.is_zero
+
+    def derivative(self) -> RealFunction:
+        """d/d omega, in lowest terms.
+
+        >>> RealFunction(Ring().axis.convert(1 / (omega**2 + 1))).derivative().factored()
+        -2*omega/(omega**2 + 1)**2
+        """
+        axis, f = self.axis, self.function
+        if f.is_zero:
+            return self
+        top, bottom = _Derived.of(axis, f.numerator, self.above), _Derived.of(axis, f.denominator, self.below)
+        core = top.change * axis.function(bottom.own) - bottom.change * axis.function(top.own)
+        if core.is_zero:
+            return RealFunction(axis.function(core.numerator))
+        small, rest = bottom.doubtful
+        core = _lowest(core / axis.function(small))
+        common = top.shared.gcd(core.denominator)
+        above, below = (top.shared / common, core.numerator), (*rest, core.denominator / common)
+        return RealFunction(axis.function(reduce(mul, above), reduce(mul, below)).monic(), above, below)
+
+    def ball(self, x: Ball) -> Ball:
+        """A ball around the values at a ball of frequencies, at the current working precision; no symbol may be left.
+
+        At omega = 0 around the limit.
+        """
+        ring = self.half_angled.ring
+        values = {g: expression_ball(g, {omega: x}) for g in ring.meanings if not g.is_Symbol or g == omega}
+        above, below = (self.axis.orders and x.is_zero() and self._beginning) or (
+            self.half_angled.numerator,
+            self.half_angled.denominator,
+        )
+        return ring.ball(above, values) / ring.ball(below, values)
+
+    @cached_property
+    def _beginning(self) -> tuple[Polynomial, Polynomial] | None:
+        """Both parts over the lowest power of omega in them, broken or not, at omega = 0; None where orders are open."""
+        ring = self.half_angled.ring
+        weights = [x.as_base_exp()[1] if x.as_base_exp()[0] == omega else Integer(0) for x in ring.meanings]
+        if not all(x.is_Rational for x in weights):
+            return None
+        parts = [
+            [(sum(map(mul, row, weights)), row, c) for row, c in monomials(p)]
+            for p in (self.half_angled.numerator, self.half_angled.denominator)
+        ]
+        least = min(x[0] for part in parts for x in part)
+        above, below = (
+            ring.context.from_dict(
+                {tuple(0 if w else n for n, w in zip(row, weights, strict=True)): c for x, row, c in part if x == least}
+            )
+            for part in parts
+        )
+        return above, below
+
+    @cached_property
+    def half_angled(self) -> RationalFunction:
+        """In cos(a/2) and sin(a/2)/omega of its angles a, in lowest terms: nothing cancels that need not."""
+        return self.axis.half_angles(self.function).reduced() if self.axis.angles else self.function
+
+    @property
+    def axis(self) -> Axis:
+        """The axis on which its variables live."""
+        ring = self.function.ring
+        assert isinstance(ring, Axis)
+        return ring
+
+    @property
+    def written(self) -> RationalFunction:
+        """As a person would write it: polynomials in omega, cosines and sines."""
+        return self.axis.trigonometric(self.function) if self.axis.angles else self.function
+
+    def expression(self) -> Expr:
+        """The closed form in omega, in lowest terms, the denominator in factors."""
+        return self.written.expression()
+
+    def factored(self) -> Expr:
+        """The closed form in omega, numerator and denominator in factors."""
+        return self.written.factored()
+
+
+@dataclass(frozen=True)
+class _Derived:
+    """A polynomial p = shared own, and its derivative p' = shared change: own has each factor of p once, if p' lacks one of it.
+
+    So (p/q)' = p.shared (p.change q.own - q.change p.own)/(q q.own), where hardly more than numbers, powers and 1 + tan^2 can
+    cancel: of the quotient rule it would be most of p and q, and the search for it takes minutes where this takes a second.
+    """
+
+    axis: Axis
+    shared: Polynomial
+    own: Polynomial
+    change: RationalFunction
+
+    @classmethod
+    def of(cls, axis: Axis, polynomial: Polynomial, parts: Sequence[Polynomial]) -> _Derived:
+        """``parts`` : of which it is known to be the product, up to a number; a power of one is derived by that one."""
+        one, *others = [x for x in parts if not x.is_constant()] or [polynomial]
+        is_power = all(x == one for x in others)
+        base, n = (one, 1 + len(others)) if is_power else (polynomial, 1)
+        slope = axis.derivative(base).reduced()
+        shared = base.gcd(slope.numerator)
+        own = base / shared
+        return cls(axis, polynomial / own, own, axis.function(n * slope.numerator / shared, slope.denominator))
+
+    @property
+    def doubtful(self) -> tuple[Polynomial, list[Polynomial]]:
+        """What (p q.own - q p.own)/(q q.own), a derivative over q, may still cancel with, and the factors of all else.
+
+        A factor of q that is not one of q' becomes one power more of the denominator. That leaves factors of q' that q has as
+        often, as powers and 1 + tan^2 are, and powers of omega, of which omega^alpha loses one.
+        """
+        special, common = self.shared, self.shared.gcd(self.own)
+        while not common.is_constant():
+            special = special / common
+            common = special.gcd(self.own)
+        small, rest = special, list[Polynomial]()
+        for factor in (self.shared / special, self.own, self.own):
+            power = self.axis.context.gens()[0] ** int(factor.deflation_index()[1][0])
+            small, rest = small * power, [*rest, factor / power]
+        return small, rest

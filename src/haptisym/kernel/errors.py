@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import TypeVar
 
 T = TypeVar("T")
@@ -18,6 +19,15 @@ class SceneError(HaptisymError):
     def within(self, place: str) -> SceneError:
         """The same error, saying where: ``place: message``."""
         return type(self)(f"{place}: {self}")
+
+
+@contextmanager
+def within(place: str) -> Iterator[None]:
+    """A SceneError of what is done inside says where."""
+    try:
+        yield
+    except SceneError as error:
+        raise error.within(place) from None
 
 
 class SignError(SceneError):

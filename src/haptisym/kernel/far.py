@@ -21,7 +21,7 @@ from sympy import Integer, Rational, tan
 
 from haptisym.kernel.axis import CONSTANT, Axis, harmonics
 from haptisym.kernel.budget import tick
-from haptisym.kernel.polynomials import polynomial_factors
+from haptisym.kernel.factors import polynomial_factors
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.kernel.zeros import sign_of
@@ -58,8 +58,8 @@ def far(f: RationalFunction) -> Far:
 
     >>> from sympy import cos, exp
     >>> from haptisym.kernel.dynamics import Ring
-    >>> from haptisym.kernel.response import on_axis
-    >>> from haptisym.kernel.symbols import s
+    >>> from haptisym.kernel.dynamics import on_axis
+    >>> from haptisym.kernel.rings import s
     >>> def of(expression):
     ...     ring = Ring.of([expression])
     ...     return far(on_axis(ring.convert(expression)).raw_imag).sense.name

@@ -17,7 +17,7 @@ import flint
 from flint import arb, arb_mat, arb_poly
 from sympy import Add, Expr, Integer
 
-from haptisym.kernel.jets import Line, Value, coefficients, narrowest, over_cell, polynomial
+from haptisym.kernel.enclosures import Line, Value, coefficients, narrowest, over_cell, polynomial
 from haptisym.kernel.pulse import Plant, SampledLoop, States, column, matrix, opposite_response
 from haptisym.kernel.reals import Ball, expression_ball
 

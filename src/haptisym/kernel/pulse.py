@@ -41,8 +41,8 @@ from flint import Ordering, acb, arb, arb_mat, arb_poly, fmpq, fmpq_mpoly_ctx, f
 from sympy import Expr, Symbol, pi
 
 from haptisym.kernel.budget import afford
+from haptisym.kernel.enclosures import Value, joined, like, parts, value
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.jets import Value, joined, like, parts, value
 from haptisym.kernel.reals import MOST_BITS, Ball, at_rising_precision, expression_ball
 from haptisym.kernel.rings import monomials
 

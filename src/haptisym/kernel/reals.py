@@ -28,7 +28,7 @@ from sympy import Expr, Integer, Pow, Rational, cos, log, pi, sin, sinc, tan
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.shown import Viewed
+from haptisym.kernel.objects import Viewed
 
 
 def whole(name: str, given: SupportsIndex, least: int = 1, most: int | None = None, *, of: str = "") -> int:
@@ -226,6 +226,21 @@ class SquareRoot(RealNumber):
             return self.square.ball(bits).max(arb(0)).sqrt()
 
 
+@dataclass(frozen=True, slots=True, repr=False)
+class Hertz(RealNumber):
+    """A frequency in Hz, as certain as the one in rad/s.
+
+    >>> Hertz(ExactNumber(3 * pi)).digits(3)
+    '1.50'
+    """
+
+    omega: RealNumber
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return self.omega.ball(bits) / (2 * arb.pi())
+
+
 _FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {cos: arb.cos, sin: arb.sin, tan: arb.tan, sinc: arb.sinc, log: arb.log}
 
 
@@ -317,17 +332,20 @@ def rational_between(low: RealNumber | None, high: RealNumber | None, own: Expr 
     """
     if isinstance(own, Rational) and _is_between(low, own, high):
         return own
-    if low is None or high is None:
-        return _integer_beyond(low, high)
-    apart = at_rising_precision(lambda bits: _apart(low.bounds(bits)[1], high.bounds(bits)[0]), 16, SURE_BITS)
+    if low is None:
+        return Integer(0) if high is None else Integer(ceil(high.bounds(16)[0]) - 1)
+    if high is None:
+        return Integer(floor(low.bounds(16)[1]) + 1)
+
+    def ends(bits: int) -> tuple[Fraction, Fraction] | None:
+        below, above = low.bounds(bits)[1], high.bounds(bits)[0]
+        return (below, above) if below < above else None
+
+    apart = at_rising_precision(ends, 16, SURE_BITS)
     if apart is None:
         raise UndecidedError("whether two numbers are different")
     found = _simplest(*apart)
     return Rational(found.numerator, found.denominator)
-
-
-def _apart(below: Fraction, above: Fraction) -> tuple[Fraction, Fraction] | None:
-    return (below, above) if below < above else None
 
 
 def _is_between(low: RealNumber | None, own: Rational, high: RealNumber | None) -> bool:
@@ -335,12 +353,6 @@ def _is_between(low: RealNumber | None, own: Rational, high: RealNumber | None) 
     with flint.ctx.workprec(_FEW_BITS):
         here = arb(fmpq(int(own.p), int(own.q)))
         return bool((low is None or low.ball(_FEW_BITS) < here) and (high is None or here < high.ball(_FEW_BITS)))
-
-
-def _integer_beyond(low: RealNumber | None, high: RealNumber | None) -> Integer:
-    if low is not None:
-        return Integer(floor(low.bounds(16)[1]) + 1)
-    return Integer(0) if high is None else Integer(ceil(high.bounds(16)[0]) - 1)
 
 
 def _simplest(low: Fraction, high: Fraction) -> Fraction:

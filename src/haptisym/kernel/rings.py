@@ -1,10 +1,4 @@
-"""Exact quotients of polynomials: the arithmetic under every closed form.
-
-The terms of a polynomial, for loops over them.
-
-A quick proof that a polynomial in several variables is irreducible.
-
-Exact quotients of polynomials: the arithmetic under every closed form.
+"""The symbols that every formula shares, and exact quotients of polynomials: the arithmetic under every closed form.
 
 A ring holds polynomials over the rational numbers in a frequency variable, ``pi``, the parameters and whatever else a
 formula is made of (``exp(-s tau)``, ``s^alpha``, ``cos(omega tau)``): each is one more variable. ``pi`` is transcendental
@@ -16,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from itertools import count
 from math import gcd, lcm
 from operator import add, mul
 from typing import Any, TypeAlias
@@ -25,44 +18,57 @@ from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
 from sympy import Add, Expr, Integer, Mul, Rational, Symbol, pi
 
 from haptisym.kernel.budget import afford
-from haptisym.kernel.errors import SceneError
-from haptisym.kernel.symbols import conflicting
+from haptisym.kernel.errors import SceneError, need
+
+s = Symbol("s")
+"""Laplace variable, rad/s; plain, so that an ordinary ``Symbol("s")`` of the user is the same one."""
+
+omega = Symbol("omega", positive=True)
+"""Angular frequency, rad/s."""
+
+c = Symbol("c", positive=True)
+"""JND threshold, a fraction of ``|H_env|`` (eq. 4)."""
+
+X = Symbol("X")
+"""Complex amplitude of the hand's motion, m or rad (eqs. 5 and 6)."""
+
+
+def symbols(names: str) -> tuple[Symbol, ...] | Symbol:
+    """Positive SymPy symbols, for parameters; one symbol if ``names`` holds one name.
+
+    >>> m, b, k = symbols("m b k")
+    >>> m.is_positive
+    True
+    >>> symbols("omega_n")
+    omega_n
+    """
+    need("symbols", names, str, 'give names in one string, as "m b k"')
+    made = tuple(Symbol(name, positive=True) for name in names.replace(",", " ").split())
+    return made[0] if len(made) == 1 else made
+
+
+def conflicting(expressions: list[Expr]) -> Symbol | None:
+    """A symbol that shares its name, but not its assumptions, with another one; None if there is none.
+
+    >>> conflicting([Symbol("m") + Symbol("m", positive=True)]) is None
+    False
+    """
+    seen: dict[str, Symbol] = {}
+    for symbol in {x for e in expressions for x in e.free_symbols}:
+        if seen.setdefault(symbol.name, symbol) != symbol:
+            return symbol
+    return None
 
 
 def monomials(polynomial: Any) -> Iterator[tuple[tuple[Any, ...], Any]]:
     """The exponents of each term, and its coefficient: what ``to_dict().items()`` gives, in less than a third of its time.
 
     >>> from haptisym.kernel.rings import PolynomialRing
-    >>> from haptisym.kernel.symbols import s
+    >>> from haptisym.kernel.rings import s
     >>> [(int(power), value) for (power, _), value in monomials(PolynomialRing(s).variable ** 2 - 3)]
     [(2, 1), (0, -3)]
     """
     return zip(polynomial.monoms(), polynomial.coeffs(), strict=True)
-
-
-def irreducible(polynomial: Any, used: Sequence[int]) -> tuple[fmpq, list[tuple[Any, int]]] | None:
-    """A polynomial as its only factor, where that is quickly proven; None where it is not. ``used``: its variables.
-
-    At numbers for all variables but one it keeps its degree and is irreducible: of two factors one would be free of that
-    variable. At two numbers for that variable it has no factor in common: there is none that is free of it. Most numbers
-    show both (Hilbert), in a fraction of the time that factoring takes.
-    """
-    degrees = polynomial.degrees()
-    main, *others = sorted(used, key=lambda i: int(degrees[i]))  # the shortest is the cheapest
-    special = polynomial.subs({f"x{i}": number for i, number in zip(others, count(2))})
-    row = {int(exponents[main]): value for exponents, value in monomials(special)}
-    if max(row, default=0) < int(degrees[main]):
-        return None
-    _, factors = fmpq_poly([row.get(n, 0) for n in range(max(row) + 1)]).factor()
-    if len(factors) != 1 or factors[0][1] != 1:
-        return None
-    one, other = (polynomial.subs({f"x{main}": number}) for number in (2, 3))
-    if not one.gcd(other).is_constant():
-        return None
-    values = polynomial.coeffs()
-    whole = fmpq_poly(values)
-    unit = fmpq(whole.numer().content(), whole.denom()) * (1 if values[0] > 0 else -1)
-    return unit, [(polynomial / unit, 1)]
 
 
 Polynomial: TypeAlias = Any  # flint.fmpq_mpoly, which ships no types
@@ -114,7 +120,7 @@ class PolynomialRing:
     def convert(self, expression: Expr) -> RationalFunction:
         """The element that a SymPy expression is; SceneError where it is none.
 
-        >>> from haptisym.kernel.symbols import s
+        >>> from haptisym.kernel.rings import s
         >>> PolynomialRing(s).convert(1 / s + s / (s + 1)).expression()
         (s**2 + s + 1)/(s*(s + 1))
         """
@@ -182,7 +188,7 @@ class PolynomialRing:
     ) -> tuple[Rational, list[tuple[Polynomial, int]]]:
         """A number and the factors over Q; of an even polynomial, unless told otherwise, those in the square of the variable.
 
-        >>> from haptisym.kernel.symbols import s
+        >>> from haptisym.kernel.rings import s
         >>> ring = PolynomialRing(s)
         >>> [ring.expression(f) for f, _ in ring.factors(ring.variable**4 + 4)[1]]   # not (s^2 - 2 s + 2) (s^2 + 2 s + 2)
         [s**4 + 4]
@@ -205,8 +211,7 @@ class PolynomialRing:
         used = [i for i, n in enumerate(degrees) if n]
         if len(used) != 1:
             afford(len(polynomial), len(polynomial))
-            is_short = len(polynomial) <= _SHORT and max(degrees) <= _SHORT
-            return (None if is_short else irreducible(polynomial, used)) or polynomial.factor()
+            return polynomial.factor()  # type: ignore[no-any-return]
         terms = {int(exponents[used[0]]): value for exponents, value in monomials(polynomial)}
         unit, factors = fmpq_poly([terms.get(n, fmpq(0)) for n in range(max(terms) + 1)]).factor()
         place = [tuple(n if i == used[0] else 0 for i in range(len(degrees))) for n in range(max(terms) + 1)]
@@ -302,9 +307,6 @@ class RationalFunction:
         """A SymPy quotient, in lowest terms, both numerator and denominator in factors."""
         reduced = self.reduced().cleared()
         return self.ring.factored_expression(reduced.numerator) / self.ring.factored_expression(reduced.denominator)
-
-
-_SHORT = 12  # terms and degree of a polynomial that is factored sooner than proven irreducible
 
 
 def _times(x: Polynomial, y: Polynomial) -> Polynomial:

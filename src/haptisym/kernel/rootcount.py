@@ -37,13 +37,11 @@ from flint import acb, arb
 from sympy import Expr, I, Integer, Rational, factorial, pi
 
 from haptisym.kernel.budget import Waiting
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in, monomials
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in, monomials, s
 from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
-from haptisym.kernel.symbols import s
 
 _MOST_TERMS = 64  # of the expansion at s = 0 that are tried
 
@@ -564,7 +562,7 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
     Rational dynamics: Routh's array, exact. With delays and powers of s: by ``count_roots`` of the denominator, and None where
     that stays open, or a chain of poles comes as near to the axis as one likes.
 
-    >>> from haptisym.kernel.symbols import s
+    >>> from haptisym.kernel.rings import s
     >>> from sympy import exp
     >>> def of(expression): return is_stable(Ring.of([expression]).convert(expression).reduced())
     >>> of(1 / (s**3 + 2 * s**2 + 3 * s + 4)), of(1 / (s**2 + 1))

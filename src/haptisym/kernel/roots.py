@@ -1,28 +1,34 @@
 """Where real functions vanish and which signs they have in between: proven, none missed, none invented.
 
 The result is a ``Chart``: all zeros and poles of all functions on a band in order, and the sign of every function
-before, at and after each. Every question about a band (crossings, percepts, activity, stability) is read off a chart.
+before, at and after each. Every question about a band (crossings, percepts, activity, stability) is read off a chart. What is
+decided by several signs at once is a ``Lattice``, the largest of the smallest of functions, and is read off the same chart.
+
+Zeros are ordered by enclosures as tight as it takes: those of different irreducible polynomials always differ; others count as
+one, or are undecided, where so many bits do not tell them apart.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cmp_to_key
+from itertools import pairwise, product
 from math import prod
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import flint
 from flint import arb
 from sympy import Expr, Rational
 
-from haptisym.kernel.alike import in_order
-from haptisym.kernel.analytic import AnalyticFactor
 from haptisym.kernel.budget import tick
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.factoring import Known, Product, factored_function, is_even_or_odd
-from haptisym.kernel.lattices import Lattice, Signed, met
-from haptisym.kernel.polynomials import Level, PolynomialFactor
+from haptisym.kernel.factors import AnalyticFactor, Level, PolynomialFactor
+from haptisym.kernel.objects import Viewed
 from haptisym.kernel.reals import (
+    MOST_BITS,
     SURE_BITS,
     Ball,
     ExactNumber,
@@ -31,11 +37,190 @@ from haptisym.kernel.reals import (
     expression_ball,
     is_in_pi,
 )
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import PolynomialRing
-from haptisym.kernel.shown import Viewed
-from haptisym.kernel.symbols import omega
-from haptisym.kernel.zeros import Factor, Undecided, sign_of
+from haptisym.kernel.rings import PolynomialRing, omega
+from haptisym.kernel.zeros import Factor, Undecided, Zero, sign_of
+
+T = TypeVar("T")
+
+ALIKE_BITS = 600
+"""With how many."""
+_BITS = (128, ALIKE_BITS)  # most numbers are apart at first sight
+
+
+def ordered(x: RealNumber, y: RealNumber) -> int:
+    """1 where y is beyond x, -1 where it is before it, 0 where they are alike as far as bits go."""
+    if x is y:
+        return 0
+    for bits in _BITS:
+        with flint.ctx.workprec(bits):
+            change = y.ball(bits) - x.ball(bits)
+            if not change.contains(0):
+                return int(change > 0) - int(change < 0)
+    return 0
+
+
+def is_told(x: RealNumber) -> bool:
+    """Whether balls tell about where a number is."""
+    return any(x.ball(bits).is_finite() for bits in _BITS)
+
+
+def ascending(items: Iterable[T], number: Callable[[T], RealNumber]) -> list[T]:
+    """Things by their numbers, ascending; those that are alike as they were."""
+
+    def before(x: T, y: T) -> int:
+        return -ordered(number(x), number(y))
+
+    return sorted(items, key=cmp_to_key(before))
+
+
+def each_once(items: Iterable[T], number: Callable[[T], RealNumber]) -> list[T]:
+    """The same with the first of those that are alike alone."""
+    found = ascending(items, number)
+    return [x for i, x in enumerate(found) if not i or ordered(number(found[i - 1]), number(x))]
+
+
+def in_order(numbers: Sequence[RealNumber]) -> list[RealNumber]:
+    """Different numbers in ascending order, told apart by enclosures as tight as it takes."""
+    tick()
+    balls, tight = [x.rough() for x in numbers], set[int]()
+    while True:
+        order = sorted(range(len(numbers)), key=lambda i: balls[i].mid())
+        close = {i for a, b in pairwise(order) if not balls[a] < balls[b] for i in (a, b)} - tight
+        if not close:
+            break
+        tight |= close
+        for i in close:
+            balls[i] = numbers[i].ball(64)
+    if all(balls[a] < balls[b] for a, b in pairwise(order)):
+        return [numbers[i] for i in order]
+    return _told_apart(numbers)
+
+
+def _told_apart(numbers: Sequence[RealNumber]) -> list[RealNumber]:
+    """The same of numbers that are nearly alike."""
+    close: list[Ball] = []
+
+    def told_apart(bits: int) -> list[RealNumber] | None:
+        enclosed = sorted(((x.ball(bits), x) for x in numbers), key=lambda pair: pair[0].mid())
+        close[:] = [a for (a, _), (b, _) in pairwise(enclosed) if not a < b]
+        return None if close else [number for _, number in enclosed]
+
+    # zeros of different irreducible polynomials differ
+    analytic = (isinstance(x, Zero) and not isinstance(x.factor, PolynomialFactor) for x in numbers)
+    most = MOST_BITS if any(analytic) or any(isinstance(x, Undecided) for x in numbers) else SURE_BITS
+    found = at_rising_precision(told_apart, 128, most)
+    if found is None:
+        raise UndecidedError(f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same")
+    return found
+
+
+class Piece(NamedTuple):
+    """What a function of a lattice is called on a chart: that of this term and place."""
+
+    name: Hashable
+    term: int
+    place: int
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """max over ``terms`` of the min over each: positive exactly where all functions of one term are."""
+
+    terms: tuple[tuple[RealFunction | Level, ...], ...]
+
+    @classmethod
+    def largest(cls, functions: Iterable[RealFunction | Level]) -> Lattice:
+        """Positive where any of the functions is."""
+        return cls(tuple((f,) for f in functions))
+
+    def pieces(self, name: Hashable) -> dict[Piece, RealFunction | Level]:
+        """Its functions, by what a chart calls them."""
+        return {Piece(name, i, j): f for i, term in enumerate(self.terms) for j, f in enumerate(term)}
+
+    def sign(self, name: Hashable, of: Callable[[Piece], int]) -> int:
+        """max of min of the signs of the pieces."""
+        return max(min(of(Piece(name, i, j)) for j in range(len(term))) for i, term in enumerate(self.terms))
+
+
+Signed: TypeAlias = RealFunction | Level | Lattice
+"""A real function whose sign a chart tells."""
+
+
+class Met(NamedTuple):
+    """What happens to a lattice at a point of a chart: its order, its signs to both sides, whether that is undecided."""
+
+    order: int
+    before: int
+    after: int
+    undecided: bool
+
+
+def met(
+    lattice: Lattice,
+    name: Hashable,
+    orders: Mapping[Hashable, int],
+    sides: tuple[Mapping[Hashable, int], Mapping[Hashable, int]],
+    doubtful: frozenset[Hashable],
+) -> Met:
+    """A lattice at a point, from the orders and the signs of its pieces there."""
+    before, after = (lattice.sign(name, lambda piece, side=side: side[piece]) for side in sides)  # type: ignore[misc]
+    low, high = (_at(lattice, name, orders, side, {}) for side in sides)
+    unknown = [x for x in lattice.pieces(name) if x in doubtful]
+    found = {_at(lattice, name, orders, sides[1], guess) for guess in _guesses(unknown)} if unknown else set()
+    if _INFINITE in (abs(low), abs(high)):
+        order = -1 if before != after else -2
+    elif low == 0 and (before > 0 or after > 0 or (before, after) == (-1, -1)):
+        order = _order(lattice, name, orders, sides, odd=before != after)
+    else:
+        order = 0
+    return Met(order, before, after, len(found) > 1)
+
+
+_INFINITE = 2
+
+
+def _guesses(unknown: list[Piece]) -> Iterator[dict[Piece, int]]:
+    return (dict(zip(unknown, guess, strict=True)) for guess in product((-1, 0, 1), repeat=len(unknown)))
+
+
+def _at(
+    lattice: Lattice,
+    name: Hashable,
+    orders: Mapping[Hashable, int],
+    side: Mapping[Hashable, int],
+    guess: Mapping[Piece, int],
+) -> int:
+    """The sign right at a point, seen from one side; twice that where it is infinite."""
+
+    def sign(piece: Piece) -> int:
+        order = orders.get(piece, 0)
+        return guess[piece] if piece in guess else 0 if order > 0 else side[piece] * (_INFINITE if order < 0 else 1)
+
+    return lattice.sign(name, sign)
+
+
+def _order(
+    lattice: Lattice,
+    name: Hashable,
+    orders: Mapping[Hashable, int],
+    sides: tuple[Mapping[Hashable, int], Mapping[Hashable, int]],
+    *,
+    odd: bool,
+) -> int:
+    """The least order of a piece that makes the lattice vanish, odd exactly where the sign changes.
+
+    Seen from the side after the point; from that before it where another piece jumps there over a pole.
+    """
+
+    def seen(side: Mapping[Hashable, int]) -> Iterator[int]:
+        for i, term in enumerate(lattice.terms):
+            own = [Piece(name, i, j) for j in range(len(term))]
+            if all(orders.get(x, 0) > 0 or side[x] >= 0 for x in own):
+                yield from (orders[x] for x in own if orders.get(x, 0) > 0)
+
+    least = next(min(found) for side in sides[::-1] if (found := [*seen(side)]))
+    return least if least % 2 == odd else least + 1
+
 
 Key: TypeAlias = Hashable
 """What a function of a chart is called."""
@@ -66,11 +251,11 @@ class Point(Viewed):
     @property
     def at(self) -> Signs:
         """The sign of each function right here: 0 at a zero; at a pole, the sign on both sides or 0."""
-        return {name: self._sign(name) for name in self.after}
-
-    def _sign(self, name: Key) -> int:
-        order = self.orders.get(name, 0)
-        return 0 if order > 0 or self.before[name] != self.after[name] else self.after[name]
+        found = dict(self.after)
+        for name, sign in self.before.items():
+            if self.orders.get(name, 0) > 0 or sign != found[name]:
+                found[name] = 0
+        return found
 
 
 @dataclass(frozen=True)
@@ -175,7 +360,7 @@ def _charted(functions: Mapping[Key, RealFunction | Level], low: Expr, high: Exp
     signs = _first_signs(products, places, steady)
     points: list[Point] = []
     for place in places:
-        orders = {name: n for name, product in products.items() if (n := _order(product, place))}
+        orders = {name: n for name, product in products.items() if (n := _order_at(product, place))}
         other_side = _turned(signs, products, orders, place)
         if points:
             before, after = signs, other_side
@@ -207,14 +392,14 @@ def _refuse_endless(factors: Iterable[Factor], low: Expr, high: Expr) -> None:
 def _products(functions: Mapping[Key, RealFunction | Level], *, in_square: bool) -> dict[Key, Product]:
     """The functions taken apart, short ones first: their factors are those of others' denominators."""
     known, found = Known(), dict[Key, Product]()
-    for name in sorted(functions, key=lambda x: _length(functions[x])):
+
+    def length(name: Key) -> int:
+        f = functions[name]
+        return len((f.function if isinstance(f, RealFunction) else f.function.function).denominator)
+
+    for name in sorted(functions, key=length):
         found[name] = factored_function(functions[name], known, in_square=in_square)
     return {name: found[name] for name in functions}
-
-
-def _length(function: RealFunction | Level) -> int:
-    f = function.function if isinstance(function, RealFunction) else function.function.function
-    return len(f.denominator)
 
 
 def _turned(signs: Signs, products: Mapping[Key, Product], orders: Mapping[Key, int], place: _Place) -> dict[Key, int]:
@@ -234,7 +419,7 @@ def _undecided(products: Mapping[Key, Product], place: _Place) -> frozenset[Key]
     return frozenset(name for name, p in products.items() if not place.undecided.isdisjoint(p.exponents))
 
 
-def _order(product: Product, place: _Place) -> int:
+def _order_at(product: Product, place: _Place) -> int:
     order = sum(product.exponents[factor] * n for factor, n in place.orders.items() if factor in product.exponents)
     return _whole(product.power + order) if place.is_zero else int(order)
 

@@ -36,11 +36,10 @@ from sympy import (
 )
 
 from haptisym.kernel.axis import Axis
+from haptisym.kernel.dynamics import RealFunction
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, expression_ball
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials
-from haptisym.kernel.shown import Shown
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials, omega
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,7 +82,7 @@ def solve(function: RealFunction) -> tuple[Solution, ...]:
 
     >>> from sympy import symbols
     >>> from haptisym.kernel.dynamics import Ring
-    >>> from haptisym.kernel.symbols import omega
+    >>> from haptisym.kernel.rings import omega
     >>> m, k = symbols("m k", positive=True)
     >>> f = RealFunction(Ring([m, k]).axis.convert(k - m * omega**2))
     >>> [solution.omega for solution in solve(f)]
@@ -154,21 +153,16 @@ def _angles(polynomial: Polynomial, axis: Axis, index: int) -> _Found:
         squares = _roots(row[::2])
         if squares is None:
             return None
-        return [(angle / rate, period) for t2 in squares for angle in _both_ways(acos(((1 - t2) / (1 + t2)).cancel()))]
+        found = [acos(((1 - t2) / (1 + t2)).cancel()) for t2 in squares]
+        return [(x / rate, period) for angle in found for x in (angle, 2 * pi - angle)]
     if len(row) == 3 and row[0] == row[2]:
         sine = asin(-2 * row[0] / row[1])
         first = sine + 2 * pi if sine.could_extract_minus_sign() else sine
         return [(first / rate, period), ((pi - sine) / rate, period)]
-    return _each(lambda t: (_turn(t) / rate, period), _roots(row, positive=False))
-
-
-def _turn(t: Expr) -> Expr:
-    """The first positive angle whose half has this tangent; between -pi and pi where the sign of t is open."""
-    return 2 * atan(t) + (2 * pi if t.is_nonpositive else 0)
-
-
-def _both_ways(angle: Expr) -> tuple[Expr, Expr]:
-    return angle, 2 * pi - angle
+    # the first positive angle whose half has this tangent; between -pi and pi where the sign of t is open
+    return _each(
+        lambda t: ((2 * atan(t) + (2 * pi if t.is_nonpositive else 0)) / rate, period), _roots(row, positive=False)
+    )
 
 
 def _row(polynomial: Polynomial, axis: Axis, index: int) -> list[Expr]:
@@ -231,7 +225,7 @@ FunctionTerms: TypeAlias = tuple[tuple[Expr, Polynomial], ...]
 class Equation:
     """F = 0 for a frequency; F is a polynomial in omega, the parameters and functions of them (cos(omega tau), omega^alpha).
 
-    >>> from haptisym.kernel.symbols import symbols
+    >>> from haptisym.kernel.rings import symbols
     >>> m, k = symbols("m k")
     >>> ring = PolynomialRing(omega, [m, k])
     >>> Equation(ring, ring.convert(k - m * omega**2).numerator).slope(k).expression()

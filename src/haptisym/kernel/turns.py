@@ -12,8 +12,7 @@ from sympy import Expr, Integer, Symbol, pi
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.reals import expression_ball
-from haptisym.kernel.rings import Polynomial, PolynomialRing
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import Polynomial, PolynomialRing, omega
 from haptisym.kernel.zeros import is_clear
 
 _FINEST = 20_000  # parts of a turn, of which exact cosines are added up

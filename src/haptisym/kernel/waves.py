@@ -28,12 +28,11 @@ import flint
 from flint import arb, arb_mat, arb_poly, fmpq, fmpq_poly
 from sympy import Expr, Integer, Symbol, pi
 
-from haptisym.kernel.bernstein import range_of
 from haptisym.kernel.budget import tick
+from haptisym.kernel.enclosures import range_of
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, at_rising_precision, expression_ball
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, monomials
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, monomials, omega
 from haptisym.kernel.turns import is_zero
 from haptisym.kernel.zeros import is_clear
 

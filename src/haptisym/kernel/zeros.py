@@ -23,8 +23,8 @@ import flint
 from flint import arb, fmpq
 from sympy import Expr
 
-from haptisym.kernel.bernstein import Stretch
 from haptisym.kernel.budget import Waiting, tick
+from haptisym.kernel.enclosures import Stretch
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import MOST_BITS, Ball, RealNumber, at_rising_precision, expression_ball
 
@@ -99,9 +99,6 @@ class Factor(ABC):
 class SmoothFactor(Factor):
     """A factor whose Taylor coefficients are known."""
 
-    known_terms = 2
-    """How many of them are had for little more than the value, 2 or 4."""
-
     @abstractmethod
     def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
         """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
@@ -155,22 +152,19 @@ def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
             closer = low.max(rough.lower()), high.min(rough.upper())
             if all(is_clear(jet(x, 1)[0]) for x in closer):
                 low, high = closer
-        return tightened(low, high, bits, jet, zero.factor.known_terms)
+        return tightened(low, high, bits, jet)
 
 
 Jet: TypeAlias = Callable[[Ball, int], Sequence[Ball]]
 """As many Taylor coefficients of a function at a ball as the number asks for."""
 
 
-def tightened(low: Ball, high: Ball, bits: int, jet: Jet, terms: int = 2) -> Ball:
+def tightened(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball:
     """The enclosure of the one simple zero between two exact numbers, as tight as that many bits allow.
 
-    ``terms``: how many coefficients the jet knows, 2 or 4. Interval Newton where the slope is clear of 0, bisection elsewhere.
+    Interval Newton where the slope is clear of 0, bisection elsewhere.
     The ends stay exact numbers: a ball around them reaches a little beyond, where a twin of the zero may lie.
     """
-    near = _approached(low, high, bits, jet, terms)
-    if near is not None:
-        return near
     left = sign_of(jet(low, 1)[0])
     while low.union(high).rel_accuracy_bits() < bits - 24:
         tick()
@@ -187,40 +181,8 @@ def tightened(low: Ball, high: Ball, bits: int, jet: Jet, terms: int = 2) -> Bal
     return low.union(high)
 
 
-def _approached(low: Ball, high: Ball, bits: int, jet: Jet, terms: int) -> Ball | None:
-    """The same where Newton's steps from point to point, which prove nothing, find it, and signs beside it prove it."""
-    x = ((low + high) / 2).mid()
-    for _ in range(_MOST_STEPS):
-        tick()
-        step = _step(jet(x, terms))
-        x = (x + step).mid()
-        if not low < x < high:
-            return None
-        if (step / x) ** terms < arb(2) ** -bits:  # the next step would be at most about that
-            reach = x * arb(2) ** -(bits - 22)
-            ends = (x - reach).mid(), (x + reach).mid()
-            signs = [sign_of(jet(end, 1)[0]) for end in ends]
-            return ends[0].union(ends[1]) if low < ends[0] and ends[1] < high and signs[0] * signs[1] < 0 else None
-    return None
-
-
-def _step(row: Sequence[Ball]) -> Ball:
-    """From a point with those Taylor coefficients to a zero near it: Newton's step, or one to where a cubic vanishes."""
-    value, slope, *rest = (c.mid() for c in row)
-    step = -(value / slope).mid()
-    if rest:
-        for _ in range(2):
-            step = -(value / (slope + step * (rest[0] + step * rest[1]))).mid()
-    return step
-
-
-_MOST_STEPS = 12
-
-
 class SeriesFactor(SmoothFactor):
     """A factor that has all its Taylor coefficients."""
-
-    known_terms = 4
 
     @property
     def farthest(self) -> float | None:
@@ -231,25 +193,18 @@ class SeriesFactor(SmoothFactor):
 def isolated(f: SeriesFactor, low: Ball, high: Ball) -> list[RealNumber]:
     """All zeros between two dyadic numbers: subdivision until each piece is clear, monotone or bent one way only."""
     found: list[RealNumber] = []
-    waiting: Waiting[Stretch | tuple[Ball, Ball]] = Waiting(_pieces(f, low, high) if low < high else [])
-    for cell in waiting:
+    waiting = Waiting(_pieces(f, low, high) if low < high else [])
+    for a, b in waiting:
         with flint.ctx.workprec(128):
-            piece = cell if isinstance(cell, Stretch) else Stretch.of(f.series, *cell)
-            answer = _judged(f, piece, len(found))
+            answer = _judged(f, Stretch.of(f.series, a, b), len(found))
             if answer is None:
-                waiting.add(*_parts(f, piece))
+                middle = _clear(
+                    f, (a + (b - a) * 127 / 256).mid(), (b - a) / 64
+                )  # a little off, where zeros like to be
+                waiting.add((a, middle), (middle, b))
             else:
                 found += answer
     return found
-
-
-def _parts(f: SeriesFactor, piece: Stretch) -> Sequence[Stretch | tuple[Ball, Ball]]:
-    """The two parts of a piece, which end where the function is not zero."""
-    parts = piece.cut() if piece.is_sharp else None
-    if parts:
-        return parts
-    middle = _cut(f, piece.low, piece.high)
-    return (piece.low, middle), (middle, piece.high)
 
 
 def _pieces(f: SeriesFactor, low: Ball, high: Ball) -> list[tuple[Ball, Ball]]:
@@ -268,7 +223,7 @@ def _judged(f: SeriesFactor, piece: Stretch, index: int) -> list[RealNumber] | N
     if piece.sign():
         return []
     if piece.sign(1):
-        return _between(f, piece, index)
+        return [Zero(f, piece.low, piece.high, index)] if _sign(f, piece, 0) != _sign(f, piece, -1) else []
     if bend := piece.sign(2):
         return _on_a_bend(f, piece, bend, index)
     box = piece.low.union(piece.high)
@@ -285,11 +240,6 @@ def _sign(f: SeriesFactor, piece: Stretch, end: int, derivative: int = 0) -> int
     if sign := at_rising_precision(lambda _: sign_of(f.taylor(x, derivative)) or None):
         return sign
     raise UndecidedError(f"the sign of a function at omega = {float(x.mid()):.17g} rad/s")
-
-
-def _between(f: SeriesFactor, piece: Stretch, index: int) -> list[RealNumber]:
-    """On a monotone piece: one zero or none."""
-    return [Zero(f, *piece.nearer(), index)] if _sign(f, piece, 0) != _sign(f, piece, -1) else []
 
 
 def _on_a_bend(f: SeriesFactor, piece: Stretch, bend: int, index: int) -> list[RealNumber]:
@@ -311,12 +261,6 @@ def _on_a_bend(f: SeriesFactor, piece: Stretch, bend: int, index: int) -> list[R
         return [Undecided(f, extremum)]
     middle, sign = found
     return [] if sign == left else [Zero(f, piece.low, middle, index), Zero(f, middle, piece.high, index + 1)]
-
-
-def _cut(f: SeriesFactor, a: Ball, b: Ball) -> Ball:
-    """A dyadic number a little off the middle of a piece, at which the function is not zero."""
-    with flint.ctx.workprec(128):
-        return _clear(f, (a + (b - a) * 127 / 256).mid(), (b - a) / 64)
 
 
 def _clear(f: SeriesFactor, place: Ball, step: Ball) -> Ball:

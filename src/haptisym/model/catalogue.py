@@ -1,27 +1,35 @@
-"""How a model is written down once: its signature says the parameters, their units and rules; its body is the equation.
+"""The catalogue: environments, effects and hands, as values that a scene is made of.
 
-A model function is written with symbols in mind and decorated with ``@environment`` or ``@effect``. What a user calls
-is the checked version: numbers, strings with units or symbols go in, an ``Environment`` or an ``Effect`` comes out.
+A model is a function from parameters to a dynamics, ``H(s)`` or a chain matrix, entered under its name in scene files by the
+decorator ``environment`` or ``effect``; its signature says what each parameter measures and may be. Numbers, strings with units
+or symbols go in, an ``Environment`` or an ``Effect`` comes out. A ``Hand`` is m s^2 + b s + k, which stands beside H_perc where
+both move together; a shunt of that form, a ``Device``, stands beside it too.
+
+A controller with a clock renders an environment as a difference equation: ``D(z)`` is its dynamics with a difference in place
+of s, and a ``sampled-loop`` is the effect that makes of what would be rendered what is: D - H beside it, then delay and hold.
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import wraps
+from functools import cache, wraps
+from pathlib import Path
 from pkgutil import resolve_name
-from typing import Any, TypeAlias, get_args, get_type_hints
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeAlias, get_args, get_type_hints
 
-from sympy import Expr, Integer, Pow, Symbol, nan, pi, zoo
+from sympy import Expr, Integer, Poly, Pow, Symbol, exp, nan, pi, zoo
 
-from haptisym.kernel.errors import SceneError, SignError, meant, quoted
-from haptisym.kernel.shown import Shown
-from haptisym.kernel.symbols import s
-from haptisym.model import expressions
+from haptisym.kernel.errors import SceneError, SignError, meant, need, quoted, several, within
+from haptisym.kernel.objects import Shown
+from haptisym.kernel.rings import PolynomialRing, RationalFunction, s
 from haptisym.model.parameters import (
     NAMED,
     Parameter,
+    Rule,
     Slot,
     chosen,
     enter_list,
@@ -35,7 +43,7 @@ from haptisym.model.parameters import (
     values,
     with_values,
 )
-from haptisym.model.quantities import Number, decimal, in_laplace
+from haptisym.model.quantities import Dimension, MotionKind, Number, decimal, evaluate, in_laplace
 
 Matrix: TypeAlias = tuple[Expr, Expr, Expr, Expr]
 
@@ -92,7 +100,8 @@ class Environment(Shown):
         2*s + 500
         """
         known = {f"environment.{p.key}": p for p in environment.parameters}
-        tied = {p.key: tied_to(p, known, self._slot(p.key)) for p in self.parameters if p.tie}
+        slots = ENVIRONMENTS[self.model].slots
+        tied = {p.key: tied_to(p, known, slots.get(p.key.partition("[")[0], NAMED)) for p in self.parameters if p.tie}
         names = {p.symbol: tied[p.key].symbol for p in self.parameters if p.tie}
         taken = {x.name for x in (*names.values(), *(p.symbol for p in self.own))}
         for x in (p.symbol for p in self.own if p.symbol in names.values()):
@@ -100,10 +109,6 @@ class Environment(Shown):
             taken.add(names[x].name)
         parameters = (tied.get(p.key, replace(p, symbol=names.get(p.symbol, p.symbol))) for p in self.parameters)
         return replace(self, parameters=tuple(parameters), dynamics=self.dynamics.xreplace(names))
-
-    def _slot(self, key: str) -> Slot:
-        """The place that a parameter has in the model."""
-        return ENVIRONMENTS[self.model].slots.get(key.partition("[")[0], NAMED)
 
 
 @dataclass(frozen=True, repr=False)
@@ -306,10 +311,8 @@ def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
 def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     if isinstance(given, Expr):
         by_name = {p.symbol.name: p.symbol for p in parameters}
-        try:
+        with within(key):
             found = in_laplace(given)
-        except SceneError as error:
-            raise error.within(key) from None
         return found.xreplace({x: by_name[x.name] for x in found.free_symbols if x.name in by_name})
     if isinstance(given, int | float):
         given = str(given)
@@ -323,10 +326,8 @@ def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
         except SceneError as error:
             raise error if str(error).startswith(f"{key}:") else error.within(key) from None
     names: dict[str, Expr] = {"s": s, "pi": pi, **{p.symbol.name: p.symbol for p in parameters}}
-    try:
-        return expressions.evaluate(given, number=decimal, name=lambda name: _known(name, names))
-    except SceneError as error:
-        raise error.within(key) from None
+    with within(key):
+        return evaluate(given, number=decimal, name=lambda name: _known(name, names))
 
 
 def _known(name: str, names: Mapping[str, Expr]) -> Expr:
@@ -336,3 +337,288 @@ def _known(name: str, names: Mapping[str, Expr]) -> Expr:
 
 
 # What model signatures are made of. Environments are passive: their parameters cannot be negative.
+
+
+SAMPLED_LOOP, HOLD = "sampled-loop", "zero-order-hold"
+CLOCKS = (SAMPLED_LOOP, HOLD)
+BACK = Symbol("z_back")
+"""1/z, what is one sample old."""
+
+_METHODS = {
+    "backward-difference": lambda T: (1 - BACK) / T,
+    "tustin": lambda T: 2 * (1 - BACK) / (T * (1 + BACK)),
+    "forward-difference": lambda T: (1 - BACK) / (T * BACK),
+}
+METHODS = tuple(_METHODS)
+
+Effects: TypeAlias = Sequence[Effect]
+
+
+def discretised(H: Expr, T: Expr, method: str) -> RationalFunction:
+    """D(z) = H(s(z)) in lowest terms, a quotient of polynomials in 1/z.
+
+    SceneError where H is not rational in s, and where D needs samples of the future.
+
+    >>> discretised(3 + 2 * s, Integer(1), "backward-difference").expression()
+    5 - 2*z_back
+    >>> discretised(2 * s, Integer(1), "forward-difference")
+    Traceback (most recent call last):
+      ...
+    haptisym.kernel.errors.SceneError: forward-difference makes D(z) improper: it would need samples of the future
+    """
+    given = H.xreplace({s: _METHODS[method](T)})
+    ring = PolynomialRing(BACK, given.free_symbols - {BACK})
+    try:
+        found = ring.convert(given).reduced()
+    except SceneError:
+        raise SceneError(f"a difference equation needs dynamics that are rational in s: {H} is not") from None
+    if found.denominator.subs({0: 0}).is_zero():
+        raise SceneError(f"{method} makes D(z) improper: it would need samples of the future")
+    return found
+
+
+def controller(effect: Effect) -> RationalFunction:
+    """D(z) of a sampled loop that stands in a scene, with its delay, in numbers where its parameters have them."""
+    assert effect.renders
+    T = effect.parameters[0].value
+    D = discretised(effect.renders.H, T, str(effect.setting("method")))
+    return (D * D.ring.function(D.ring.variable) ** samples(effect)).reduced()
+
+
+def samples(effect: Effect) -> int:
+    """The whole samples that a sampled loop computes for."""
+    return int(effect.setting("delay"))
+
+
+def with_controller(effects: Iterable[Effect], rendered: Environment) -> tuple[Effect, ...]:
+    """The effects of a scene, a sampled loop among them rendering that environment.
+
+    SceneError where it is not the first effect, where another clock stands behind it, and where it cannot render that.
+    """
+    listed = tuple(effects)
+    at = next((i for i, effect in enumerate(listed) if effect.model == SAMPLED_LOOP), None)
+    if at is None:
+        return listed
+    first, *others = listed[at:]
+    for other in (x for x in (*others, *listed[:at]) if x.model in CLOCKS):
+        raise SceneError(
+            f"effects.{other.name}: a second clock beside {first.name}: with a {SAMPLED_LOOP} there is no other clock"
+        )
+    if at:
+        raise SceneError(
+            f"effects.{first.name}: a {SAMPLED_LOOP} must be the first effect: its controller renders the environment itself"
+        )
+    with within(f"effects.{first.name}"):
+        placed = replace(first, renders=rendered, dynamics=_sampled_matrix(first, rendered))
+    return placed, *others
+
+
+def _sampled_matrix(effect: Effect, rendered: Environment) -> Matrix:
+    """Between what would be rendered without a clock and what is: D - H beside it, then delay and hold."""
+    T = effect.parameters[0].symbol
+    D = discretised(rendered.dynamics, T, str(effect.setting("method"))).expression().xreplace({BACK: exp(-s * T)})
+    G = exp(-s * T * samples(effect)) * (1 - exp(-s * T)) / (s * T)
+    return G, G * (D - rendered.dynamics), Integer(0), Integer(1)
+
+
+_HAND_SLOTS = {
+    "m": Slot(Dimension.MASS, Rule.NONNEGATIVE, required=False),
+    "b": Slot(Dimension.DAMPING, Rule.NONNEGATIVE, required=False),
+    "k": Slot(Dimension.STIFFNESS, Rule.NONNEGATIVE, required=False),
+}
+
+
+@dataclass(frozen=True, repr=False)
+class Hand(Shown):
+    """A hand of mass ``m``, damping ``b`` and stiffness ``k``, each >= 0: quantities or ranges; 0 where it is not given.
+
+    Valid by construction: SceneError names what is wrong. ``m``, ``b`` and ``k`` are then parameters, with symbols of their own.
+
+    >>> Hand("mine", m="0.5 kg", b=["5 N*s/m", "7 N*s/m"]).dynamics
+    b_h*s + k_h + m_h*s**2
+    """
+
+    name: str
+    m: Any = 0
+    b: Any = 0
+    k: Any = 0
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            raise SceneError(f'hand: name: "{self.name}" must be a string that is not empty')
+        for key, slot in _HAND_SLOTS.items():
+            given = getattr(self, key)
+            if not isinstance(given, Parameter):
+                object.__setattr__(self, key, read_parameter(key, given, slot, f"{key}_h"))
+        kinds = {p.motion: p for p in self.parameters if p.motion}
+        if len(kinds) > 1:
+            told = " but ".join(f"{p.key} is {motion.value}" for motion, p in kinds.items())
+            raise SceneError(f"hand {self.name}: translation and rotation cannot be mixed: {told}")
+
+    def _line(self) -> str:
+        return f"{self.name}: {'; '.join(p.stated() for p in self.parameters)}"
+
+    model = "hand"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Mass, damping, stiffness."""
+        return self.m, self.b, self.k
+
+    @property
+    def motion(self) -> MotionKind | None:
+        """Whether it moves along a line or about an axis; None if no unit tells."""
+        return next((p.motion for p in self.parameters if p.motion), None)
+
+    @property
+    def has_ranges(self) -> bool:
+        """Whether it is a box of hands."""
+        return any(p.interval for p in self.parameters)
+
+    @property
+    def dynamics(self) -> Expr:
+        """In its symbols."""
+        return self.m.symbol * s**2 + self.b.symbol * s + self.k.symbol
+
+    @property
+    def Z(self) -> Expr:
+        """With its values: force per position, that of H_perc."""
+        return self.dynamics.xreplace(values(self.parameters))
+
+    def with_values(self, given: Mapping[str, Number]) -> Hand:
+        """The same hand with other values for the parameters whose symbols have these names."""
+        m, b, k = with_values(self.parameters, given)
+        return replace(self, m=m, b=b, k=k)
+
+    def renamed(self, names: Mapping[Symbol, Symbol]) -> Hand:
+        """The same hand with other symbols for its parameters."""
+        m, b, k = renamed(self.parameters, names)
+        return replace(self, m=m, b=b, k=k)
+
+
+def read_hand(name: str, given: Mapping[str, Any]) -> Hand:
+    """The hand that a table says. SceneError names key, value and rule."""
+    valid = (*_HAND_SLOTS, "source")
+    for key in given:
+        if key not in valid:
+            raise SceneError(f'unknown key "{str(key)[:60]}": {meant(str(key), valid)}valid are {", ".join(valid)}')
+    if not isinstance(given.get("source", ""), str):
+        raise SceneError(f'source: "{given["source"]}" must be a string')
+    return Hand(name, **given)
+
+
+class _Shipped(Mapping[str, Hand]):
+    """The hands that the package ships, by name."""
+
+    def __getitem__(self, name: str) -> Hand:
+        if name not in _hand_tables():
+            raise SceneError(
+                f'there is no hand "{str(name)[:60]}": {meant(str(name), self)}the package ships {", ".join(self)}'
+            )
+        return read_hand(name, _hand_tables()[name])
+
+    def __contains__(self, name: object) -> bool:
+        return name in _hand_tables()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_hand_tables())
+
+    def __len__(self) -> int:
+        return len(_hand_tables())
+
+    def __repr__(self) -> str:
+        return f"<hands {', '.join(self)}>"
+
+
+hands: Mapping[str, Hand] = _Shipped()
+"""The published hands that the package ships, each with its source.
+
+>>> hands["postural-arm"].b.value
+129/20
+"""
+
+
+@cache
+def _hand_tables() -> Mapping[str, Mapping[str, Any]]:
+    return MappingProxyType(tomllib.loads((Path(__file__).parents[1] / "hands.toml").read_text(encoding="utf-8")))
+
+
+NOBODY = "none"
+"""The name of what holds nothing: the display is let go."""
+
+
+def how_to_give() -> str:
+    """How a hand is given to a question, for an error that lacks one."""
+    listed = f"haptisym ships {', '.join(hands)}, and {NOBODY} is no hand at all"
+    return f"--hand NAME (in Python hand=NAME), or [hand] in the scene; {listed}"
+
+
+class Device(NamedTuple):
+    """Z = k + b s + m s^2."""
+
+    k: Expr = Integer(0)
+    b: Expr = Integer(0)
+    m: Expr = Integer(0)
+
+
+def device(effect: Effect) -> Device | None:
+    """That of a shunt, its parameters' values in place; None of another effect, and where Z is none of these.
+
+    >>> from haptisym.effects import compliance, shunt
+    >>> device(shunt(Z="b*s^2 + 3*s", parameters={"b": 5}))
+    Device(k=0, b=3, m=5)
+    >>> device(shunt(Z="s^3")) is device(compliance(k=500)) is None
+    True
+    """
+    Z = effect.matrix[1]
+    if effect.model != "shunt" or not Z.is_polynomial(s):
+        return None
+    row = Poly(Z, s).all_coeffs()[::-1]
+    return Device(*row) if len(row) <= len(Device._fields) else None
+
+
+_ENVIRONMENT = (
+    "give one of haptisym.environments, as environments.kelvin_voigt(100, 2), or a system, as 3*s + 100 of SymPy"
+)
+_EFFECTS = "give effects of haptisym.effects, or systems in series, in a tuple, as (effects.delay(0.01),)"
+_HANDS = "give hands in a tuple, as (Hand(...),)"
+_BAND = "give its two ends, as (0, 15)"
+
+
+def given_environment(key: str, given: object) -> Environment:
+    """An environment, or any system that ``interop`` takes; SceneError for anything else."""
+    found = given if isinstance(given, Environment) or not is_system(given) else _system_read(key, "environment", given)
+    need(key, found, Environment, _ENVIRONMENT)
+    assert isinstance(found, Environment)
+    return found
+
+
+def given_effects(given: Iterable[Any]) -> tuple[Effect, ...]:
+    """Effects in their order, a system being one in series; SceneError for anything else among them, or for one alone."""
+    listed = several("effects", given, _EFFECTS)
+    found = [_system_read(f"effects[{i}]", "series", x) if is_system(x) else x for i, x in enumerate(listed, 1)]
+    for x in found:
+        need("effects", x, Effect, _EFFECTS)
+    return tuple(found)
+
+
+def _system_read(key: str, how: str, given: object) -> Any:
+    with within(key):
+        return resolve_name(f"haptisym.interop:{how}")(given)
+
+
+def given_hands(given: Iterable[Hand]) -> tuple[Hand, ...]:
+    """Hands; SceneError for anything else among them, or for one alone."""
+    listed = several("hands", given, _HANDS)
+    for x in listed:
+        need("hands", x, Hand, _HANDS)
+    return listed
+
+
+def given_band(given: Iterable[Any]) -> tuple[Any, Any]:
+    """Two ends, as they were given."""
+    ends = several("band", given, _BAND)
+    if len(ends) != 2:
+        raise SceneError(f"band: {ends} must be a low and a high end")
+    return ends[0], ends[1]

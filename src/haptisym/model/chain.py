@@ -1,26 +1,62 @@
-"""A chain of dynamics: the environment, what is rendered for it, and the effects between it and the hand."""
+"""A chain of dynamics between environment and hand, and its closed forms.
+
+A ``Chain`` is H_env, what is rendered for it and the effects' chain matrices, nearest the environment first; H_perc is one
+Moebius map of what is rendered.
+
+Closed forms are the shortest Re and Im, stiffness, mass and damping, crossings, changeovers and leading terms. In lowest terms a
+chain of n devices with parameters of their own has some 2^n terms. Effects in series are factors G_i instead:
+H_perc = |H| prod |G_i| exp(j (arg H + sum arg G_i)) grows by one magnitude and one angle with each. What is neither short nor in
+series is left as Re or Im of H_perc(j omega) as the chain builds it. Named steps (``Distortion.steps``) are short for all.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING
+from functools import cache, cached_property, partial
+from math import factorial
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from sympy import Expr, Symbol
+from sympy import (
+    Add,
+    Expr,
+    Float,
+    I,
+    Integer,
+    Mul,
+    Poly,
+    Rational,
+    Symbol,
+    atan2,
+    cos,
+    count_ops,
+    exp,
+    im,
+    nan,
+    oo,
+    pi,
+    re,
+    sin,
+    sqrt,
+)
 
-from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import SceneError
-from haptisym.kernel.response import on_axis
-from haptisym.kernel.rings import Polynomial, RationalFunction, cleared
-from haptisym.kernel.symbols import c as threshold
-from haptisym.model.catalogue import Matrix
+from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis
+from haptisym.kernel.errors import SceneError, quoted
+from haptisym.kernel.far import Sense, far
+from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, omega, s
+from haptisym.kernel.rings import c as symbol_c
+from haptisym.kernel.roots import chart
+from haptisym.kernel.solutions import Solution, solve
+from haptisym.model.catalogue import Matrix, given_band
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import in_place
+from haptisym.model.quantities import Dimension, decimal, number
 
 if TYPE_CHECKING:
     from haptisym.programs.program import Program
     from haptisym.programs.steps import Steps
+
 
 NOTHING_TO_FEEL = (
     "the environment is zero at every frequency: there is nothing to feel, and nothing to compare with (whether the display "
@@ -62,7 +98,7 @@ class Chain:
         """The ring that holds them all."""
         # the symbol c comes along so that thresholds may stay symbols; a variable that does not occur costs nothing
         own = {x.name for entry in self.entries() for x in entry.free_symbols}
-        return Ring.of([*self.entries(), *(() if threshold.name in own else (threshold,))])
+        return Ring.of([*self.entries(), *(() if symbol_c.name in own else (symbol_c,))])
 
     def entries(self) -> tuple[Expr, ...]:
         """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
@@ -104,6 +140,42 @@ class Chain:
         of = found.results
         felt = {f"perceived_{part.value}": of[f"environment_{part.value}"] + of[part.value] for part in Part}
         return Steps(found.definitions, {**of, **felt})
+
+    @property
+    def in_series(self) -> bool:
+        """Whether each effect multiplies the force, and does nothing else."""
+        return all(b == 0 and c == 0 for _, b, c, _ in self.matrices)
+
+    def part_of_distortion(self, part: Part, environment: Expr) -> Expr:
+        """Re or Im dH, less that part of H_env as it is given: in series in magnitudes and angles."""
+        if not self.in_series:
+            return _PART[part](self.formula, evaluate=False) - environment
+        return self._turned(part, [self.rendered, *self._gains]) - environment
+
+    def part_of_relative(self, part: Part) -> Expr:
+        """Re or Im(dH/H_env)."""
+        if not self.in_series:
+            H = self.environment.xreplace({s: I * omega})
+            return _PART[part](self.formula / H, evaluate=False) - Integer(part is Part.REAL)
+        own = [] if self.rendered == self.environment else [self.rendered, 1 / self.environment]
+        return self._turned(part, [*own, *self._gains]) - Integer(part is Part.REAL)
+
+    @property
+    def formula(self) -> Expr:
+        """H_perc(j omega), as the chain builds it."""
+        H = self.rendered
+        for a, b, c, d in self.matrices:
+            H = (a * H + b) / (c * H + d)
+        return H.xreplace({s: I * omega})
+
+    @property
+    def _gains(self) -> list[Expr]:
+        return [a / d for a, _, _, d in self.matrices]
+
+    @staticmethod
+    def _turned(part: Part, factors: Sequence[Expr]) -> Expr:
+        polar = [_polar(x) for x in factors]
+        return Mul(*(size for size, _ in polar)) * _TURN[part](Add(*(angle for _, angle in polar)))
 
     def without_axis_zeros(self) -> tuple[Chain, bool]:
         """A chain with the same ratios, though H_env has no zeros on s = j omega; whether r_r is its r_i.
@@ -150,3 +222,378 @@ def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> Rationa
     if bottom.is_zero():
         raise SceneError("the effects make the perceived dynamics infinite at every frequency (C H + D = 0)")
     return RationalFunction(H.ring, top, bottom)
+
+
+_SHORT = 10  # terms of a dynamics up to which lowest terms are it
+_FEW, _MOST = 80, 300  # up to which they are looked at beside factors, and are made where there are none
+_LONGER = 1.3  # lowest terms are kept where they are no longer than this
+_TURN = {Part.REAL: cos, Part.IMAG: sin}
+_PART = {Part.REAL: re, Part.IMAG: im}
+
+
+def shortest(
+    dynamics: RationalFunction, lowest: Callable[[], Expr], others: Callable[[], Expr], *, in_series: bool
+) -> tuple[Expr, bool]:
+    """The shorter of two forms of Re or Im of a dynamics; and whether that is the one in lowest terms.
+
+    ``others`` : in factors, if all effects are ``in_series``, or as Re or Im of H_perc. Lowest terms are preferred where they
+    are short, and not made where that would take long.
+    """
+    terms = len(dynamics.numerator) + len(dynamics.denominator)
+    if terms <= _SHORT or (terms <= _MOST and not in_series):
+        return lowest(), True
+    other = others()
+    if terms > _FEW:
+        return other, False
+    found = lowest()
+    return (found, True) if count_ops(found) <= _LONGER * count_ops(other) else (other, False)
+
+
+def _polar(factor: Expr) -> tuple[Expr, Expr]:
+    """Magnitude, which may be negative, and angle of a factor on s = j omega."""
+    above, below = factor.as_numer_denom()
+    size, angle = Integer(1), Integer(0)
+    for x, sign in [(x, 1) for x in Mul.make_args(above)] + [(x, -1) for x in Mul.make_args(below)]:
+        base, power = x.as_base_exp() if not isinstance(x, exp) else (x, Integer(1))
+        n = sign * power if power.is_Integer else Integer(sign)
+        own = _own(base if power.is_Integer else x)
+        size, angle = size * own[0] ** n, angle + own[1] * n
+    return size, angle
+
+
+def _own(x: Expr) -> tuple[Expr, Expr]:
+    base, power = (s, x.args[0] / s) if isinstance(x, exp) else x.as_base_exp()
+    if isinstance(x, exp) and not power.has(s):  # a delay
+        return Integer(1), omega * power
+    if base == s and not power.has(s):
+        return omega**power, pi * power / 2
+    for sign, rest in ((1, x + 1), (-1, 1 - x)):  # of a hold: +-(exp(s T) - 1) = +-exp(s T/2) 2 sinh(s T/2)
+        if isinstance(rest, exp) and not (lag := rest.args[0] / s).has(s):
+            return 2 * sign * sin(omega * lag / 2), (pi + omega * lag) / 2
+    ring = Ring.of([x])
+    response = on_axis(ring.convert(x))
+    a, b = (f.function.reduced().expression() for f in (response.real, response.imag))
+    return sqrt(a**2 + b**2), atan2(b, a)
+
+
+@dataclass(frozen=True)
+class Properties:
+    """What a person makes of a dynamics at a frequency (section 2.3): closed forms in omega.
+
+    ``real``, ``imag``: Re H and Im H, N/m. ``stiffness`` = Re H, N/m; ``mass`` = -Re H/omega^2, kg; ``damping`` =
+    Im H/omega, N s/m. ``spring_inertia_force`` = X Re H (eq. 5) and ``damping_force`` = j X Im H (eq. 6): phasors of
+    the force, N, for a motion of complex amplitude X. For a rotation read N m/rad, kg m^2, N m s/rad and N m.
+    """
+
+    real: Expr
+    imag: Expr
+    frequency: Symbol = omega
+    """The symbol of omega."""
+
+    @property
+    def stiffness(self) -> Expr:
+        """Re H, N/m or N m/rad: a spring where it is positive."""
+        return self.real
+
+    @property
+    def mass(self) -> Expr:
+        """-Re H/omega^2, kg or kg m^2: an inertia where it is positive."""
+        return -self.real / self.frequency**2
+
+    @property
+    def damping(self) -> Expr:
+        """Im H/omega: N s/m or N m s/rad."""
+        return self.imag / self.frequency
+
+    @property
+    def spring_inertia_force(self) -> Expr:
+        """The force of spring and inertia together, for a motion of amplitude X: X Re H."""
+        return X * self.real
+
+    @property
+    def damping_force(self) -> Expr:
+        """The force of the damper, for a motion of amplitude X: j X Im H."""
+        return I * X * self.imag
+
+
+@dataclass(frozen=True)
+class ParameterJND:
+    """How much a single parameter must change to be noticed: dk = c|H|, db = c|H|/omega, dm = c|H|/omega^2.
+
+    N/m, N s/m and kg (for a rotation N m/rad, N m s/rad, kg m^2). Derived from eq. (4): a change of one parameter by p moves
+    Re H by dk or -omega^2 dm, or Im H by omega db.
+    """
+
+    stiffness: Expr
+    damping: Expr
+    mass: Expr
+
+
+def properties(response: Response, frequency: Symbol = omega) -> Properties:
+    """Of the dynamics that has this response, with that symbol for omega."""
+    real, imag = (x.factored().xreplace({omega: frequency}) for x in (response.real, response.imag))
+    return Properties(real, imag, frequency)
+
+
+def first_changeover(f: RealFunction) -> Expr | None:
+    """The lowest zero or pole of odd order, where every one has a readable formula and the lowest is known."""
+    if f.is_zero or any(angle.constant for angle in f.axis.angles):
+        return None  # with s^alpha the sign of a root depends on the order, which may be a symbol
+    # a denominator is a squared modulus and changes no sign, but where its zeros meet those of the numerator
+    numeric = not (f.expression().free_symbols - {omega})
+    poles = solve(RealFunction(f.axis.one / f.function)) if numeric else ()
+    odd = [x for x in (*solve(f), *poles) if x.order % 2]
+    found = [x.omega for x in odd if x.omega is not None]
+    if not found or len(found) < len(odd):
+        return None
+    if all(x.is_number for x in found):
+        return min(found)
+    lowest = [x for x in found if all(x is other or (x - other).is_negative for other in found)]
+    if lowest:
+        return lowest[0]
+    return found[0] if len({x.equation for x in odd}) == 1 else None
+
+
+_SQUARE = Symbol("W", positive=True)  # omega^2, the unknown of a threshold polynomial
+_TERMS = 24  # of the expansions of numerator and denominator
+_SOON = 8  # terms of an expansion
+_SHORT_TERM = 16  # terms of a coefficient that is taken apart
+
+Frequencies = tuple[Solution, ...] | tuple[RealNumber, ...]
+"""Formulas, each with the conditions under which it is in force; or, where all are numbers, certified frequencies."""
+
+
+class Changeovers(NamedTuple):
+    """Where Re H_env and Re H_perc change their sign, all of them."""
+
+    environment: Frequencies
+    perceived: Frequencies
+
+
+class Asymptote(NamedTuple):
+    """The leading terms of dH(s), of Re dH and of Im dH in omega."""
+
+    distortion: Expr
+    real: Expr
+    imag: Expr
+
+
+class LowFrequency(NamedTuple):
+    """What a slow hand feels: H_perc(s) = stiffness + damping s + mass s^2 + terms of higher order."""
+
+    stiffness: Expr
+    damping: Expr
+    mass: Expr
+
+
+def part_named(given: Any) -> Part:
+    """A part, or its name. SceneError for any other."""
+    if given in [x.value for x in Part]:
+        return Part(given)
+    if not isinstance(given, Part):
+        raise SceneError(f"part: {quoted(given)} is neither real nor imag")
+    return given
+
+
+def threshold(given: Any) -> Expr:
+    """A fraction > 0 as a number or symbols. SceneError for any other."""
+    if isinstance(given, str):
+        raise SceneError(f"c: {quoted(given)} must be a number or a symbol, as 0.1 or Rational(1, 10)")
+    value = decimal(str(float(given))) if isinstance(given, int | float | Float) else given
+    if not isinstance(value, Expr) or value.is_positive is False or value is nan:
+        raise SceneError(f"c: {quoted(given)} must be a fraction > 0")
+    return value
+
+
+def _excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
+    """r^2 - c^2."""
+    f = squared_ratio.function
+    square = f.ring.convert(c**2)
+    top = f.numerator * square.denominator - square.numerator * f.denominator
+    return RealFunction(f.ring.function(top, f.denominator * square.denominator).reduced())
+
+
+def crossings(squared_ratio: RealFunction, c: Expr, band: tuple[Any, Any] | None, *, symbolic: bool) -> Frequencies:
+    """Where a ratio meets a threshold; ``symbolic`` : where parameters are symbols."""
+    if not c.free_symbols:
+        return zeros(_excess(squared_ratio, c), band, odd=False, symbolic=symbolic)
+    names = {symbol_c: c}
+    return tuple(
+        Solution(x.omega and x.omega.xreplace(names), x.equation.xreplace(names), x.period.xreplace(names), x.order)
+        for x in solve(_excess(squared_ratio, symbol_c))
+    )
+
+
+def zeros(f: RealFunction, band: tuple[Any, Any] | None, *, odd: bool, symbolic: bool) -> Frequencies:
+    """All positive zeros of a function, or those of ``odd`` order: formulas, or certified numbers."""
+    if symbolic:
+        return tuple(x for x in solve(f) if x.order % 2 or not odd)
+    low, high = _ends(band) if band else (Integer(0), _far(f))
+    points = chart({0: f}, low, high).points
+    return tuple(
+        p.omega for p in points if (n := p.orders.get(0, 0)) > 0 and (n % 2 or not odd) and (not odd or float(p.omega))
+    )
+
+
+def _ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:
+    low, high = (number(x, Dimension.FREQUENCY).value for x in given_band(band))
+    if not 0 <= low < high:
+        raise SceneError(f"band: {band} must be a low end >= 0 and a higher one")
+    return low, high
+
+
+def _far(f: RealFunction) -> Expr:
+    """A frequency beyond which a function has no zero."""
+    if f.function.is_zero:
+        return Integer(1)
+    if any(not angle.constant for angle in f.axis.angles):
+        raise SceneError(
+            "with a delay there may be crossings at ever higher frequencies: give a band, as band=(0, 100)"
+        )
+    found = far(f.function)
+    if found.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
+        raise SceneError("as far as all crossings lie is not known: give a band, as band=(0, 100)")
+    return max(found.radius, Integer(1))
+
+
+def threshold_polynomial(squared_ratio: RealFunction, c: Expr) -> Poly | Expr:
+    """What vanishes where a ratio meets a threshold."""
+    f = _excess(squared_ratio, symbol_c if c.free_symbols else c)
+    found = f.function.expression().as_numer_denom()[0].expand().xreplace({symbol_c: c})
+    is_polynomial = found.is_polynomial(omega) and all(n % 2 == 0 for (n,) in Poly(found, omega).monoms())
+    return Poly(found.subs(omega, sqrt(_SQUARE)), _SQUARE) if is_polynomial else found
+
+
+def bandwidth(
+    squared_ratios: Mapping[Part, RealFunction], c: Expr, band: tuple[Any, Any] | None, symbols: frozenset[Symbol]
+) -> RealNumber | Expr:
+    """The end of the interval from 0, or the band's low end, on which no ratio exceeds c; ``symbols`` : that are left."""
+    if c.free_symbols or symbols:
+        free = ", ".join(sorted(map(str, c.free_symbols | symbols)))
+        raise SceneError(f"a bandwidth is a number: give {free} values; crossings(part, c) has the formulas")
+    functions = {part: _excess(f, c) for part, f in squared_ratios.items()}
+    low, high = _ends(band) if band else (Integer(0), max(map(_far, functions.values())))
+    table = chart(functions, low, high)
+    kept = table.where(lambda signs: all(x <= 0 for x in signs.values()))
+    if not kept or kept[0].low is not table.points[0]:
+        return Integer(0)
+    return oo if kept[0].high is table.points[-1] and not band else kept[0].high.omega
+
+
+def asymptote(difference: RationalFunction, at: Any) -> Asymptote:
+    """The leading terms at 0 or oo."""
+    if at not in (0, oo):
+        raise SceneError(f"at: {quoted(at)} is neither 0 nor oo")
+    if at == oo and _ring(difference).lags:
+        raise SceneError("at = oo: a delay turns for ever, so that there is no leading term")
+    if difference.is_zero:
+        return Asymptote(Integer(0), Integer(0), Integer(0))
+    found: list[Expr | None] = [None, None, None]
+    for n, (power, h) in enumerate(_expansion(difference, at)):
+        if n == _SOON:  # a part that does not come soon may vanish: asked late, as it takes longer
+            exact = on_axis(difference)
+            vanishing = (False, exact.raw_real.is_zero, exact.raw_imag.is_zero)
+            found = [Integer(0) if gone else x for x, gone in zip(found, vanishing, strict=True)]
+        if h != 0:
+            sign = (-1) ** (power // 2)  # of j^power, but for the j of an odd one
+            for place, term in ((0, h * s**power), (1 + power % 2, sign * h * omega**power)):
+                found[place] = term if found[place] is None else found[place]
+        if None not in found:
+            return Asymptote(*found)
+    raise SceneError(f"the leading term is beyond order {_TERMS - 1}, as far as was looked")
+
+
+def low_frequency(perceived: RationalFunction) -> LowFrequency:
+    """The first terms in s, from its static value on."""
+    if perceived.is_zero:
+        return LowFrequency(Integer(0), Integer(0), Integer(0))
+    found = {0: Integer(0), 1: Integer(0), 2: Integer(0)}
+    for power, h in _expansion(perceived, 0):
+        if power < 0 and h != 0:
+            raise SceneError("H_perc is infinite at rest: it has no stiffness, damping and mass there")
+        if power > 2:
+            break
+        if power >= 0:
+            found[power] = h
+    return LowFrequency(*found.values())
+
+
+def _expansion(dynamics: RationalFunction, at: Any) -> Iterator[tuple[int, Expr]]:
+    """Powers of s and their coefficients, from the leading one on: ascending at 0, descending at oo. Exact.
+
+    SceneError for what is not rational in s but for delays.
+    """
+    ring = _ring(dynamics)
+    if ring.orders:
+        raise SceneError("there is no leading term of a display that is not rational in s but for delays")
+    rows = [_Coefficients(p, ring, at == oo) for p in (dynamics.numerator, dynamics.denominator)]
+    starts = [next((n for n in range(_TERMS) if row(n) != 0), _TERMS) for row in rows]
+    if max(starts) == _TERMS:
+        raise SceneError(f"the leading term is beyond order {_TERMS - 1}, as far as was looked")
+    above, below = (partial(row.from_, n) for row, n in zip(rows, starts, strict=True))
+    degrees = [max(int(e[0]) for e in p.monoms()) for p in (dynamics.numerator, dynamics.denominator)]
+    first = starts[0] - starts[1]
+    divide = _divided if below(0).is_Add else _over_one_term
+    for n, h in enumerate(divide(above, below, ring, _TERMS - max(starts))):
+        yield (first + n if at == 0 else degrees[0] - degrees[1] - first - n), h
+
+
+_Row: TypeAlias = Callable[[int], Expr]
+
+
+def _over_one_term(above: _Row, below: _Row, _: Ring, count: int) -> Iterator[Expr]:
+    """Of a quotient whose denominator begins with one product, as of a chain of lags: nothing is brought to one fraction."""
+    ratios: list[Expr] = []
+    found: list[Expr] = []
+    for n in range(count):
+        ratios.append((below(n) / below(0)).expand())
+        found.append((above(n) / below(0) - Add(*(h * ratios[n - i] for i, h in enumerate(found)))).expand())
+        yield found[-1].factor() if len(Add.make_args(found[-1])) <= _SHORT_TERM else found[-1]
+
+
+def _divided(above: _Row, below: _Row, ring: Ring, count: int) -> Iterator[Expr]:
+    into = Ring.of([*ring.symbols, *ring.lags, pi])
+    bottom: list[RationalFunction] = []
+    found: list[RationalFunction] = []
+    for n in range(count):
+        bottom.append(into.convert(below(n)))
+        left = into.convert(above(n))
+        for i, h in enumerate(found):
+            left = left - h * bottom[n - i]
+        found.append((left / bottom[0]).reduced())
+        is_short = len(found[-1].numerator) + len(found[-1].denominator) <= _SHORT_TERM
+        yield found[-1].factored() if is_short else found[-1].expression()
+
+
+class _Coefficients:
+    """Of s^0, s^1, ... with each delay as its series, or (``down``) of the highest power of s and those below it; expanded."""
+
+    def __init__(self, polynomial: Polynomial, ring: Ring, down: bool) -> None:  # noqa: FBT001
+        self.ring = ring
+        self.by_power: dict[int, list[tuple[list[int], Any]]] = {}
+        highest = max(int(e[0]) for e in polynomial.monoms())
+        for exponents, value in polynomial.to_dict().items():
+            own = [int(x) for x in exponents]
+            self.by_power.setdefault(highest - own[0] if down else own[0], []).append((own, value))
+
+    def from_(self, start: int, n: int) -> Expr:
+        """The n-th from one on."""
+        return self(start + n)
+
+    @cache  # noqa: B019 - as short-lived as the question
+    def __call__(self, n: int) -> Expr:
+        ring, total = self.ring, []
+        for power in (x for x in self.by_power if x <= n):
+            for own, value in self.by_power[power]:
+                lag = Add(*(m * x for x, m in zip(ring.lags, own[ring.size :], strict=False)))
+                if power < n and lag == 0:
+                    continue
+                factors = (x**m for x, m in zip(ring.symbols, own[2 : ring.size], strict=True))
+                late = (-lag) ** (n - power) / factorial(n - power)
+                total.append(Mul(Rational(int(value.p), int(value.q)), pi ** own[1], *factors, late))
+        return Add(*total).expand()
+
+
+def _ring(dynamics: RationalFunction) -> Ring:
+    assert isinstance(dynamics.ring, Ring)
+    return dynamics.ring

@@ -1,4 +1,7 @@
-"""Closed forms: what is felt instead of the environment, and by how much it differs."""
+"""Closed forms: what is felt instead of the environment, and by how much it differs.
+
+A ``Distortion`` is H_env, H_perc and dH = H_perc - H_env in lowest terms, with all closed forms of them.
+"""
 
 from __future__ import annotations
 
@@ -11,23 +14,34 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from sympy import Abs, Expr, Poly, Rational, Symbol, im, lambdify, re, sqrt
 
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import SceneError, meant, need, quoted
+from haptisym.kernel.objects import Shown, counted
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.response import RealFunction, Response, on_axis, squared_modulus
-from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.shown import Shown, counted
+from haptisym.kernel.rings import RationalFunction, omega, s
+from haptisym.kernel.rings import c as symbol_c
 from haptisym.kernel.solutions import Solution
-from haptisym.kernel.symbols import c as symbol_c
-from haptisym.kernel.symbols import omega, s
-from haptisym.model import solved
-from haptisym.model.catalogue import Effect, Environment
-from haptisym.model.chain import Chain
-from haptisym.model.given import given_effects, given_environment
+from haptisym.model.catalogue import Effect, Environment, given_effects, given_environment, with_controller
+from haptisym.model.chain import (
+    Asymptote,
+    Chain,
+    Changeovers,
+    LowFrequency,
+    ParameterJND,
+    Properties,
+    asymptote,
+    bandwidth,
+    crossings,
+    first_changeover,
+    low_frequency,
+    part_named,
+    properties,
+    shortest,
+    threshold,
+    threshold_polynomial,
+    zeros,
+)
 from haptisym.model.jnd import Part
-from haptisym.model.properties import ParameterJND, Properties, first_changeover, properties
-from haptisym.model.sampled import in_place
-from haptisym.model.shortest import Factors, shortest
 from haptisym.programs.accuracy import Accuracy, Engine
 
 if TYPE_CHECKING:
@@ -75,7 +89,7 @@ def _elements(environment: Any, effects: Iterable[Any], rendered: Any) -> Elemen
     """Environment, effects, and what is rendered where that is another one."""
     own = given_environment("environment", environment)
     felt = None if rendered is None else given_environment("rendered", rendered).tied_to(own)
-    return own, tuple(in_place(given_effects(effects), felt or own)), felt
+    return own, tuple(with_controller(given_effects(effects), felt or own)), felt
 
 
 def _chain_of(environment: Environment, effects: tuple[Effect, ...], rendered: Environment | None) -> Chain:
@@ -202,15 +216,15 @@ class Distortion(Shown):
         return self._told(self.relative_form(Part.IMAG)[0])
 
     def form(self, part: Part) -> tuple[Expr, bool]:
-        """Re or Im dH in ``kernel.symbols.omega``, as short as is known; and whether that is in lowest terms."""
+        """Re or Im dH in ``kernel.rings.omega``, as short as is known; and whether that is in lowest terms."""
 
         def others() -> Expr:
-            return self._factors.part(part, part_of(self.env_response, part).factored())
+            return self.chain.part_of_distortion(part, part_of(self.env_response, part).factored())
 
         def lowest() -> Expr:
             return part_of(self.difference_response, part).factored()
 
-        return shortest(self.difference, lowest, others, in_series=self._factors.in_series)
+        return shortest(self.difference, lowest, others, in_series=self.chain.in_series)
 
     def _ratio(self, part: Part) -> Expr:
         found, is_lowest = self.form(part)
@@ -224,11 +238,7 @@ class Distortion(Shown):
         def lowest() -> Expr:
             return part_of(self.relative_response, part).factored()
 
-        return shortest(change, lowest, lambda: self._factors.relative(part), in_series=self._factors.in_series)
-
-    @cached_property
-    def _factors(self) -> Factors:
-        return Factors(self.chain.environment, self.chain.rendered, self.chain.matrices)
+        return shortest(change, lowest, lambda: self.chain.part_of_relative(part), in_series=self.chain.in_series)
 
     def steps(self, *of: str) -> Steps:
         """Some closed forms in short named steps, ``definitions`` and ``results``: Re dH and Im dH if none is named.
@@ -237,7 +247,7 @@ class Distortion(Shown):
         with each effect, and are what code should compute. SceneError for another name.
 
         >>> from haptisym import effects, environments
-        >>> from haptisym.kernel.symbols import symbols
+        >>> from haptisym.kernel.rings import symbols
         >>> found = distort(environments.mass_spring_damper(k=symbols("k")), effects.first_order_lag(symbols("w"))).steps("real")
         >>> found.definitions, found.results
         (((M, omega**2 + w**2), (E, -k*omega**2)), {'real': E/M})
@@ -336,7 +346,7 @@ class Distortion(Shown):
         on a ``band`` if one is given, as a display with a delay needs.
 
         >>> from haptisym import effects, environments
-        >>> from haptisym.kernel.symbols import symbols
+        >>> from haptisym.kernel.rings import symbols
         >>> lag = effects.first_order_lag(symbols("w"))
         >>> [x.omega for x in distort(environments.mass_spring_damper(k=symbols("k")), lag).crossings("real")]
         [sqrt(c)*w*sqrt(1/(1 - c))]
@@ -345,7 +355,8 @@ class Distortion(Shown):
         ['10.000000']
         """
         self._need_names(symbol_c.name)
-        found = solved.crossings(self, solved.part_named(part), solved.threshold(c), band)
+        squared = self.squared_ratios[part_named(part)]
+        found = crossings(squared, threshold(c), band, symbolic=bool(self.free_symbols))
         own: tuple[Solution, ...] | tuple[RealNumber, ...] = self._in_own_frequency(found)
         return own
 
@@ -359,10 +370,11 @@ class Distortion(Shown):
         return tuple(replace(x, equation=self._told(x.equation)) if isinstance(x, Solution) else x for x in found)
 
     @property
-    def changeovers(self) -> solved.Changeovers:
+    def changeovers(self) -> Changeovers:
         """Where Re H_env and Re H_perc change their sign, each all of them: formulas, or certified numbers, as ``crossings``."""
-        found = solved.changeovers(self)
-        return solved.Changeovers(*map(self._in_own_frequency, found))
+        both = (x.real for x in (self.env_response, self.perc_response))
+        found = (zeros(f, None, odd=True, symbolic=bool(self.free_symbols)) for f in both)
+        return Changeovers(*map(self._in_own_frequency, found))
 
     def threshold_polynomial(self, part: Part | str, c: Any = symbol_c) -> Poly | Expr:
         """What vanishes where a ratio meets a threshold: a polynomial in W = omega^2, or with delays an expression in omega.
@@ -372,7 +384,7 @@ class Distortion(Shown):
         [-c**2, 1 - 2*c**2, -c**2]
         """
         self._need_names(symbol_c.name, "W")
-        found = solved.threshold_polynomial(self, solved.part_named(part), solved.threshold(c))
+        found = threshold_polynomial(self.squared_ratios[part_named(part)], threshold(c))
         return found if isinstance(found, Poly) else self._told(found)
 
     def bandwidth(self, c: Any, *, band: tuple[Any, Any] | None = None) -> RealNumber | Expr:
@@ -380,31 +392,31 @@ class Distortion(Shown):
 
         Certified. SceneError for symbols.
         """
-        return solved.bandwidth(self, solved.threshold(c), band)
+        return bandwidth(self.squared_ratios, threshold(c), band, self.free_symbols)
 
-    def asymptote(self, at: Any = 0) -> solved.Asymptote:
+    def asymptote(self, at: Any = 0) -> Asymptote:
         """The leading terms of dH, Re dH and Im dH ``at`` 0 or oo.
 
         >>> from haptisym import effects, environments
-        >>> from haptisym.kernel.symbols import symbols
+        >>> from haptisym.kernel.rings import symbols
         >>> distort(environments.mass_spring_damper(k=symbols("k")), effects.delay(symbols("tau"))).asymptote().imag
         -k*omega*tau
         """
-        return solved.Asymptote(*map(self._told, solved.asymptote(self, at)))
+        return Asymptote(*map(self._told, asymptote(self.difference, at)))
 
     @property
-    def low_frequency(self) -> solved.LowFrequency:
+    def low_frequency(self) -> LowFrequency:
         """Stiffness, damping and mass that a slow hand feels: H_perc(s) = stiffness + damping s + mass s^2 + ..., exactly.
 
         SceneError where H_perc is infinite at s = 0, or not rational in s but for delays.
 
         >>> from haptisym import effects, environments
-        >>> from haptisym.kernel.symbols import symbols
+        >>> from haptisym.kernel.rings import symbols
         >>> k, b, tau = symbols("k b tau")
         >>> distort(environments.mass_spring_damper(k=k), effects.wave_variables(b, tau)).low_frequency.stiffness
         b*k/(b + k*tau)
         """
-        return solved.low_frequency(self.perc)
+        return low_frequency(self.perc)
 
     def lambdify(self, quantity: str = "ratio_real", modules: Any = "numpy") -> Callable[..., Any]:
         """A plain function of omega and the parameters by name, as of ``sympy.lambdify``: for NumPy, mpmath, JAX or math.
@@ -436,7 +448,7 @@ class Distortion(Shown):
         With symbols: while the root is real and positive (the numerator of Re H_env has degree 1 or 2 in omega^2).
 
         >>> from haptisym.environments import mass_spring_damper
-        >>> from haptisym.kernel.symbols import symbols
+        >>> from haptisym.kernel.rings import symbols
         >>> distort(mass_spring_damper(*symbols("m b k"))).changeover_environment
         sqrt(k)/sqrt(m)
         """

@@ -1,33 +1,153 @@
-"""The just-noticeable difference: thresholds and regions, and how a scene file says them.
+"""The just-noticeable difference: how large a change of the dynamics must be for a person to notice it.
 
-The region of changes that are not noticed, in the plane of x = Re dH/|H_env| and y = Im dH/|H_env|.
+A threshold is a region in the plane of x = Re dH/|H_env| and y = Im dH/|H_env|: the paper's square, or an ellipse, a diamond, a
+polygon; each number exact, or a rational formula in omega; read from ``jnd = ...``, a number, a formula or a table.
 
-The just-noticeable difference: how large a change of the dynamics must be for a person to notice it.
-
-What a scene says of the JND, ``jnd = ...``, read: a number, a formula, or a table with a region.
+Published thresholds go by name, each with the criterion at which it was taken. A change of size x is told with the probability
+Phi(x/sigma), so that the change told with probability p is z(p) sigma, z the inverse of Phi: thresholds at two proportions are to
+each other as their z. The quotient is transcendental; it is rounded to a decimal number of DIGITS digits, each proven, so that
+everything that follows is exact for that number.
 """
 
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from functools import cache
+from importlib.resources import files
 from itertools import combinations
 from typing import Any, TypeAlias
 
+import flint
+from flint import arb
 from sympy import Expr, Integer, Rational, pi
 
-from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import SceneError, meant
-from haptisym.kernel.response import RealFunction
+from haptisym.kernel.dynamics import RealFunction, Ring
+from haptisym.kernel.errors import SceneError, meant, within
+from haptisym.kernel.objects import Shown, Viewed
+from haptisym.kernel.reals import Ball, RealNumber, expression_ball
+from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import chart, sign_of_number
-from haptisym.kernel.shown import Viewed
-from haptisym.kernel.symbols import omega
-from haptisym.model import expressions
 from haptisym.model.parameters import ExactRange, ranged, read_confidence
-from haptisym.model.published import Conversion, like, read_proportion
-from haptisym.model.quantities import Dimension, MotionKind, Number, decimal, number, require_number
+from haptisym.model.quantities import Dimension, MotionKind, Number, decimal, evaluate, number, require_number
+
+
+@dataclass(frozen=True, repr=False)
+class Published(Shown):
+    """A just-noticeable difference as its source gives it: a fraction, or from the least to the most.
+
+    ``criterion`` : the share of answers at which it was taken, None where that is not known. ``read`` : how far the source was
+    read. ``apart`` : why it is no threshold for a scene; empty where it may be one.
+    """
+
+    name: str
+    quantity: str
+    low: Expr
+    high: Expr
+    criterion: Expr | None
+    reference: str
+    source: str
+    doi: str
+    read: str
+    apart: str
+
+    def _line(self) -> str:
+        return f"{self.name}: {self.written}, {self.quantity}"
+
+    @property
+    def written(self) -> str:
+        """In per cent."""
+        low, high = (f"{float(100 * x):.4g}" for x in (self.low, self.high))
+        return f"{low} %" if low == high else f"{low} to {high} %"
+
+    @property
+    def given(self) -> Expr | ExactRange:
+        """As a threshold is given: a number, or the pair of its ends."""
+        return self.low if self.low == self.high else (self.low, self.high)
+
+
+@cache
+def published_by_name() -> Mapping[str, Published]:
+    """All of them, in the order of the shipped table."""
+    table = tomllib.loads((files("haptisym") / "data" / "published.toml").read_text(encoding="utf-8"))
+    return {name: _read_published(name, row) for name, row in table.items()}
+
+
+def _read_published(name: str, row: Mapping[str, Any]) -> Published:
+    value, criterion = row["value"], row.get("criterion")
+    low, high = map(decimal, (value, value) if isinstance(value, str) else value)
+    return Published(
+        name, row["quantity"], low, high, None if criterion is None else decimal(criterion), row["reference"], row["source"],
+        row.get("doi", ""), row["read"], row.get("apart", ""),
+    )  # fmt: skip
+
+
+def like(name: object) -> Published:
+    """The one of that name, fit for a scene; SceneError for any other name, and where it is not one."""
+    known = published_by_name()
+    if not isinstance(name, str) or name not in known:
+        shown = str(name)[:60]
+        raise SceneError(f'like: no published threshold "{shown}": {meant(shown, known)}valid are {", ".join(known)}')
+    found = known[name]
+    if found.apart:
+        raise SceneError(f'like: "{name}" is no threshold for a scene: {found.apart}')
+    return found
+
+
+DIGITS = 30
+
+
+@dataclass(frozen=True, repr=False)
+class Quotient(RealNumber):
+    """z(q)/z(p): the threshold at the proportion q, for one of 1 at p.
+
+    >>> Quotient(Rational(3, 4), Rational(21, 25)).digits(17)
+    '1.4743854638571648'
+    """
+
+    start: Expr
+    end: Expr
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits + 16):
+            one, other = (2 * expression_ball(x) - arb(1) for x in (self.start, self.end))
+            return other.erfinv() / one.erfinv()
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """From one proportion of right answers to another: times ``factor``, which is ``exact`` rounded to DIGITS digits."""
+
+    start: Expr
+    end: Expr
+
+    @property
+    def exact(self) -> RealNumber:
+        """The factor of a threshold, as a number that can be enclosed."""
+        return Quotient(self.start, self.end)
+
+    @property
+    def factor(self) -> Rational:
+        """The factor of a threshold, as the decimal that is said; 1 where nothing is converted."""
+        return decimal(self.exact.digits(DIGITS)) if self.start != self.end else Rational(1)
+
+    def row(self) -> dict[str, object]:
+        """As documents have it."""
+        shown = {"factor": self.exact.digits(DIGITS), "enclosure": list(self.exact.enclosure(DIGITS))}
+        return {"from": float(self.start), "to": float(self.end), **shown}
+
+
+def read_proportion(key: str, given: Number) -> Expr:
+    """A proportion of right answers, above one half and below 1; SceneError for any other."""
+    with within(key):
+        value = number(given, Dimension.RATIO).value
+    if not value.is_Rational or not Rational(1, 2) < value < 1:
+        raise SceneError(f'{key}: "{given}" must be rational, above 0.5, where answers are guesses, and below 1')
+    return value
+
 
 Corner: TypeAlias = tuple[Expr, Expr]
 MOST_CORNERS = 24
@@ -272,13 +392,11 @@ class Threshold(Viewed):
 
     def check(self, low: Expr, high: Expr, motion: MotionKind | None) -> None:
         """SceneError unless it makes a region at every frequency of a band, for a scene of that motion."""
-        try:
+        with within("jnd"):
             self.region.check(low, high)
             for key, x in {"real": self.real, "imag": self.imag, **self.region.numbers}.items():
                 if x.has(omega) and not positive(x, low, high):
                     raise SceneError(f"{key}: {x} must be > 0 on the whole band")
-        except SceneError as error:
-            raise error.within("jnd") from None
         if self.region.motion and motion and self.region.motion is not motion:
             raise SceneError(f"jnd: floor: is {self.region.motion.value}, but the scene is {motion.value}")
 
@@ -381,10 +499,8 @@ def formula(key: str, given: object) -> Expr | None:
     if isinstance(given, Expr) and {x.name for x in given.free_symbols} == {omega.name}:
         value: Expr = given.xreplace(dict.fromkeys(given.free_symbols, omega))
     elif isinstance(given, str) and _NAMES_OMEGA.search(given):
-        try:
-            value = expressions.evaluate(given, number=decimal, name={omega.name: omega, "pi": pi}.__getitem__)
-        except SceneError as error:
-            raise error.within(key) from None
+        with within(key):
+            value = evaluate(given, number=decimal, name={omega.name: omega, "pi": pi}.__getitem__)
     else:
         return None
     try:
@@ -493,11 +609,9 @@ def _floor(given: Any) -> tuple[Expr, MotionKind | None, ExactRange | None]:
     found = formula("floor", given)
     if found is not None and found.has(omega):
         return found, None, None
-    try:
+    with within("floor"):
         read = ranged(given, Dimension.STIFFNESS)
         value = require_number(given, read.nominal).value
-    except SceneError as error:
-        raise error.within("floor") from None
     if any(sign_of_number(x) <= 0 for x in (value, *(read.interval or ()))):
         raise SceneError(f'floor: "{given}" must be > 0')
     return value, read.nominal.motion, read.interval
@@ -508,10 +622,8 @@ def _number(key: str, given: Any) -> Expr:
     found = formula(key, given)
     if found is not None:
         return found
-    try:
+    with within(key):
         return number(given, Dimension.RATIO).value
-    except SceneError as error:
-        raise error.within(key) from None
 
 
 def _corners(given: Any) -> tuple[Corner, ...]:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from haptisym.kernel.errors import SceneError, quoted
-from haptisym.kernel.shown import Shown, counted
+from haptisym.kernel.objects import Shown, counted
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
 
 _WAYS = 'give |dH/domega| with its unit, as in "40 N*s/m" or "250 N/m/Hz", or as a share of |H|, as in "20 ms"'

@@ -12,7 +12,7 @@ from sympy import Integer
 
 from haptisym import environments
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.shown import Shown, counted, titled
+from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.model.catalogue import Environment
 from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import MotionKind

@@ -20,9 +20,9 @@ from typing import Annotated, Any, TypeAlias
 
 from sympy import Expr, Symbol, nan, zoo
 
-from haptisym.kernel.errors import SceneError, SignError, meant, quoted
+from haptisym.kernel.errors import SceneError, SignError, meant, quoted, within
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.shown import Shown
 from haptisym.model.quantities import (
     Dimension,
     Exponents,
@@ -145,10 +145,8 @@ def read_confidence(key: str, given: Any) -> Expr:
     >>> read_confidence("confidence", "95 %")
     19/20
     """
-    try:
+    with within(key):
         value = number(given, Dimension.RATIO).value
-    except SceneError as error:
-        raise error.within(key) from None
     if not value.is_Rational or not 0 < value < 1:
         raise SceneError(f'{key}: "{given}" must lie between 0 and 1, as 0.95')
     return value
@@ -287,10 +285,8 @@ def _symbol(name: str, rule: Rule) -> Symbol:
 def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
     """A parameter from a quantity or a range, checked; ``key`` is what errors call it, ``name`` its symbol's."""
     symbol = _symbol(name, slot.rule)
-    try:
+    with within(key):
         found = ranged(given, slot.dimension)
-    except SceneError as error:
-        raise error.within(key) from None
     read = found.nominal
     reserved = {x.name for x in read.value.free_symbols} & {"s", "omega", "X"}
     if reserved:

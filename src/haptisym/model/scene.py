@@ -1,8 +1,9 @@
-"""A scene: environment, effects, band, threshold and hands, with names of their own.
+"""A scene: the environment to be felt, the effects in between, the band of interest, the threshold and the hands.
 
-Names of their own for the effects of a scene, and symbols of their own for its parameters.
-
-A scene: the environment to be felt, the effects in between, the band of interest and the threshold.
+Each effect has a name and each parameter a symbol of its own. ``Knobs`` are everything in a scene that a question may vary, by
+one set of names: the numbers of its elements, and the thresholds. ``caveats`` are what an exact answer about a scene does not
+say: where its formulas stand for more than they hold. Friction is noticed by a Weber law and a floor of its own, not by the JND
+of damping.
 """
 
 from __future__ import annotations
@@ -14,23 +15,247 @@ from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, reduce
 from typing import Any, Protocol
 
-from sympy import Expr, Integer, Symbol
+from sympy import Expr, Integer, Max, Rational, Symbol, pi
 
 from haptisym.kernel.budget import spared
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, meant, within
+from haptisym.kernel.objects import Shown, titled
+from haptisym.kernel.rings import c, omega
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.shown import Shown, titled
-from haptisym.model.catalogue import Effect, Environment
+from haptisym.model.catalogue import (
+    CLOCKS,
+    Effect,
+    Environment,
+    Hand,
+    given_band,
+    given_effects,
+    given_environment,
+    given_hands,
+    with_controller,
+)
 from haptisym.model.chain import NOTHING_TO_FEEL, Chain
 from haptisym.model.distortion import Distortion, felt_instead
-from haptisym.model.friction import read_friction
-from haptisym.model.given import given_band, given_effects, given_environment, given_hands
-from haptisym.model.hand import Hand
-from haptisym.model.jnd import Part, Threshold, read_threshold
-from haptisym.model.knobs import THRESHOLD, Knob, Knobs, threshold_knobs
-from haptisym.model.parameters import Parameter, Rule, free_name, read_confidence, refuse_references, spread
+from haptisym.model.jnd import Part, Threshold, read_threshold, threshold_value
+from haptisym.model.parameters import (
+    Parameter,
+    Rule,
+    Slot,
+    free_name,
+    read_confidence,
+    read_parameter,
+    refuse_references,
+    spread,
+)
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
-from haptisym.model.sampled import in_place
+
+THRESHOLD = "evaluation.jnd"
+"""The path of both thresholds as one."""
+
+
+@dataclass(frozen=True, repr=False)
+class Knob(Parameter):
+    """A number of a scene: ``value`` in SI, its ``rule`` and, where the scene gives one, its range ``interval``.
+
+    ``place``: in a scene file, ``environment``, ``effects.filter``, ``evaluation``; ``model``: of what has it. ``motion``: the
+    scene's. ``also``: the paths of what refers to it. ``parts``: of a threshold those whose it is; its symbol is c.
+    """
+
+    place: str = ""
+    model: str = ""
+    also: tuple[str, ...] = ()
+    parts: tuple[Part, ...] = ()
+
+    @property
+    def path(self) -> str:
+        """``effects.filter.omega_n``."""
+        return f"{self.place}.{self.key}"
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """Its own path and those of what refers to it."""
+        return self.path, *self.also
+
+    @property
+    def is_of_hand(self) -> bool:
+        """Whether it is a hand's, which changes nothing of what is felt."""
+        return self.model == "hand"
+
+    def felt(self) -> Knob:
+        """The same; SceneError for a hand's, of which what is felt holds nothing."""
+        if self.is_of_hand:
+            raise SceneError(f"{self.path} changes nothing of what is felt: haptisym stability tells what it changes")
+        return self
+
+    @property
+    def name(self) -> str:
+        """The name of its symbol; ``c_real`` and ``c_imag`` tell the thresholds of the parts apart."""
+        return f"c_{self.parts[0].value}" if len(self.parts) == 1 else self.symbol.name
+
+    @property
+    def unit(self) -> str:
+        """The name of its unit; ``SI`` where none is known."""
+        return self.unit_in(self.motion) or "SI"
+
+    def number(self, given: Number) -> Expr:
+        """A number for it, SI, exact; SceneError for a unit that does not fit, and for a symbol."""
+        with within(self.path):
+            read = number(given, self.dimension)
+        if read.motion and self.motion and read.motion is not self.motion:
+            raise SceneError(f'{self.path}: "{given}" is {read.motion.value}, but the scene is {self.motion.value}')
+        return read.value
+
+    def check(self, given: Number) -> None:
+        """SceneError, with the path, unless its rule allows the value: a number, a range or a symbol."""
+        if self.parts:
+            threshold_value(self.path, given)
+        else:
+            read_parameter(self.path, given, Slot(self.dimension, self.rule), self.symbol.name)
+
+    def put(self, scene: Scene, given: Number) -> Scene:
+        """The scene with this value for it; SceneError where the model does not allow it."""
+        return scene.with_values({self.path: given})
+
+
+def threshold_knobs(threshold: Threshold) -> tuple[Knob, ...]:
+    """Both thresholds as one (the value is the real part's), then each; none of a polygon, which is given by its corners."""
+    if threshold.region.corners:
+        return ()
+    keys = {"jnd": tuple(Part), **{f"jnd.{part.value}": (part,) for part in Part}}
+    return tuple(
+        Knob(
+            c, threshold[parts[0]], Dimension.RATIO, key=key, rule=Rule.POSITIVE, interval=threshold.interval(parts[0]),
+            place="evaluation", parts=parts,
+        )
+        for key, parts in keys.items()
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Knobs(Collection[Knob]):
+    """The knobs of a scene, the thresholds last: three, of which ``evaluation.jnd`` is the other two as one.
+
+    ``knobs[name]``: by path, by the name of a symbol (``c`` the threshold), or by the end of a path, where that is unique.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> knobs = load_scene("fu2019").knobs
+    >>> {knobs[x].path for x in ("omega_n", "filter.omega_n", "effects.filter.omega_n")}, knobs["c"].path
+    ({'effects.filter.omega_n'}, 'evaluation.jnd')
+    """
+
+    all: tuple[Knob, ...]
+
+    def __iter__(self) -> Iterator[Knob]:
+        return iter(self.all)
+
+    def __len__(self) -> int:
+        return len(self.all)
+
+    def __contains__(self, knob: object) -> bool:
+        return knob in self.all
+
+    def __getitem__(self, name: str) -> Knob:
+        given = str(name)
+        named = [x for x in self if given == x.name]
+        ended = [x for x in self if any(path.endswith(f".{given}") for path in x.paths)]
+        if any(x.parts for x in named):  # a number of the scene that is written c as well is no threshold
+            named = [x for x in self if x in named or x in ended]
+        found = [x for x in self if given in x.paths] or named or ended
+        if len(found) > 1:
+            raise SceneError(f'"{given}" may be {" or ".join(x.path for x in found)}: give the path')
+        if not found:
+            paths = [path for x in self for path in x.paths]
+            hint = meant(given, [*paths, *(x.name for x in self)])
+            raise SceneError(f'the scene has no parameter "{given[:60]}": {hint}valid are {", ".join(paths)}')
+        return found[0]
+
+    @property
+    def parameters(self) -> tuple[Knob, ...]:
+        """Those of the display: all but the thresholds and the hands'."""
+        return tuple(x for x in self if not x.parts and not x.is_of_hand)
+
+    @property
+    def limits(self) -> dict[Part, Knob]:
+        """Of each part the threshold: one for both where they are alike, else its own; none of a polygon."""
+        found = [x for x in self if x.parts]
+        if not found:
+            return {}
+        both, *each = found
+        alike = len({(x.value, x.interval) for x in each}) == 1
+        return {part: both if alike else own for part, own in zip(Part, each, strict=True)}
+
+    def chosen(self, names: Iterable[str]) -> tuple[Knob, ...]:
+        """Several, each by its name; SceneError where two names mean one number."""
+        found: list[Knob] = []
+        for knob in map(self.__getitem__, names):
+            for other in found:
+                if other.path == knob.path:
+                    raise SceneError(f"{knob.path} is given twice")
+                if set(other.parts) & set(knob.parts):
+                    raise SceneError(
+                        f"{THRESHOLD} is both thresholds: give it, or {THRESHOLD}.real and {THRESHOLD}.imag"
+                    )
+            found.append(knob)
+        return tuple(found)
+
+    def need_numbers(self, besides: Collection[Knob] = ()) -> None:
+        """SceneError where one that is not ``besides`` is a symbol."""
+        for x in self:
+            if x.value.free_symbols - {omega} and x not in besides:
+                raise SceneError(
+                    f"{x.path} = {x.value} is a symbol where a number is needed: put one in, as by "
+                    f'with_values({{"{x.path}": ...}}); derive and distort answer in symbols'
+                )
+
+
+_FRICTION_KEYS = {"weber": Dimension.RATIO, "floor": Dimension.FORCE, "reference": Dimension.FORCE}
+
+
+@dataclass(frozen=True)
+class FrictionThreshold:
+    """A friction force F is noticed as another than ``reference`` where they differ by more than max(floor, weber reference).
+
+    ``weber`` : a fraction, >= 0. ``floor``, ``reference`` : N or N m, >= 0; the reference is what should be felt, 0 if not given.
+    Source: Veldhuis, Mulder and van Paassen (2024), doi:10.1109/THMS.2024.3368358 (abstract read): Weber's law where friction is
+    large, a detection threshold, which the linear dynamics shift, where it is not.
+    """
+
+    weber: Expr = Integer(0)
+    floor: Expr = Integer(0)
+    reference: Expr = Integer(0)
+    motion: MotionKind | None = None
+
+    @property
+    def least(self) -> Expr:
+        """The least difference that is noticed, N or N m."""
+        return Max(self.floor, self.weber * self.reference)
+
+
+def read_friction(given: Any) -> FrictionThreshold:
+    """As a scene gives it: a table. SceneError names key and rule.
+
+    >>> read_friction({"weber": "20 %", "floor": "50 mN", "reference": "0.4 N"}).least
+    2/25
+    """
+    if isinstance(given, FrictionThreshold):
+        return given
+    if not isinstance(given, Mapping) or not given:
+        raise SceneError('friction: must be a table, as { weber = 0.2, floor = "0.05 N" }')
+    found: dict[str, Any] = {}
+    kinds = set()
+    for key, x in given.items():
+        if key not in _FRICTION_KEYS:
+            raise SceneError(
+                f'friction: unknown key "{str(key)[:60]}": {meant(str(key), _FRICTION_KEYS)}valid are {", ".join(_FRICTION_KEYS)}'
+            )
+        with within(f"friction: {key}"):
+            read = number(x, _FRICTION_KEYS[key])
+        if read.value.free_symbols or sign_of_number(read.value) < 0:
+            raise SceneError(f'friction: {key}: "{x}" must be a number >= 0')
+        found[key] = read.value
+        kinds |= {read.motion} - {None}
+    if len(kinds) > 1:
+        raise SceneError("friction: floor and reference: one is a force, the other a torque")
+    return FrictionThreshold(**found, motion=next(iter(kinds), None))
 
 
 class HasParameters(Protocol):
@@ -73,15 +298,11 @@ def symbol_names(elements: Iterable[tuple[str, HasParameters | None]]) -> list[d
         names = {symbol: free_name(f"{symbol.name}{suffix}", taken) for symbol in shared}
         taken |= set(names.values())
         tied = {p.symbol: renamed[0][p.symbol] for p in held if p.tie and p.symbol in renamed[0]}
-        renamed.append({**tied, **{symbol: _like(symbol, name) for symbol, name in names.items()}})
+        renamed.append({**tied, **{symbol: Symbol(name, **symbol.assumptions0) for symbol, name in names.items()}})
     return renamed
 
 
 _OF_THRESHOLDS = ("c", "c_real", "c_imag")
-
-
-def _like(symbol: Symbol, name: str) -> Symbol:
-    return Symbol(name, **symbol.assumptions0)
 
 
 @dataclass(frozen=True, repr=False)
@@ -161,7 +382,7 @@ class Scene(Shown):
         rendered = next(renamed)
         object.__setattr__(self, "rendered", self.rendered.renamed(rendered) if self.rendered else None)
         effects = [effect.renamed(next(renamed)) for effect in effects]
-        object.__setattr__(self, "effects", in_place(effects, self.rendered or self.environment))
+        object.__setattr__(self, "effects", with_controller(effects, self.rendered or self.environment))
         object.__setattr__(self, "hands", tuple(hand.renamed(next(renamed)) for hand in self.hands))
 
     def _tie(self) -> None:
@@ -240,11 +461,6 @@ class Scene(Shown):
             self.knobs.limits.values() if not asked else [self.knobs[f"{THRESHOLD}.{part.value}"] for part in parts]
         )
         return {x.path: x for x in (*self.parameters, *limits) if x.interval and x not in but}
-
-    @property
-    def nominal_note(self) -> str:
-        """That parameters vary and only their nominal values are looked at; empty where none does."""
-        return self.nominal_but()
 
     def nominal_but(self, besides: Collection[str] = ()) -> str:
         """The same of all parameters but some, by their paths: those that a question is about."""
@@ -351,10 +567,8 @@ class Scene(Shown):
 
     def at_proportion(self, end: Number) -> Scene:
         """The same scene with its threshold at another proportion of right answers; SceneError where its own is not told."""
-        try:
+        with within("jnd"):
             return replace(self, threshold=self.threshold.at_proportion(end))
-        except SceneError as error:
-            raise error.within("jnd") from None
 
     def with_band(self, low: Number, high: Number) -> Scene:
         """The same scene on another band, rad/s or with a unit."""
@@ -363,10 +577,8 @@ class Scene(Shown):
 
 def frequency(key: str, given: Number) -> Expr:
     """An exact frequency, rad/s."""
-    try:
+    with within(key):
         return number(given, Dimension.FREQUENCY).value
-    except SceneError as error:
-        raise error.within(key) from None
 
 
 def _different(hands: Iterable[Hand]) -> None:
@@ -384,3 +596,90 @@ def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> 
     if len(seen) > 1:
         told = " but ".join(f"{where} is {motion.value}" for motion, where in seen.items())
         raise SceneError(f"translation and rotation cannot be mixed: {told}")
+
+
+def caveats(scene: Scene) -> tuple[str, ...]:
+    """A sentence for each: thresholds of 100 % and more, bands beyond a Nyquist frequency, clocks, holds inside a loop."""
+    return (*_thresholds(scene), *_bands(scene), *_loops(scene), *_hand(scene), *_late_mass(scene))
+
+
+def _late_mass(scene: Scene) -> list[str]:
+    """What people report of a delay is not what step 2 makes of it."""
+    models = {x.model for x in scene.effects}
+    if not {"admittance-display", "delay"} <= models:
+        return []
+    words = (
+        "People who pushed a mass of 6 kg off a late admittance display reported more mass, 10 % at 25 ms and 20 % at 50 ms "
+        "(PLoS ONE 10(9), e0138012; as m T/(T - tau) with a push of T = 275 to 300 ms), where step 2 says less."
+    )
+    return [words]
+
+
+def clocks(scene: Scene) -> tuple[Expr, ...]:
+    """The periods at which parts of a display work by a clock, s."""
+    return tuple(
+        x.value for effect in scene.effects if effect.model in CLOCKS for x in effect.parameters if x.key == "T"
+    )
+
+
+def sampled_loop(scene: Scene) -> tuple[Effect, Effect] | None:
+    """A clock that holds a force, and what brings that back to a clock: an element that yields, or another clock, beyond it.
+
+    Images of the samples then fold back into the band. The closed form (1 - exp(-s T))/(s T) leaves them out, and its poles
+    are not those of the sampled loop.
+    """
+    for i, effect in enumerate(scene.effects):
+        if effect.model not in CLOCKS:
+            continue
+        for other in scene.effects[i + 1 :]:
+            if other.model in CLOCKS or other.dynamics[2] != 0:
+                return effect, other
+    return None
+
+
+def _loops(scene: Scene) -> list[str]:
+    found = sampled_loop(scene)
+    if found is None:
+        return []
+    hold, other = (x.name for x in found)
+    words = (
+        f"{hold} holds a force that {other} brings back to a clock: images of the samples fold back into the band, and the "
+        "closed form leaves them out. It is an approximation here, and does not tell whether the sampled loop is stable; "
+        "haptisym stability decides that in a hand, haptisym simulate runs the loop."
+    )
+    return [words]
+
+
+def _hand(scene: Scene) -> list[str]:
+    """With a clock the hand closes a sampled loop, which may be unstable however stable the force under imposed motion is."""
+    clocks = [x.name for x in scene.effects if x.model in CLOCKS]
+    if not clocks:
+        return []
+    work = f"{' and '.join(clocks)} {'works' if len(clocks) == 1 else 'work'} by a clock"
+    words = (
+        f"{work}, so that hand and display together are a sampled loop. What is said here holds for imposed motion; "
+        "haptisym stability decides that loop in a hand."
+    )
+    return [words]
+
+
+def _bands(scene: Scene) -> list[str]:
+    high = scene.band[1]
+    holds = [
+        (x.name, pi / x.parameters[0].value) for x in scene.effects if x.model in CLOCKS
+    ]  # their one parameter is T
+    return [
+        f"The band reaches beyond {float(nyquist):.5g} rad/s, the Nyquist frequency of {name}: above it a motion is sampled as "
+        "one of a lower frequency, and the closed form tells the component at its own frequency only."
+        for name, nyquist in holds
+        if not nyquist.free_symbols and sign_of_number(high - nyquist) > 0
+    ]
+
+
+def _thresholds(scene: Scene) -> list[str]:
+    return [
+        f"The threshold of the {'real' if part is Part.REAL else 'imaginary'} part is {float(100 * c):.5g} % of |H_env|: "
+        'a JND of 12 % is written 0.12 or "12 %".'
+        for part in (() if scene.threshold.region.corners else Part)
+        if not (c := scene.threshold[part]).free_symbols and isinstance(c, Rational) and c >= 1
+    ]

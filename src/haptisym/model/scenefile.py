@@ -1,35 +1,156 @@
-"""Scenes by name, by path or from a text: TOML tables, with every error naming file, key, value and rule.
+"""Scene files: TOML tables to scenes, with every error naming file, key, value and rule.
 
-What a scene file says: TOML tables to scenes, with every error naming key, value and rule.
-
-Scenes by the name of a shipped one, by the path of a file, or from a text, with every error naming the file.
+A scene goes by the name of a shipped one, by the path of a file, or is read from a text. A file with several environments is a
+``SceneFamily``: one display, and everything that should be felt through it. One with ``[perceived]`` is measured, line by line.
 """
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from sympy import Integer
+from sympy import Expr, Integer
 
-from haptisym.kernel.errors import SceneError, meant, need
-from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import SceneError, meant, need, within
+from haptisym.kernel.objects import Shown, titled
+from haptisym.kernel.rings import c
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Hand, Model, read_hand
 from haptisym.model.distortion import Distortion
-from haptisym.model.family import SceneFamily, named
-from haptisym.model.friction import read_friction
-from haptisym.model.hand import Hand, hand
 from haptisym.model.jnd import Threshold, read_threshold
 from haptisym.model.measuredscene import MeasuredScene
-from haptisym.model.parameters import read_confidence
-from haptisym.model.quantities import Dimension, number
-from haptisym.model.scene import Scene, frequency
+from haptisym.model.parameters import free_name, read_confidence
+from haptisym.model.quantities import Dimension, Number, number
+from haptisym.model.scene import Scene, frequency, read_friction
 
 if TYPE_CHECKING:
     from haptisym.model.measured import Measurement  # needs NumPy, which a scene of formulas does not load
+
+
+MOST_ENVIRONMENTS = 100
+
+
+@dataclass(frozen=True, repr=False)
+class SceneFamily(Shown):
+    """Scenes by the names of their environments, all with the same effects, band and threshold.
+
+    ``scenes`` : at least one, in order. Valid by construction: SceneError where a scene has other effects, another band or
+    another threshold than the first. A mapping: ``family["liver"]``, ``len(family)``, ``for name in family``.
+
+    >>> from haptisym import effects, environments
+    >>> lag = (effects.first_order_lag(20),)
+    >>> soft, hard = (Scene(environments.kelvin_voigt(k, 2), lag) for k in (100, 1000))
+    >>> family = SceneFamily({"soft": soft, "hard": hard})
+    >>> list(family), family["hard"].environment.H
+    (['soft', 'hard'], 2*s + 1000)
+    """
+
+    scenes: Mapping[str, Scene]
+    title: str = ""
+    source: str = ""
+
+    def _line(self) -> str:
+        return f"{titled(self.title)}: {', '.join(self.scenes)}"
+
+    def __post_init__(self) -> None:
+        need("environments", self.scenes, Mapping, 'give scenes by name, as {"soft": load_scene(...)}')
+        for name, scene in self.scenes.items():
+            need(f"environments: {name}", scene, Scene, "give a scene, as load_scene(...) makes one")
+        if not 1 <= len(self.scenes) <= MOST_ENVIRONMENTS:
+            raise SceneError(f"environments: {len(self.scenes)} were given: at least 1, at most {MOST_ENVIRONMENTS}")
+        for name, scene in self.scenes.items():
+            if _display(scene) != _display(self.first):
+                raise SceneError(f'environments: "{name}" has other effects, another band or another threshold')
+
+    def __getitem__(self, name: str) -> Scene:
+        if name not in self.scenes:
+            these = "these are" if len(self) > 1 else "there is only"
+            raise SceneError(f'there is no environment "{name}": {these} {self.listed()}')
+        return self.scenes[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.scenes)
+
+    def __len__(self) -> int:
+        return len(self.scenes)
+
+    @property
+    def first(self) -> Scene:
+        """The first scene, whose effects, band and threshold are those of all."""
+        return next(iter(self.scenes.values()))
+
+    @property
+    def band(self) -> tuple[Expr, Expr]:
+        """Lowest and highest frequency, rad/s."""
+        return self.first.band
+
+    @property
+    def threshold(self) -> Threshold:
+        """The threshold of all scenes."""
+        threshold: Threshold = self.first.threshold
+        return threshold
+
+    def at_proportion(self, end: Number) -> SceneFamily:
+        """The same with the threshold at another proportion of right answers; SceneError where its own is not told."""
+        return replace(self, scenes={name: scene.at_proportion(end) for name, scene in self.scenes.items()})
+
+    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
+        """What is to be said beside an answer for all, each thing once: of which scenes, unless it is of all of them."""
+        whose: dict[str, list[str]] = {}
+        for name, scene in self.scenes.items():
+            for note in scene.asides(besides, varied):
+                whose.setdefault(note, []).append(name)
+        return [x if len(names) == len(self.scenes) else f"{', '.join(names)}: {x}" for x, names in whose.items()]
+
+    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+        """The same as the key ``nominal`` of a document: the ranges of each scene in which something varies."""
+        found = {name: scene.aside_keys(besides, varied).get("nominal") for name, scene in self.scenes.items()}
+        ranges = {name: own for name, own in found.items() if own}
+        keys = {"confidence": self.level and float(self.level), "nominal": ranges}
+        return {key: x for key, x in keys.items() if x}
+
+    @property
+    def level(self) -> Expr | None:
+        """As of a scene, the lowest."""
+        return min((x.level for x in self.scenes.values() if x.level is not None), default=None)
+
+    def listed(self) -> str:
+        """The names of the environments in one line."""
+        return ", ".join(f'"{name}"' for name in self)
+
+    def only(self) -> Scene:
+        """The one scene; SceneError where there are several, which says how to choose."""
+        if len(self) > 1:
+            raise SceneError(
+                f"this scene has {len(self)} environments ({self.listed()}): choose one with --environment NAME "
+                '(in Python: load_scene(..., environment="NAME")), or evaluate all of them together with '
+                "haptisym evaluate (in Python: evaluate_all(load_scenes(...)))"
+            )
+        return self.first
+
+    def ring(self) -> Ring:
+        """One ring that holds the dynamics of all scenes, so that their functions can be compared exactly."""
+        return Ring.of([c, *(entry for scene in self.scenes.values() for entry in scene.distortion().chain.entries())])
+
+
+def _display(scene: Scene) -> tuple[object, ...]:
+    """What the scenes of a family share; effects by their matrices, as symbols differ where an environment uses them too."""
+    effects = (
+        (e.name, e.settings, tuple(p.value for p in e.parameters) if e.renders else e.matrix) for e in scene.effects
+    )
+    return tuple(effects), scene.band, scene.threshold
+
+
+def named(scenes: Iterable[tuple[str, Scene]], title: str = "", source: str = "") -> SceneFamily:
+    """A family of scenes under names of their own: the second "liver" becomes "liver-2"."""
+    found: dict[str, Scene] = {}
+    for name, scene in scenes:
+        found[free_name(name, found, "-")] = replace(scene, title=title, source=source)
+    return SceneFamily(found, title, source)
 
 
 Table: TypeAlias = Mapping[str, Any]
@@ -104,24 +225,19 @@ def _formulas(table: Table, text: str) -> SceneFamily:
     _only(evaluation, ("band", "jnd", "confidence", "friction"), "evaluation")
     effects = tuple(_effects(table.get("effects", [])))
     band = _band(evaluation["band"]) if "band" in evaluation else _DEFAULT_BAND
-    threshold = _threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
+    with within("evaluation: jnd"):
+        threshold = read_threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
     title, source = _text(table, "title"), _text(table, "source")
     rows = _environments(table) if "environments" in table else [_one_environment(table)]
     hands = tuple(_hands(table))
     shared: dict[str, Any] = {"hands": hands, "text": text}
     if "friction" in evaluation:
-        shared["friction"] = _read("evaluation", read_friction, evaluation["friction"])
+        with within("evaluation"):
+            shared["friction"] = read_friction(evaluation["friction"])
     if "confidence" in evaluation:
         shared["confidence"] = read_confidence("evaluation: confidence", evaluation["confidence"])
     scenes = ((name, Scene(own, effects, band, threshold, rendered, **shared)) for name, own, rendered in rows)
     return named(scenes, title, source)
-
-
-def _read(place: str, reader: Any, given: Any) -> Any:
-    try:
-        return reader(given)
-    except SceneError as error:
-        raise error.within(place) from None
 
 
 def _one_environment(table: Table) -> tuple[str, Environment, Environment | None]:
@@ -154,10 +270,8 @@ def _environments(table: Table) -> Iterable[tuple[str, Environment, Environment 
 
 def _rendered(given: Any, environment: Environment, place: str) -> Environment:
     """What is rendered for an environment; its references are to that environment's values."""
-    try:
+    with within(place):
         return _environment(given, place).tied_to(environment)
-    except SceneError as error:
-        raise error.within(place) from None
 
 
 def _environment(given: Any, place: str) -> Environment:
@@ -192,10 +306,8 @@ def _hands(table: Table) -> Iterable[Hand]:
         name = own.pop("name", "hand" if place == "hand" else None)
         if not isinstance(name, str) or not name:
             raise SceneError(f"{place}: name: each of several hands needs one, a string that is not empty")
-        try:
-            yield hand(name, own)
-        except SceneError as error:
-            raise error.within(place) from None
+        with within(place):
+            yield read_hand(name, own)
 
 
 def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Model, dict[str, Any]]:
@@ -212,10 +324,8 @@ def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Mode
 def _built(model: Model, parameters: Table, place: str) -> Any:
     if "parameters" in parameters:
         _table(parameters["parameters"], f"{place}: parameters")
-    try:
+    with within(place):
         return model.build(**parameters)
-    except SceneError as error:
-        raise error.within(place) from None
 
 
 def _band(given: Any) -> tuple[Any, Any]:
@@ -245,7 +355,8 @@ def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
     evaluation = _table(table.get("evaluation", {}), "evaluation")
     _only(evaluation, ("band", "jnd"), "evaluation")
     band = _band(evaluation["band"]) if "band" in evaluation else None
-    threshold = _threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
+    with within("evaluation: jnd"):
+        threshold = read_threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
     return MeasuredScene(environment, perceived, band, threshold, _text(table, "title"), _text(table, "source"))
 
 
@@ -253,7 +364,7 @@ def _measurement(table: Table, place: str, folder: Path) -> Measurement:
     from haptisym.model.measured import CONFIDENCE, read_slope
     from haptisym.model.responsefile import RECORDS, read_file
 
-    try:
+    with within(place):
         _only(table, ("file", "averages", "confidence", "slope", *RECORDS), "")
         name = table.get("file")
         if not isinstance(name, str) or not name or "\0" in name:
@@ -265,24 +376,13 @@ def _measurement(table: Table, place: str, folder: Path) -> Measurement:
         slope = read_slope(table["slope"]) if "slope" in table else None
         found = read_file(folder / name, averages, CONFIDENCE if confidence is None else confidence, settings)
         return found if slope is None else replace(found, slope=slope)
-    except SceneError as error:
-        raise error.within(place) from None
 
 
 def _float(table: Table, key: str) -> float | None:
     if key not in table:
         return None
-    try:
+    with within(key):
         return float(number(table[key], Dimension.RATIO).value)
-    except SceneError as error:
-        raise error.within(key) from None
-
-
-def _threshold(given: Any) -> Threshold:
-    try:
-        return read_threshold(given)
-    except SceneError as error:
-        raise error.within("evaluation: jnd") from None
 
 
 def _text(table: Table, key: str) -> str:
@@ -374,10 +474,8 @@ def felt_through(own: SceneFamily, name: str, environments: Iterable[str | Path]
     given = [(label, x) for place in environments for label, x in _labelled(place)]
     if not given:
         return own
-    try:
+    with within(name):
         return named(((label, _with_environment(own.first, label, x)) for label, x in given), own.title, own.source)
-    except SceneError as error:
-        raise error.within(name) from None
 
 
 def open_scenes(scene: str | Path) -> tuple[SceneFamily | MeasuredScene, str]:
@@ -411,10 +509,8 @@ def as_family(given: SceneFamily | Scene | str | Path) -> SceneFamily:
 
 def _with_environment(display: Scene, label: str, other: Scene) -> Scene:
     """The display of one scene with the environment of another."""
-    try:
+    with within(label):
         return replace(display, environment=other.environment, rendered=other.rendered)
-    except SceneError as error:
-        raise error.within(label) from None
 
 
 def _labelled(place: str | Path) -> list[tuple[str, Scene]]:
@@ -441,12 +537,10 @@ def parse_scenes(text: str, name: str = "scene") -> SceneFamily:
 
 
 def _parsed(name: str, read: Callable[[], _T]) -> _T:
-    try:
+    with within(name):
         found = read()
         for scene in () if isinstance(found, MeasuredScene) else found.scenes.values():
             _ = scene.closed  # what is wrong with the dynamics as a whole is wrong with this file
-    except SceneError as error:
-        raise error.within(name) from None
     return found
 
 
@@ -456,12 +550,10 @@ def _chosen(text: str, name: str, environment: str | None) -> Scene:
 
 def chosen(family: SceneFamily, name: str, environment: str | None) -> Scene:
     """One environment of several, or the only one; ``name`` is what error messages call the file."""
-    try:
+    with within(name):
         if environment is None:
             return family.only()
         scene = family[environment]
-    except SceneError as error:
-        raise error.within(name) from None
     return replace(scene, title=f"{scene.title or 'Untitled scene'}: {environment}")
 
 

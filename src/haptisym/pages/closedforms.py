@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 from sympy import Abs, Expr, I, Mul, S, Symbol, sqrt
 
-from haptisym.kernel import response
+from haptisym.kernel import dynamics as response
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.rings import Polynomial, RationalFunction
-from haptisym.kernel.symbols import X, omega
+from haptisym.kernel.rings import Polynomial, RationalFunction, X, omega
 from haptisym.model.distortion import Distortion, magnitude, part_of
 from haptisym.model.jnd import Part
 from haptisym.writing.document import Line
@@ -111,7 +110,7 @@ def on_axis(function: RationalFunction, part: Part) -> Expr:
     """Real or imaginary part on s = j omega, over the squared modulus of the denominator.
 
     >>> from haptisym.kernel.dynamics import Ring
-    >>> from haptisym.kernel.symbols import s
+    >>> from haptisym.kernel.rings import s
     >>> on_axis(Ring().convert(1 / (s**2 + s + 4)), Part.REAL)
     (4 - omega**2)/(omega**2 + (4 - omega**2)**2)
     """
@@ -130,7 +129,7 @@ def squared_modulus(function: RationalFunction) -> Expr:
     """|f(j omega)|^2 as sums of two squares.
 
     >>> from haptisym.kernel.dynamics import Ring
-    >>> from haptisym.kernel.symbols import s
+    >>> from haptisym.kernel.rings import s
     >>> squared_modulus(Ring().convert(s**2 + s + 4))
     omega**2 + (4 - omega**2)**2
     """

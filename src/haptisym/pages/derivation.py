@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from sympy import Expr, I
 
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.symbols import omega, s
+from haptisym.kernel.dynamics import RealFunction
+from haptisym.kernel.rings import omega, s
 from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part
 from haptisym.pages.scene import DIFFERENCE, DYNAMICS, FELT, RELATIVE, FormulaGroup, SceneForms

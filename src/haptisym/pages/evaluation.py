@@ -28,12 +28,10 @@ from haptisym.judge.evaluation import Compared, Evaluation
 from haptisym.judge.passivity import Passivity
 from haptisym.judge.regions import Joint
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import RationalFunction
+from haptisym.kernel.rings import RationalFunction, omega, s
 from haptisym.kernel.roots import Chart
-from haptisym.kernel.symbols import omega, s
-from haptisym.model.jnd import Part, Threshold
+from haptisym.model.jnd import Part, Threshold, like
 from haptisym.model.parameters import ExactRange
-from haptisym.model.published import like
 from haptisym.model.quantities import Dimension
 from haptisym.pages.held import held
 from haptisym.pages.late import drawing, proof

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import RealNumber
-from haptisym.model.caveats import caveats as cautions
 from haptisym.model.jnd import Part
+from haptisym.model.scene import caveats as cautions
 from haptisym.pages.evaluation import family_regions
 from haptisym.pages.words import both, caveats, certainty, limits, page_about, short, spans
 from haptisym.verbs.family.entry import FamilyBinding, FamilyEvaluation

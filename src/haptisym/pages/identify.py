@@ -8,8 +8,8 @@ from math import ceil, floor, log10
 
 import numpy as np
 
-from haptisym.kernel.shown import counted
-from haptisym.kernel.symbols import s
+from haptisym.kernel.objects import counted
+from haptisym.kernel.rings import s
 from haptisym.model.distortion import distort
 from haptisym.model.quantities import unit_text
 from haptisym.pages.measured import linearity, measured_words

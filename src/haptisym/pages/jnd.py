@@ -11,10 +11,9 @@ from statistics import NormalDist
 
 import numpy as np
 
-from haptisym.model.published import Published
+from haptisym.model.jnd import Published
 from haptisym.pages.words import noted, rounded
-from haptisym.verbs.jnd.entry import METHODS, Psychometric, PublishedThresholds
-from haptisym.verbs.jnd.fitting import Estimate
+from haptisym.verbs.jnd.entry import METHODS, Estimate, Psychometric, PublishedThresholds
 from haptisym.writing.boxes import Applied, Box, Fenced, Fraction, Numeral, Product, Sum
 from haptisym.writing.document import (
     Block,

@@ -21,7 +21,7 @@ def latex(value: Any) -> str:
     Raises TypeError for anything else.
 
     >>> from sympy import Rational
-    >>> from haptisym.kernel.symbols import omega, s, symbols
+    >>> from haptisym.kernel.rings import omega, s, symbols
     >>> m, b, k, omega_n, zeta = symbols("m b k omega_n zeta")
     >>> latex(Rational(9, 5) * s**2 + b * s + k), latex(k - m * omega**2)
     ('1.8 s^{2} + b s + k', 'k - m \\omega^{2}')

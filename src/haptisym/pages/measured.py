@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from haptisym.judge.percepts import NOT_NAMED, felt_words
-from haptisym.kernel.shown import counted
-from haptisym.kernel.symbols import s
+from haptisym.kernel.objects import counted
+from haptisym.kernel.rings import s
 from haptisym.model.jnd import Part
 from haptisym.model.measured import Measurement, Slope, Welch, coherence_for
 from haptisym.model.quantities import unit_text

@@ -6,8 +6,7 @@ import re
 from collections.abc import Iterator
 
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.symbols import omega, s
+from haptisym.kernel.rings import RationalFunction, omega, s
 from haptisym.model.quantities import unit_text
 from haptisym.pages.words import caveats, certainty, noted, page_about, percent, region, short, spans
 from haptisym.verbs.metrics.metric import Form, Metric, Metrics, Value

@@ -16,8 +16,8 @@ from haptisym.judge.crossings import Crossing, Judged
 from haptisym.judge.peaks import Peak
 from haptisym.judge.percepts import Percept, felt
 from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.rings import s
 from haptisym.kernel.roots import Interval, Point
-from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Threshold

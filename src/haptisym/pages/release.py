@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from haptisym.kernel.rootcount import RootChain
-from haptisym.model.caveats import clocks
+from haptisym.model.scene import clocks
 from haptisym.pages.words import H_PERC, page_about, rounded, unit
 from haptisym.verbs.simulate.release import Closed, Release
 from haptisym.writing.document import (

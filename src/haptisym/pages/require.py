@@ -15,9 +15,8 @@ from sympy import Expr
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, outward
-from haptisym.model.caveats import clocks
-from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.quantities import unit_text
+from haptisym.model.scene import THRESHOLD, Knob, clocks
 from haptisym.pages.late import proof
 from haptisym.pages.words import both, certainty, exactly, page_about, rounded, rule, short, symbol
 from haptisym.verbs.require.feasible import Binding, Domain, End, Kind, Span

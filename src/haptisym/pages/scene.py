@@ -19,18 +19,16 @@ from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi
 
 from haptisym.judge.crossings import noticed, opened
 from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.dynamics import RealFunction, on_axis
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.response import RealFunction, on_axis
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, omega, s
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.symbols import omega, s
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, Shape, Threshold, is_irrational_algebraic
-from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 from haptisym.pages.closedforms import ClosedForms
 from haptisym.pages.words import H_ENV, H_PERC, both, page_about, region
 from haptisym.writing.boxes import Absolute, Box, Equation

@@ -9,7 +9,7 @@ import sympy
 from sympy import Expr, Function, Symbol
 from sympy.printing.str import StrPrinter
 
-from haptisym.kernel.symbols import omega, s
+from haptisym.kernel.rings import omega, s
 from haptisym.programs.steps import DISTORTION
 from haptisym.verbs.derive.derivation import Derivation
 from haptisym.writing.code.languages import Language, comment, identifiers

@@ -21,11 +21,11 @@ from sympy import Abs, Add, Expr, Integer, Symbol, count_ops, exp
 
 from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.lattices import Lattice, Signed
-from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import omega
+from haptisym.kernel.roots import Lattice, Signed
 from haptisym.kernel.solutions import Solution, solve
-from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part, Shape
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, MotionKind, unit_text

@@ -8,7 +8,7 @@ from math import pi
 from haptisym.model.quantities import Dimension
 from haptisym.pages.late import drawing
 from haptisym.pages.words import H_PERC, noted, page_about, rounded, stiffness_unit, unit
-from haptisym.verbs.simulate.results import Estimate, Simulation, Simulations
+from haptisym.verbs.simulate.entry import Estimate, Simulation, Simulations
 from haptisym.writing.document import Block, Column, Document, Facts, Paragraph, Phrase, Section, Strong, Table, listed
 
 _AGREES: dict[bool | None, Phrase] = {True: "yes", False: Strong("NO"), None: "-"}

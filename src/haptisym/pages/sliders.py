@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 from sympy import Expr, Poly, fraction, together
 
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import Rule
 from haptisym.model.quantities import Dimension

@@ -16,10 +16,10 @@ from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import RootChain
-from haptisym.model.caveats import clocks
-from haptisym.model.hand import Hand, hands
+from haptisym.model.catalogue import Hand, hands
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, unit_text
+from haptisym.model.scene import clocks
 from haptisym.pages.held import not_looked_at
 from haptisym.pages.late import proof
 from haptisym.pages.words import (

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from sympy import Expr
 
 from haptisym.kernel.reals import RealNumber
-from haptisym.model.caveats import clocks
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import Parameter, spread
 from haptisym.model.quantities import MotionKind, unit_text
+from haptisym.model.scene import clocks
 from haptisym.pages.evaluation import joint, nothing_meets
 from haptisym.pages.late import drawing
 from haptisym.pages.words import CHANGE, both, noted, page_about, region_of_fit, rounded, symbol

@@ -14,14 +14,13 @@ from sympy import Expr
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import reals
-from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.reals import Hertz, RealNumber
+from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import Interval, Point
-from haptisym.kernel.symbols import Hertz, omega
-from haptisym.model.family import SceneFamily
-from haptisym.model.jnd import Part, Shape, Threshold
-from haptisym.model.published import DIGITS
+from haptisym.model.jnd import DIGITS, Part, Shape, Threshold
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.scene import Scene
+from haptisym.model.scenefile import SceneFamily
 from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled
 from haptisym.writing.document import Block, Code, Document, Notes, Number, Phrase, Strong, coded, listed
 from haptisym.writing.layout import layout, named

@@ -15,11 +15,10 @@ import flint
 from flint import arb, arb_series, fmpq, fmpq_poly
 from sympy import Expr, Pow, Rational, Symbol, cos
 
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import MOST_BITS, Ball, RealNumber, at_rising_precision, expression_ball
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import Polynomial, PolynomialRing, omega
 from haptisym.programs.program import Program
 
 

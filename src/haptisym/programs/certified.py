@@ -22,9 +22,9 @@ import numpy as np
 from flint import arb, fmpq
 from sympy import Rational
 
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, RealNumber
-from haptisym.kernel.response import RealFunction
 from haptisym.programs.balls import FUNCTIONS, BallPoint, PointValue, constant_ball, nearest_double
 from haptisym.programs.floats import nearest
 from haptisym.programs.program import Program

@@ -17,7 +17,7 @@ from flint import fmpq
 from sympy import Expr, Poly, fraction, together
 
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
 from haptisym.programs.program import LAST, SMALL, Operation, Program
 
 _TERMS = [(-1.0) ** k / factorial(2 * k + 1) for k in range(LAST // 2 + 1)]

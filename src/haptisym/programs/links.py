@@ -19,8 +19,7 @@ from flint import acb, acb_series, arb
 from sympy import Expr, I, Rational, Symbol
 
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.rings import Polynomial, RationalFunction
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import Polynomial, RationalFunction, s
 from haptisym.programs.balls import constant_ball
 from haptisym.programs.program import Program, Writer, phi
 from haptisym.programs.stable import Author, less_one, runs

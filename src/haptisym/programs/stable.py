@@ -25,10 +25,8 @@ from flint import fmpq
 from sympy import Add, Expr, Integer, Rational, Symbol, sqrt
 
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.response import RealFunction, on_axis
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, cleared, degree_in
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, cleared, degree_in, omega
 from haptisym.programs.program import Program, Writer, sincm1
 
 ComplexStep: TypeAlias = tuple[int, int]

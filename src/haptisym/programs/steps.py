@@ -24,7 +24,7 @@ from sympy import (
     sqrt,
 )
 
-from haptisym.kernel.shown import Shown, counted
+from haptisym.kernel.objects import Shown, counted
 from haptisym.programs.program import Operation, Program
 
 
@@ -105,7 +105,7 @@ def page_steps(program: Program) -> Steps:
 
     >>> from haptisym import effects, environments
     >>> from haptisym.model.distortion import distort
-    >>> from haptisym.kernel.symbols import symbols
+    >>> from haptisym.kernel.rings import symbols
     >>> m, b, k, omega_c = symbols("m b k omega_c")
     >>> chain = distort(environments.mass_spring_damper(m, b, k), effects.first_order_lag(omega_c)).chain
     >>> steps = page_steps(chain.program(["real", "imag"]))

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import rounded, whole
-from haptisym.kernel.shown import Shown
 from haptisym.programs.accuracy import Accuracy, Engine
 from haptisym.programs.certified import Certified, Doubles, FormsAt
 from haptisym.programs.floats import Floats, Judgement, MagnitudeRange, judged, ranges

@@ -50,7 +50,7 @@ def equation(name: str, value: Basic, *, relation: str = "=", explained: bool = 
     Raises SceneError for any other name.
 
     >>> from haptisym.writing.mathtext import text
-    >>> from haptisym.kernel.symbols import s, symbols
+    >>> from haptisym.kernel.rings import s, symbols
     >>> text(equation("H_env", symbols("k") + s)), text(equation("r_r", symbols("k"), explained=True))
     ('H_env(s) = s + k', 'r_r = |Re dH/H_env| = k')
     """

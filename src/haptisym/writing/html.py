@@ -135,7 +135,7 @@ class Parts:
 def display(formulas: Sequence[Line], parts: Parts | None = None) -> Html:
     """The formulas in one block, aligned at their relations, which scrolls by itself where it is too wide.
 
-    >>> from haptisym.kernel.symbols import s
+    >>> from haptisym.kernel.rings import s
     >>> from haptisym.writing.equations import QUANTITIES
     >>> display([Line(QUANTITIES["H_env"][0], s)]).count("<mtr>")
     1

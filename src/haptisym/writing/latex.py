@@ -185,7 +185,7 @@ RELATIONS = {"≈": r"\approx", "≠": r"\ne", "≤": r"\le", "≥": r"\ge"}
 def formula(expression: Basic) -> str:
     r"""A SymPy expression as LaTeX.
 
-    >>> from haptisym.kernel.symbols import omega, symbols
+    >>> from haptisym.kernel.rings import omega, symbols
     >>> m, k = symbols("m k")
     >>> formula(k - m * omega**2)
     'k - m \\omega^{2}'
@@ -318,7 +318,7 @@ LINE = 40.0
 def align(rows: Sequence[Line], names: Names | None = None) -> str:
     r"""The rows as an ``align*``; nothing where all are left out.
 
-    >>> from haptisym.kernel.symbols import s, symbols
+    >>> from haptisym.kernel.rings import s, symbols
     >>> from haptisym.writing.layout import named
     >>> k, b = symbols("k b")
     >>> print(align([Line(named("H"), k + b * s)]))

@@ -51,7 +51,7 @@ from sympy.core.relational import Relational
 from sympy.functions import exp
 
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.symbols import X, omega, s
+from haptisym.kernel.rings import X, omega, s
 from haptisym.writing.boxes import (
     Absolute,
     Applied,
@@ -391,7 +391,7 @@ _Quotient: TypeAlias = tuple[int, Expr, list[Expr], list[Expr]]  # sign, number,
 def layout(expression: Basic) -> Box:
     """The boxes of an expression.
 
-    >>> from haptisym.kernel.symbols import s
+    >>> from haptisym.kernel.rings import s
     >>> layout(2 * s + 3)
     Sum(terms=((1, Product(factors=(Numeral(digits='2', exponent=0), \
 Name(text='s', head=Word(letters='s', upright=False), below=())))), (1, Numeral(digits='3', exponent=0))))

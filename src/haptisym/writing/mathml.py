@@ -55,7 +55,7 @@ def mathml(expression: Basic | Box, *, display: bool = False) -> str:
 
     Order, signs and names are those of ``latex``; nothing is rounded.
 
-    >>> from haptisym.kernel.symbols import s, symbols
+    >>> from haptisym.kernel.rings import s, symbols
     >>> mathml(symbols("k_1") + s, display=True)
     '<math xmlns="http://www.w3.org/1998/Math/MathML" display="block"><mrow><mi>s</mi><mo>+</mo>\
 <msub><mi>k</mi><mn>1</mn></msub></mrow></math>'
@@ -220,7 +220,7 @@ def readable(function: RationalFunction, variable: Symbol, digits: int | None = 
 
     ``digits`` : to which all numbers are rounded, where they are known no better.
 
-    >>> from haptisym.kernel.symbols import s
+    >>> from haptisym.kernel.rings import s
     >>> from haptisym.kernel.rings import PolynomialRing
     >>> readable(PolynomialRing(s).convert((3 * s + 9) / (4 * s**2 + 7)), s)
     ((3*s/4 + 9/4)/(s**2 + 7/4), False)

@@ -41,7 +41,7 @@ def plain(expression: Basic) -> str:
     """A formula as one line of text, names as they are called.
 
     >>> from sympy import Rational, symbols
-    >>> from haptisym.kernel.symbols import s
+    >>> from haptisym.kernel.rings import s
     >>> k, omega_n = symbols("k omega_n")
     >>> plain(Rational(9, 5) * s**2 + 15 * s + 100), plain(-k * (s + 1) / (2 * omega_n**2))
     ('1.8 s^2 + 15 s + 100', '-k (s + 1)/(2 omega_n^2)')

@@ -27,12 +27,12 @@ from haptisym.interop import to_control, to_scipy
 from haptisym.judge.crossings import Criterion, Curve, find_crossings, noticed
 from haptisym.judge.peaks import ValueAt
 from haptisym.judge.regions import Sided
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import HaptisymError, SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
-from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import omega as omega_
+from haptisym.kernel.rings import s
 from haptisym.kernel.roots import Chart, chart
-from haptisym.kernel.symbols import omega as omega_
-from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part, Threshold, is_irrational_algebraic
 from haptisym.model.scene import Scene

@@ -23,11 +23,10 @@ from sympy import Expr, cosh, exp, sinh
 
 from haptisym import effects
 from haptisym.judge.answers import Answer
-from haptisym.kernel.budget import spared
-from haptisym.kernel.caches import forget
+from haptisym.kernel.budget import forget, spared
 from haptisym.kernel.errors import HaptisymError, SceneError
-from haptisym.kernel.shown import counted, titled
-from haptisym.kernel.symbols import s
+from haptisym.kernel.objects import counted, titled
+from haptisym.kernel.rings import s
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene

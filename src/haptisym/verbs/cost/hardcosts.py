@@ -17,7 +17,7 @@ from sympy import Integer, Rational, pi
 from haptisym import effects, environments
 from haptisym.judge.answers import Answer, NoScene
 from haptisym.kernel.errors import HaptisymError
-from haptisym.kernel.shown import counted
+from haptisym.kernel.objects import counted
 from haptisym.model.catalogue import Effect
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Threshold

@@ -53,15 +53,13 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, noticed, opened
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.judge.peaks import largest
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.errors import SceneError, several
-from haptisym.kernel.lattices import Lattice, Piece
+from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, SquareRoot
-from haptisym.kernel.response import RealFunction, on_axis
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
-from haptisym.kernel.shown import titled
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, c, omega, s
+from haptisym.kernel.roots import Lattice, Piece
 from haptisym.kernel.solutions import Equation, Solution, solve
-from haptisym.kernel.symbols import c, omega, s
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part, is_irrational_algebraic
@@ -115,7 +113,7 @@ def expansion(scene: Scene, order: int = 1) -> Expansion:
     Raises SceneError where no effect has a time constant, or where the distortion of infinitely fast devices is infinite.
 
     >>> from haptisym import effects, environments
-    >>> from haptisym.kernel.symbols import symbols
+    >>> from haptisym.kernel.rings import symbols
     >>> k, tau = symbols("k tau")
     >>> scene = Scene(environments.mass_spring_damper(k=100), (effects.delay("5 ms"),))
     >>> found = expansion(scene)

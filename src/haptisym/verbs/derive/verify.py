@@ -21,9 +21,9 @@ from sympy import Rational, Symbol, lambdify
 
 from haptisym.kernel.budget import SECONDS, limited, tick
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import whole
-from haptisym.kernel.shown import Shown
-from haptisym.kernel.symbols import s
+from haptisym.kernel.rings import s
 from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene

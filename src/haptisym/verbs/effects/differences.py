@@ -24,11 +24,11 @@ from sympy import Expr, Rational
 from haptisym.judge.crossings import level
 from haptisym.judge.peaks import largest
 from haptisym.kernel.budget import Waiting
+from haptisym.kernel.dynamics import RealFunction, on_axis
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.objects import Shown, counted
 from haptisym.kernel.reals import Ball, SquareRoot, expression_ball
-from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.roots import chart
-from haptisym.kernel.shown import Shown, counted
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import part_of
 from haptisym.model.jnd import Part

@@ -23,11 +23,10 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, noticed
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.lattices import Signed
+from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.roots import Chart, Interval, chart, sign_of_number
-from haptisym.kernel.shown import titled
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
+from haptisym.kernel.roots import Chart, Interval, Signed, chart, sign_of_number
 from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part, positive
 from haptisym.model.quantities import Dimension, Number, number

@@ -30,10 +30,9 @@ from haptisym.judge.crossings import Curve, curves
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.percepts import find_percepts
 from haptisym.kernel.budget import tick
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, bounds, rational_between
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Interval, Point
 from haptisym.model.scene import Scene

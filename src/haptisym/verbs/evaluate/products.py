@@ -21,9 +21,8 @@ from typing import Any, TypeAlias
 from sympy import Expr, Rational, Symbol
 
 from haptisym.kernel.axis import Axis, ComplexPolynomial
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.model.distortion import Distortion
 from haptisym_check.polynomials import Factor

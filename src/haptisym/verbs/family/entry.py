@@ -15,16 +15,14 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, noticed
 from haptisym.judge.evaluation import OWN, Compared, Evaluation, evaluate
 from haptisym.kernel.budget import SECONDS, limited
-from haptisym.kernel.lattices import Signed
+from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.roots import Chart, Interval, Key, Signs, chart
-from haptisym.kernel.shown import Shown, counted, titled
+from haptisym.kernel.roots import Chart, Interval, Key, Signed, Signs, chart
 from haptisym.model.distortion import Distortion
-from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
-from haptisym.model.scenefile import as_family
+from haptisym.model.scenefile import SceneFamily, as_family
 
 
 @dataclass(frozen=True)

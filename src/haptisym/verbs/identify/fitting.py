@@ -1,21 +1,12 @@
-"""Models with free numbers, and weighted least squares.
+"""Models with free numbers, where a fit begins, and weighted least squares.
 
-What is to be identified, and whether other values give the very same response.
+What is to be identified are models of the catalogue, or fractions of given degrees, with parameters that are free. A fit begins
+at values drawn from units and the lines' own scales, a fraction at linear least squares, each time weighted with the
+denominator before; it ends where a model lies nearest to the lines, weighted by their discs.
 
-What is to be identified: models of the catalogue, or fractions of given degrees, with parameters that are free.
-
-Whether other values of a model's parameters give the very same response: a question of algebra, which no line answers.
-
-Two responses are one where numerator and denominator are, but for one factor. With the values that were found (to three digits)
-on the one side these are polynomial equations for the parameters, solved by a Groebner basis.
-
-A model with free numbers, where a fit begins, and weighted least squares.
-
-A model with free parameters as a function of numbers: the response at all lines, for many sets of values at once.
-
-Values to begin a fit with: of models from their units and the lines' own scales, of fractions from linear least squares.
-
-Weighted least squares: the values with which a model lies nearest to measured lines, and how well the lines tell them.
+Whether other values of a model's parameters give the very same response is a question of algebra, which no line answers. Two
+responses are one where numerator and denominator are, but for one factor. With the values that were found (to three digits) on
+the one side these are polynomial equations for the parameters, solved by a Groebner basis.
 """
 
 from __future__ import annotations
@@ -34,15 +25,15 @@ from flint import fmpz_mpoly_ctx, fmpz_mpoly_vec, fmpz_poly
 from sympy import Symbol
 
 from haptisym.kernel.budget import tick
-from haptisym.kernel.errors import SceneError, meant
-from haptisym.kernel.shown import counted
+from haptisym.kernel.errors import SceneError, meant, within
+from haptisym.kernel.objects import counted
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
 from haptisym.model.distortion import distort
 from haptisym.model.measured import Complexes, Measurement, Reals
 from haptisym.model.parameters import NAMED, Rule, Slot, free_name
 from haptisym.model.quantities import Dimension
-from haptisym.verbs.identify.scenetext import Table
 
+Table: TypeAlias = Mapping[str, Any]
 Degrees: TypeAlias = tuple[int, int]
 HIGHEST = 12
 """Degree of a numerator or denominator."""
@@ -215,17 +206,14 @@ def _model(text: str, catalogue: Mapping[str, Model], place: str, names: _Symbol
         raise SceneError(
             f"{name}: a formula has no parameters to be found by themselves: choose another model, or degrees"
         )
-    try:
-        keys = _keys(listed, slots) if colon else dict.fromkeys(_usual(slots))
+    with within(name):
+        keys = (
+            _keys(listed, slots)
+            if colon
+            else {key: None for key, x in slots.items() if not x.formula and (x.required or not x.is_setting)}
+        )
         found = {key: _entry(f"{place}.{key}", slots[key], given, names) for key, given in keys.items()}
-    except SceneError as error:
-        raise error.within(name) from None
     return {"model": name, **found}
-
-
-def _usual(slots: Mapping[str, Slot]) -> list[str]:
-    """The parameters of a model of which nothing is said: all, but settings that may be absent."""
-    return [key for key, x in slots.items() if not x.formula and (x.required or not x.is_setting)]
 
 
 def _keys(listed: str, slots: Mapping[str, Slot]) -> dict[str, str | None]:
@@ -252,13 +240,9 @@ def _entry(path: str, slot: Slot, given: str | None, names: _Symbols) -> Any:
         return [names.free(f"{path}[{i}]", slot) for i in range(1, count + 1)]
     if slot.is_setting:
         if given is None:
-            raise SceneError(f"{key}: is no number to be found: give it, as in {key}={_example(slot)}")
+            raise SceneError(f"{key}: is no number to be found: give it, as in {key}={[*slot.choices, 1][0]}")
         return int(given) if given.isdigit() else given
     return names.free(path, slot) if given is None else given
-
-
-def _example(slot: Slot) -> str:
-    return slot.choices[0] if slot.choices else "1"
 
 
 _LIMITS = 60, 400, 20_000  # polynomials of a basis, terms of one, bits of a coefficient
@@ -329,15 +313,10 @@ def _solved(basis: list[Any], count: int) -> list[Reals] | None:
     for k in range(count):
         at = 2 + count - 1 - k  # its place in the context
         own = [p for p in basis if p.degrees()[at] and not any(p.degrees()[:at])]
-        if not any(all(not n for i, n in enumerate(_leading(p)) if i != at) for p in own):
+        if not any(all(not n for i, n in enumerate(p.monomial(0)) if i != at) for p in own):
             return None
         found = [[x, *rest] for rest in found for x in _roots(own, at, rest)]
     return [np.array(x) for x in found]
-
-
-def _leading(p: Any) -> tuple[int, ...]:
-    powers: tuple[int, ...] = tuple(p.monomial(0))
-    return powers
 
 
 def _roots(own: Sequence[Any], at: int, rest: Sequence[float]) -> Iterator[float]:

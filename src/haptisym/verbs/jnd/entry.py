@@ -1,27 +1,506 @@
-"""What a person's answers say of the just-noticeable difference, ready for a scene, and what was published.
+"""What a person's answers say of the just-noticeable difference, ready for a scene, and what was published. Estimated.
 
-Estimated, never certified.
+A psychometric function, a cumulative Gaussian between the rate of guesses and that of lapses, is fitted to answers at several
+levels by maximum likelihood, freely, or with one quantity held: the values of a quantity that the likelihood does not refuse
+are its interval (twice the fall of its logarithm is chi-squared). The descent goes over log sigma and (m - mu)/sigma with m in
+the middle of the levels, as over mu itself the valley of a flat curve bends, and ends with Newton's steps. psignifit 4 fits the
+same curve by Bayes' rule, and allows for answers that vary more than by chance.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import warnings
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from functools import cached_property
+from itertools import product
 from math import isfinite
 from pathlib import Path
-from typing import Any, ClassVar
+from statistics import NormalDist
+from typing import Any, ClassVar, TypeAlias
 
-from haptisym.judge.answers import Answer, NoScene
+import numpy as np
+from scipy.optimize import approx_fprime, brentq, minimize
+from scipy.special import log_ndtr, ndtr, xlogy
+from scipy.stats import chi2
+
+from haptisym.judge.answers import Answer
+from haptisym.kernel.budget import ONE_THREAD
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.shown import counted
-from haptisym.model.published import Published, published_by_name
-from haptisym.verbs.jnd.fitting import Asked, Deviance, Estimate, Fit, grouped_words
-from haptisym.verbs.jnd.tables import Answers, read_answers
-from haptisym.verbs.simulate.threads import one_thread
+from haptisym.kernel.objects import Viewed, counted
+from haptisym.model.jnd import Published, published_by_name
+from haptisym.programs.values import Array
+from haptisym.verbs.jnd.tables import Answers, Row, condensed, read_answers
+
+_NORMAL = NormalDist()
+
+
+@dataclass(frozen=True, slots=True)
+class Curve(Viewed):
+    """psi(x) = guess + (1 - guess - lapse) Phi((x - mu)/sigma).
+
+    ``mu``, ``sigma`` : in the unit of the levels. ``guess``, ``lapse`` : shares of answers that do not depend on the level.
+    """
+
+    mu: float
+    sigma: float
+    guess: float = 0.0
+    lapse: float = 0.0
+
+    def __call__(self, level: Array) -> Array:
+        shares: Array = self.guess + (1 - self.guess - self.lapse) * ndtr((level - self.mu) / self.sigma)
+        return shares
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is wanted of a curve: the JND at ``proportion``, which is a mu + z sigma.
+
+    ``alternatives`` : of a forced choice between so many, whose levels are differences: the JND is the level at which that share
+    of the answers would be right without lapses. None where a comparison with a standard is answered "more" or "less": the JND
+    is then how much further than the point of subjective equality the share of "more", without guesses and lapses, is that.
+
+    >>> Asked(0.75, None).weights, Asked(0.75, 2).weights
+    ((0, 0.6744897501960817), (1, 0.0))
+    """
+
+    proportion: float
+    alternatives: int | None
+
+    def __post_init__(self) -> None:
+        if not self.chance < self.proportion < 1:
+            what = f"of {self.alternatives} alternatives" if self.alternatives else "of a comparison"
+            raise SceneError(f"proportion: {self.proportion:g} must lie between chance, {self.chance:g} {what}, and 1")
+
+    @classmethod
+    def of(cls, proportion: float | None, alternatives: int | None) -> Asked:
+        """The same; without a proportion, halfway between chance and 1."""
+        if alternatives is not None and alternatives < 2:
+            raise SceneError(f"a forced choice has at least 2 alternatives, not {alternatives}")
+        chance = 1 / alternatives if alternatives else 0.5
+        return cls((1 + chance) / 2 if proportion is None else proportion, alternatives)
+
+    @property
+    def chance(self) -> float:
+        """The share of answers that a person who feels nothing gets."""
+        return 1 / self.alternatives if self.alternatives else 0.5
+
+    @property
+    def weights(self) -> tuple[int, float]:
+        """a and z."""
+        if not self.alternatives:
+            return 0, _NORMAL.inv_cdf(self.proportion)
+        return 1, _NORMAL.inv_cdf((self.proportion - self.chance) / (1 - self.chance))
+
+
+LEAST_TRIALS = 5
+"""Of a group of levels of which the deviance is tested: with fewer answers chi-squared says nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A number and the interval of it; None where that has no end on a side."""
+
+    value: float
+    low: float | None
+    high: float | None
+
+    def scaled(self, factor: float) -> Estimate:
+        """Times a positive number."""
+        low, high = (None if x is None else factor * x for x in (self.low, self.high))
+        return Estimate(factor * self.value, low, high)
+
+    @property
+    def as_size(self) -> Estimate:
+        """Of a size, which is at least 0: so is the lower end of its interval."""
+        return Estimate(self.value, None if self.low is None else max(self.low, 0.0), self.high)
+
+
+@dataclass(frozen=True, slots=True)
+class Deviance:
+    """How far answers are from a curve: with so many degrees of freedom chi-squared is larger with probability ``p``.
+
+    None where there are too few answers to tell. ``groups`` : of neighbouring levels, put together so that each has enough.
+    """
+
+    value: float
+    degrees: int
+    p: float | None
+    groups: int
+
+    @property
+    def fits(self) -> bool | None:
+        """Whether chance alone makes a larger one in at least one of twenty times."""
+        return None if self.p is None else self.p >= 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """The curve, the point of subjective equality (of a forced choice the middle of the curve), the JND and the deviance."""
+
+    curve: Curve
+    middle: Estimate
+    jnd: Estimate
+    deviance: Deviance
+    notes: tuple[str, ...] = ()
+
+
+def grouped_words(found: Deviance, levels: int) -> str:
+    """What was put together for the test of a fit; empty where nothing was."""
+    if found.groups == levels:
+        return ""
+    return f"{counted(levels, 'level')} put into {counted(found.groups, 'group')} of at least {LEAST_TRIALS} answers"
+
+
+MOST_LAPSES = 0.1
+"""Where a free share of lapses ends."""
+_STEEP, _FLAT = 1e-3, 1e3
+"""The least sigma, of the smallest step between levels, and the largest, of the whole range."""
+_FAR = 40
+"""Sigmas beyond the bounds of mu where sigma is held."""
+_MOST_SIGMAS = 1e5
+"""Between the middle of the levels and mu."""
+_NEWTON = 4
+"""Steps to the last digits."""
+_ROOT_2_PI = float(np.log(np.sqrt(2 * np.pi)))
+
+Held: TypeAlias = "tuple[int, float, float]"
+"""a, z and the value of a mu + z sigma."""
+
+
+@dataclass(frozen=True)
+class Best:
+    """Where the likelihood is largest: the curve, minus its logarithm there, whether it is a step, or ran out of bounds."""
+
+    curve: Curve
+    loss: float
+    steep: bool
+    flat: bool
+    outside: bool
+
+
+@dataclass(frozen=True)
+class Likelihood:
+    """Of the answers, with a share of guesses; the share of lapses is a number, or free where it is None."""
+
+    rows: tuple[Row, ...]
+    guess: float
+    lapse: float | None
+
+    @cached_property
+    def table(self) -> tuple[Array, Array, Array]:
+        """Levels, counts and trials."""
+        level, count, trials = (
+            np.array(x, float) for x in zip(*((r.level, r.count, r.trials) for r in self.rows), strict=True)
+        )
+        return level, count, trials
+
+    @property
+    def free(self) -> int:
+        """How many numbers are fitted."""
+        return 2 + (self.lapse is None)
+
+    @cached_property
+    def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Of mu, and of the logarithm of sigma."""
+        level = self.table[0]
+        span = level[-1] - level[0]
+        return (level[0] - 5 * span, level[-1] + 5 * span), (
+            float(np.log(_STEEP * np.diff(level).min())),
+            float(np.log(_FLAT * span)),
+        )
+
+    def loss(self, mu: float, spread: float, lapse: float) -> tuple[float, Array]:
+        """Minus the log-likelihood without its constant, and its slopes by mu, log sigma and lapse."""
+        level, count, trials = self.table
+        with np.errstate(all="ignore"):
+            sigma = np.exp(spread)
+            z, width = (level - mu) / sigma, np.log(1 - self.guess - lapse)
+            more = np.logaddexp(np.log(self.guess), width + log_ndtr(z))
+            less = np.logaddexp(np.log(lapse), width + log_ndtr(-z))
+            density = width - z * z / 2 - _ROOT_2_PI
+            pull = _times(count, np.exp(density - more)) - _times(trials - count, np.exp(density - less))
+            by_lapse = _times(trials - count, ndtr(z) / np.exp(less)) - _times(count, ndtr(z) / np.exp(more))
+            total = -(_times(count, more) + _times(trials - count, less)).sum()
+            slopes = np.array([pull.sum() / sigma, (pull * z).sum(), -by_lapse.sum()])
+        return (float(total), slopes) if np.isfinite(total) and np.isfinite(slopes).all() else (1e300, np.zeros(3))
+
+    def best(self, held: Held | None = None, begun: Curve | None = None) -> Best:
+        """The best of all curves, or of those with a value of a mu + z sigma; ``begun`` : where to look, else all over."""
+        way = _Way(self, held)
+        found = [way.down(x) for x in ([way.numbers(begun)] if begun else way.starts())]
+        loss, numbers = way.refined(*min(found, key=lambda x: x[0]))
+        mu, spread, lapse = way.parameters(numbers)
+        curve, (around, (_, high)) = Curve(mu, float(np.exp(spread)), self.guess, lapse), self.bounds
+        inside = around[0] + 1e-9 < mu < around[1] - 1e-9
+        return Best(curve, loss, self._is_step(curve), spread > high - 0.1, not inside)
+
+    def _is_step(self, curve: Curve) -> bool:
+        """Whether fewer than two levels lie on the slope, so far that some answer could tell."""
+        level, _, trials = self.table
+        z = (level - curve.mu) / curve.sigma
+        return bool((trials * np.minimum(ndtr(z), ndtr(-z)) > 1e-3).sum() < 2)
+
+    def deviance(self, curve: Curve) -> float:
+        """Twice what the log-likelihood lacks from that of the shares themselves."""
+        _, count, trials = self.table
+        kept = xlogy(count, count / trials) + xlogy(trials - count, 1 - count / trials)
+        return max(0.0, 2 * float(kept.sum() + self.loss(curve.mu, float(np.log(curve.sigma)), curve.lapse)[0]))
+
+
+def _times(weight: Array, value: Array) -> Array:
+    """Their product, 0 where the weight is."""
+    found: Array = np.where(weight > 0, weight * value, 0.0)
+    return found
+
+
+@dataclass(frozen=True)
+class _Way:
+    """Down the loss by what is free: log sigma, (m - mu)/sigma with m in the middle of the levels, and perhaps the lapses.
+
+    Over mu itself the valley of a flat curve bends, and a descent stops on its way. Where a quantity is held, mu or log sigma
+    is left.
+    """
+
+    likelihood: Likelihood
+    held: Held | None
+
+    def parameters(self, x: Sequence[float] | Array) -> tuple[float, float, float]:
+        """mu, log sigma and lapse."""
+        known = self.likelihood.lapse
+        lapse = float(x[-1]) if known is None else known
+        if self.held is None:
+            return self._middle - float(x[0] * np.exp(x[1])), float(x[1]), lapse
+        a, z, value = self.held
+        if a:
+            return value - z * float(np.exp(x[0])), float(x[0]), lapse
+        return float(x[0]), float(np.log(value / z)), lapse
+
+    def numbers(self, curve: Curve) -> list[float]:
+        spread = float(np.log(curve.sigma))
+        bent = (self._middle - curve.mu) / curve.sigma
+        kept = [bent, spread] if self.held is None else [spread if self.held[0] else curve.mu]
+        return [*kept, *([curve.lapse] if self.likelihood.lapse is None else [])]
+
+    @property
+    def _middle(self) -> float:
+        level = self.likelihood.table[0]
+        return float(level[0] + level[-1]) / 2
+
+    def starts(self) -> list[list[float]]:
+        level = self.likelihood.table[0]
+        span, guess = level[-1] - level[0], self.likelihood.guess
+        places = product(np.quantile(level, [0.1, 0.3, 0.5, 0.7, 0.9]), (0.05 * span, 0.2 * span, 0.8 * span))
+        return [self.numbers(Curve(float(mu), float(sigma), guess, 0.02)) for mu, sigma in places]
+
+    def down(self, start: Sequence[float]) -> tuple[float, Array]:
+        """The loss and the numbers at the bottom.
+
+        The loss is that of a trial: how long the first step is follows from the slopes, and those of many trials leap beyond
+        everything, from where a descent does not return.
+        """
+        trials = self.likelihood.table[2].sum()
+
+        def of_a_trial(x: Array) -> tuple[float, Array]:
+            total, slopes = self._loss(x)
+            return total / trials, slopes / trials
+
+        options = {"ftol": 1e-15, "maxiter": 500}
+        found: Any = minimize(of_a_trial, start, jac=True, method="SLSQP", bounds=self._bounds, options=options)
+        return float(found.fun) * trials, found.x
+
+    def refined(self, loss: float, x: Array) -> tuple[float, Array]:
+        """The same to the last digits, where the bottom is inside the bounds."""
+        bottom = np.array(x, float)
+        with np.errstate(all="ignore"):
+            for _ in range(_NEWTON):
+                slopes, bends = self._loss(bottom)[1], np.atleast_2d(approx_fprime(bottom, lambda x: self._loss(x)[1]))
+                if not np.isfinite(bends).all() or np.linalg.matrix_rank(bends) < len(bottom):
+                    return loss, x
+                bottom = bottom - np.linalg.solve(bends, slopes)
+        inside = all(low < x < high for x, (low, high) in zip(bottom, self._bounds, strict=True))
+        lower = self._loss(bottom)[0] if inside else np.inf
+        return (lower, bottom) if lower <= loss * (1 + 1e-9) else (loss, x)
+
+    @property
+    def _bounds(self) -> list[tuple[float, float]]:
+        mu, spread = self.likelihood.bounds
+        own = [(-_MOST_SIGMAS, _MOST_SIGMAS), spread]
+        if self.held is not None:
+            a, z, value = self.held
+            reach = _FAR * value / z if not a else 0.0  # a flat curve has its middle far beyond the levels
+            own = [spread] if a else [(mu[0] - reach, mu[1] + reach)]
+        return [*own, *([(0.0, MOST_LAPSES)] if self.likelihood.lapse is None else [])]
+
+    def _loss(self, x: Array) -> tuple[float, Array]:
+        mu, spread, lapse = self.parameters(x)
+        total, (by_mu, by_spread, by_lapse) = self.likelihood.loss(mu, spread, lapse)
+        if self.held is None:
+            sigma = float(np.exp(spread))
+            own = [-sigma * by_mu, by_spread - x[0] * sigma * by_mu]
+        else:
+            a, z, _ = self.held
+            own = [by_spread - by_mu * z * np.exp(spread)] if a else [by_mu]
+        return total, np.array([*own, *([by_lapse] if self.likelihood.lapse is None else [])])
+
+
+def crossing(excess: Callable[[float], float], start: float, step: float, most: float) -> float | None:
+    """Where a function that is negative at the start becomes positive in a direction; None within ``most`` steps."""
+    low, reach = start, 1.0
+    while reach < most:
+        high = start + reach * step
+        if excess(high) > 0:
+            return float(brentq(excess, low, high, xtol=1e-14, rtol=1e-12))
+        low, reach = high, 1.7 * reach
+    return None
+
+
+_FARTHEST = 1e4
+"""Standard deviations (about) within which the end of an interval is looked for."""
+
+
+def fitted(answers: Answers, asked: Asked, guess: float, lapse: float | None, confidence: float) -> Fit:
+    """The most likely curve. SceneError where the answers do not determine one."""
+    likelihood = Likelihood(answers.rows, guess, lapse)
+    best = likelihood.best()
+    _refuse(answers, best)
+    middle = _profiled(likelihood, best, (1, 0.0), confidence)
+    jnd = middle if asked.weights == (1, 0.0) else _profiled(likelihood, best, asked.weights, confidence)
+    if jnd.value <= 0:
+        raise SceneError(
+            f"{answers.name}: the JND would be {jnd.value:.4g}, which is not > 0: levels of a forced choice must be differences "
+            "from the standard"
+        )
+    return Fit(best.curve, middle, jnd, deviance(answers.rows, best.curve, likelihood.free))
+
+
+def _refuse(answers: Answers, best: Best) -> None:
+    level = [row.level for row in answers.rows]
+    if best.flat or best.outside:
+        told = (
+            "counts fall as levels rise; count the other answers"
+            if _falls(answers.rows)
+            else "the levels do not reach it"
+        )
+        raise SceneError(f"{answers.name}: the answers do not go from one kind to the other as the level rises: {told}")
+    if best.steep:
+        below = max((x for x in level if x <= best.curve.mu), default=level[0])
+        above = min((x for x in level if x > best.curve.mu), default=level[-1])
+        raise SceneError(
+            f"{answers.name}: the answers jump from one kind to the other between {below:g} and {above:g}: how steeply is not "
+            "determined; measure at levels in between"
+        )
+
+
+def _falls(rows: Sequence[Row]) -> bool:
+    half = len(rows) // 2
+    low, high = rows[:half], rows[-half:]
+    return sum(x.share for x in low) > sum(x.share for x in high)
+
+
+def _profiled(likelihood: Likelihood, best: Best, weights: tuple[int, float], confidence: float) -> Estimate:
+    """a mu + z sigma and the values of it that the likelihood does not refuse: twice its fall is chi-squared at most."""
+    a, z = weights
+    curve = best.curve
+    value, most = a * curve.mu + z * curve.sigma, float(chi2.ppf(confidence, 1))
+
+    def excess(x: float) -> float:
+        if a == 0 and x <= 0:
+            return 1e300
+        return 2 * (likelihood.best((a, z, x), curve).loss - best.loss) - most
+
+    step = curve.sigma / max(1.0, sum(x.trials for x in likelihood.rows)) ** 0.5
+    low, high = (crossing(excess, value, sign * step, _FARTHEST) for sign in (-1, 1))
+    return Estimate(value, low, high)
+
+
+def deviance(rows: Sequence[Row], curve: Curve, free: int) -> Deviance:
+    """The deviance of answers from a curve with so many fitted numbers; levels with few answers are put together."""
+    groups = tuple(_grouped(rows))
+    found = Likelihood(groups, curve.guess, curve.lapse).deviance(curve)
+    degrees = len(groups) - free
+    return Deviance(found, degrees, float(chi2.sf(found, degrees)) if degrees > 0 else None, len(groups))
+
+
+def _grouped(rows: Sequence[Row]) -> list[Row]:
+    """Neighbouring levels put together until each group has enough trials, at the mean of their levels."""
+    groups: list[Row] = []
+    for row in rows:
+        if groups and groups[-1].trials < LEAST_TRIALS:
+            groups[-1] = _joined(groups[-1], row)
+        else:
+            groups.append(row)
+    if len(groups) > 1 and groups[-1].trials < LEAST_TRIALS:
+        last = groups.pop()
+        groups[-1] = _joined(groups[-1], last)
+    return groups
+
+
+def _joined(one: Row, other: Row) -> Row:
+    trials = one.trials + other.trials
+    level = (one.level * one.trials + other.level * other.trials) / trials
+    return replace(one, level=level, count=one.count + other.count, trials=trials)
+
+
+_WIDTH = 2 * NormalDist().inv_cdf(0.95)
+"""What psignifit calls the width of a cumulative Gaussian, in sigma: from 5 % to 95 %."""
+
+
+def fitted_by_psignifit(answers: Answers, asked: Asked, confidence: float) -> Fit:
+    """The curve at the peak of the posterior. Guesses of a comparison are as many as lapses; both are fitted.
+
+    The interval of a JND that depends on sigma alone is that of the width; of a forced choice, that of the threshold.
+    """
+    import psignifit  # another package: loaded where it is asked for
+    from psignifit._utils import PsignifitException
+
+    kind = f"{asked.alternatives}AFC" if asked.alternatives else "equal asymptote"
+    middle = asked.weights[1] if asked.alternatives else 0.0
+    data = np.array([(x.level, x.count, x.trials) for x in answers.rows], float)
+    try:
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            found: Any = psignifit.psignifit(
+                data, experiment_type=kind, confP=(confidence,), verbose=True, thresh_PC=NormalDist().cdf(middle)
+            )
+    except (PsignifitException, ValueError, AssertionError) as error:
+        raise SceneError(f"{answers.name}: psignifit cannot fit this: {str(error) or 'it gives no reason'}") from None
+    words = (" ".join(str(x.message).removeprefix("psignifit:boundWarning").split()) for x in told)
+    sentences = (x.partition(". ")[0].rstrip(".") for x in words)
+    notes = dict.fromkeys(f"psignifit warns: {x}" for x in sentences)
+    return replace(_read_psignifit(found, answers, asked, str(confidence)), notes=tuple(notes))
+
+
+def _read_psignifit(found: Any, answers: Answers, asked: Asked, key: str) -> Fit:
+    values = {name: float(x) for name, x in found.parameter_estimate_MAP.items()}
+    sigma = values["width"] / _WIDTH
+    a, z = asked.weights
+    curve = Curve(values["threshold"] - a * z * sigma, sigma, values["gamma"], values["lambda"])
+    threshold, width = (
+        Estimate(values[name], *map(float, found.confidence_intervals[name][key])) for name in ("threshold", "width")
+    )
+    jnd = threshold if a else width.scaled(z / _WIDTH)
+    middle = threshold if not a or z == 0 else Estimate(curve.mu, None, None)
+    return Fit(curve, middle, jnd, deviance(answers.rows, curve, 3))
+
 
 METHODS = {"likelihood": "maximum likelihood", "psignifit": "psignifit 4"}
+
+
+@dataclass(frozen=True)
+class File:
+    """What an answer is about where that is no scene."""
+
+    title: str
+
+    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
+        """Nothing: no parameter is nominal."""
+        return []
+
+    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+        """Nothing."""
+        return {}
 
 
 @dataclass(frozen=True, repr=False)
@@ -53,8 +532,8 @@ class Psychometric(Answer):
         return False
 
     @property
-    def _about(self) -> NoScene:
-        return NoScene(self.answers.name)
+    def _about(self) -> File:
+        return File(self.answers.name)
 
     @property
     def jnd(self) -> Estimate:
@@ -143,7 +622,7 @@ def jnd(
     ``method`` : "likelihood", or "psignifit", which is another package, and fits guesses and lapses itself. ``columns`` : which
     column holds "level", "count", "trials" or "answer"; ``where`` : only lines with these values.
     """
-    answers = data if isinstance(data, Answers) else read_answers(data, columns or {}, where or {})
+    answers = condensed(data if isinstance(data, Answers) else read_answers(data, columns or {}, where or {}))
     choices = answers.alternatives if alternatives is None else alternatives
     if answers.alternatives not in (None, choices):
         raise SceneError(f"{answers.name} says that there were {answers.alternatives} alternatives, not {choices}")
@@ -152,15 +631,11 @@ def jnd(
     if method not in METHODS:
         raise SceneError(f'method: "{str(method)[:60]}": valid are {", ".join(METHODS)}')
     if method == "psignifit":
-        from haptisym.verbs.jnd.fitting import fitted_by_psignifit
-
         if guess or lapse != 0:
             raise SceneError("psignifit fits guesses and lapses itself: leave out guess and lapse")
         fit = fitted_by_psignifit(answers, asked, confidence)
     else:
-        from haptisym.verbs.jnd.fitting import fitted
-
-        with one_thread():
+        with ONE_THREAD:
             fit = fitted(answers, asked, 1 / choices if choices else guess, lapse, confidence)
     if choices:
         fit = replace(fit, jnd=fit.jnd.as_size)
@@ -213,8 +688,8 @@ class PublishedThresholds(Answer, tuple[Published, ...]):
         return False
 
     @property
-    def _about(self) -> NoScene:
-        return NoScene("Published thresholds")
+    def _about(self) -> File:
+        return File("Published thresholds")
 
     def _body(self) -> dict[str, Any]:
         return {"thresholds": [_row_in_published(x) for x in self], "certified": self.certified}

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from haptisym.kernel.errors import SceneError, meant, need, quoted
-from haptisym.kernel.shown import counted
+from haptisym.kernel.objects import counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +75,36 @@ def collected(rows: Iterable[tuple[float, int, int]]) -> tuple[Row, ...]:
         counts[level][0] += count
         counts[level][1] += trials
     return tuple(Row(level, *counts[level]) for level in sorted(counts) if counts[level][1])
+
+
+MOST_LEVELS = 1000
+"""With which a curve is fitted; more are put together."""
+
+
+def condensed(answers: Answers) -> Answers:
+    """The same with neighbouring levels put together at their means where there are very many."""
+    rows = answers.rows
+    if len(rows) <= MOST_LEVELS:
+        return answers
+    each = -(-sum(x.trials for x in rows) // MOST_LEVELS)
+    groups: list[list[Row]] = [[]]
+    filled = 0
+    for row in rows:
+        if filled >= each:
+            groups.append([])
+            filled = 0
+        groups[-1].append(row)
+        filled += row.trials
+    together = tuple(
+        Row(sum(x.level * x.trials for x in group) / _trials(group), sum(x.count for x in group), _trials(group))
+        for group in groups
+    )
+    note = f"{len(rows)} levels put into {len(together)} groups of neighbours, each at its mean"
+    return replace(answers, rows=together, notes=(*answers.notes, note))
+
+
+def _trials(rows: Iterable[Row]) -> int:
+    return sum(x.trials for x in rows)
 
 
 ALIASES = {

@@ -26,8 +26,8 @@ from sympy import Expr
 from haptisym.judge.answers import Answer
 from haptisym.judge.percepts import Change, Property
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.shown import counted, titled
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.objects import counted, titled
+from haptisym.kernel.rings import omega
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.measured import Complexes, Measurement, Reals, Slope, averages_for, coherence_for
 from haptisym.model.measuredscene import MeasuredScene

@@ -20,7 +20,7 @@ from sympy import Expr, Poly, fraction, together
 from haptisym.judge.percepts import Change, Property, real_property
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import expression_ball
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
 from haptisym.model.catalogue import Environment
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.measured import Complexes, Measurement, Reals

@@ -12,8 +12,8 @@ from haptisym.judge.crossings import Criterion, kept
 from haptisym.judge.evaluation import evaluate
 from haptisym.judge.peaks import largest
 from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.dynamics import RealFunction, squared_modulus
 from haptisym.kernel.reals import RealNumber, SquareRoot, short
-from haptisym.kernel.response import RealFunction, squared_modulus
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Point, chart
 from haptisym.model.scene import Scene

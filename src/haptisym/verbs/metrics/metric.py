@@ -22,19 +22,16 @@ from haptisym.judge.crossings import PASSIVE, Criterion, kept
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.passivity import Beyond, Passivity, has_no_pole_right, most_charted, poles_allow
 from haptisym.judge.peaks import ValueAt
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.far import Sense, far
+from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import ExactNumber, RealNumber, short
-from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
-from haptisym.kernel.rings import Polynomial, RationalFunction, cleared
+from haptisym.kernel.rings import Polynomial, RationalFunction, cleared, omega
 from haptisym.kernel.roots import Chart, Interval, Point, chart, sign_of_number
-from haptisym.kernel.shown import Shown, counted, titled
-from haptisym.kernel.symbols import omega
-from haptisym.model.caveats import clocks
 from haptisym.model.distortion import Distortion
 from haptisym.model.quantities import MotionKind
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Scene, clocks
 from haptisym.verbs.metrics.freeresponse import FreeResponse, Rule, free_response
 
 

@@ -18,9 +18,9 @@ from math import isqrt
 from typing import Any, TypeAlias
 
 from haptisym.kernel.budget import tick
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber
-from haptisym.kernel.response import RealFunction
 from haptisym.model.scene import Scene
 from haptisym.verbs.evaluate.certificate import TOO_LONG, afford, document, name_in_file, shown
 from haptisym.verbs.evaluate.products import Linked, products, rectangular

@@ -12,13 +12,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.symbols import s
-from haptisym.model.catalogue import Effect
-from haptisym.model.knobs import Knob
+from haptisym.kernel.rings import s
+from haptisym.model.catalogue import CLOCKS, SAMPLED_LOOP, Effect, samples
 from haptisym.model.parameters import Slot, read_parameter
 from haptisym.model.quantities import Dimension, Number
-from haptisym.model.sampled import CLOCKS, SAMPLED_LOOP, samples
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 
 STIFFNESS, DAMPING = "environment.k", "environment.b"
 """The paths of a wall's K and B."""

@@ -27,15 +27,14 @@ from haptisym.judge.crossings import Criterion
 from haptisym.judge.excess import Box, Excess, Side, excess_of
 from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, spared, tick
 from haptisym.kernel.errors import HaptisymError, SceneError, several
+from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber, whole
+from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.shown import Shown, counted, titled
-from haptisym.kernel.symbols import omega
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.quantities import Dimension, Number, number
-from haptisym.model.scene import Scene
+from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder

@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 from sympy import Expr, Rational
 
 from haptisym.judge.crossings import Criterion, Judged
-from haptisym.kernel.alike import ascending, is_told, ordered
 from haptisym.kernel.budget import spared, tick
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
-from haptisym.kernel.shown import Shown
-from haptisym.model.hand import Hand
+from haptisym.kernel.roots import ascending, is_told, ordered
+from haptisym.model.catalogue import Hand
 
 if TYPE_CHECKING:  # only what is asked of a hand has gaps
     from haptisym.verbs.stability.loops import Gap

@@ -21,9 +21,8 @@ from haptisym.judge.crossings import Criterion
 from haptisym.judge.excess import Box, Excess, LargerExcess, Side, excess_of
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import HaptisymError, LimitError
-from haptisym.kernel.symbols import omega
-from haptisym.model.knobs import Knob
-from haptisym.model.scene import Scene
+from haptisym.kernel.rings import omega
+from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.require.places import Told
 

@@ -22,24 +22,19 @@ from sympy import Expr, Integer, S, Symbol, pi
 
 from haptisym.judge.bounds import for_any_environment
 from haptisym.judge.crossings import Criterion, noticed, opened
-from haptisym.kernel.alike import ordered
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import SceneError, several
-from haptisym.kernel.factoring import discriminant, resultant
-from haptisym.kernel.lattices import Lattice
-from haptisym.kernel.polynomials import PolynomialFactor
+from haptisym.kernel.factors import PolynomialFactor
 from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, expression_ball
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
-from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.roots import Lattice, ordered, sign_of_number
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.parameters import Rule, values
 from haptisym.model.quantities import Number
-from haptisym.model.scene import Scene
+from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.verbs.require.feasible import Domain, End, Kind, Span
 
 
@@ -205,11 +200,11 @@ def critical(
         for kind, end in zip((Kind.START, Kind.EDGE), band, strict=True):
             yield (criterion, kind), substituted(f, 0, ring.convert(end))
         if f.degrees()[0] > (2 if is_even(f) else 1):
-            yield (criterion, Kind.TOUCH), discriminant(in_square(f), 0)
+            yield (criterion, Kind.TOUCH), in_square(f).discriminant(0)
     for f, g in combinations([f for f in factors if f.degrees()[0] and f != ring.variable], 2):
         if is_even(f) and is_even(g):
             f, g = in_square(f), in_square(g)
-        yield (criterion, Kind.TOUCH), resultant(f, g, 0)
+        yield (criterion, Kind.TOUCH), f.resultant(g, 0)
 
 
 def real_roots(factor: Polynomial, index: int, *, negative: bool) -> Iterator[RealNumber]:
@@ -301,9 +296,9 @@ def touch_polynomial(pieces: Sequence[RealFunction]) -> Expr:
     own = [[f for f, n in irreducible(piece.function.numerator) if n % 2 and f.degrees()[0]] for piece in pieces]
     found = axis.constant(1)
     for f in (f for factors in own for f in factors):
-        found *= discriminant(in_square(f), 0) if f.degrees()[0] > (2 if is_even(f) else 1) else 1
+        found *= in_square(f).discriminant(0) if f.degrees()[0] > (2 if is_even(f) else 1) else 1
     for f, g in (pair for one, other in combinations(own, 2) for pair in product(one, other) if pair[0] != pair[1]):
-        found *= resultant(in_square(f), in_square(g), 0) if is_even(f) and is_even(g) else resultant(f, g, 0)
+        found *= in_square(f).resultant(in_square(g), 0) if is_even(f) and is_even(g) else f.resultant(g, 0)
     return axis.factored_expression(found)
 
 

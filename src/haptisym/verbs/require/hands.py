@@ -28,21 +28,16 @@ from sympy import Expr, Integer, Rational, exp, pi
 from haptisym.judge.colgate import SampledPassivity, loop_of, sampled_passivity
 from haptisym.judge.crossings import PASSIVE, Criterion
 from haptisym.judge.passivity import environment_alone, passivity
-from haptisym.kernel.alike import ordered
 from haptisym.kernel.budget import spared, tick
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.factoring import resultant
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
-from haptisym.kernel.symbols import s
-from haptisym.model.caveats import clocks
+from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, s
+from haptisym.kernel.roots import ordered
+from haptisym.model.catalogue import Hand, how_to_give
 from haptisym.model.distortion import Distortion
-from haptisym.model.hand import Hand, how_to_give
-from haptisym.model.knobs import Knob
 from haptisym.model.parameters import Rule, values
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.programs.onaxis import OnAxis
 from haptisym.verbs.require.energy import Energy, span
 from haptisym.verbs.require.feasible import Binding, Domain, Kind, Question, Solved, Turn, stable_in
@@ -552,7 +547,7 @@ def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[Turn]:
         [(real, imag)] = ring.axis.parts([f])
         common = real.gcd(imag)
         if real and imag and f.degrees()[0]:
-            found.append((Kind.AXIS, resultant(real / common, imag / common, 0)))
+            found.append((Kind.AXIS, (real / common).resultant(imag / common, 0)))
     for kind, polynomial in found:
         for factor, _ in polynomial.factor()[1] if polynomial else ():
             for value in real_roots(factor, index, negative=True):

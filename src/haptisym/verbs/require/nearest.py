@@ -23,11 +23,10 @@ from haptisym.judge.peaks import Top, tops
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot, rational_between
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
 from haptisym.model.distortion import Distortion
-from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 from haptisym.programs.values import Array, Compiled
 from haptisym.verbs.require.feasible import Binding, Domain, Kind
 from haptisym.verbs.require.freeparameter import allowed

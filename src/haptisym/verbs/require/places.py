@@ -32,10 +32,10 @@ from flint import arb, arb_poly
 from sympy import Expr, Rational, Symbol
 
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.bernstein import range_of
 from haptisym.kernel.budget import Waiting
+from haptisym.kernel.dynamics import RealFunction
+from haptisym.kernel.enclosures import range_of
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.waves import CompiledWaves
 from haptisym.kernel.zeros import rounded_up, tightened

@@ -20,21 +20,18 @@ from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import PASSIVE, Criterion, noticed, opened
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import SECONDS, Told, limited
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
+from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, Sliver, whole
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, monomials
-from haptisym.kernel.shown import titled
+from haptisym.kernel.rings import Polynomial, c, monomials, omega
 from haptisym.kernel.solutions import Solution
 from haptisym.kernel.solutions import solve as formulas_of
-from haptisym.kernel.symbols import c, omega
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.quantities import Number
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.require.feasible import (
     Binding,

@@ -36,11 +36,10 @@ from sympy import Expr, Rational, S, Symbol, pi
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.peaks import Largest, Top, tops
 from haptisym.judge.regions import Sided
-from haptisym.kernel.alike import each_once, ordered
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import Waiting
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import (
     SURE_BITS,
     Ball,
@@ -54,14 +53,12 @@ from haptisym.kernel.reals import (
     expression_ball,
     rational_between,
 )
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, monomials
-from haptisym.kernel.roots import chart
+from haptisym.kernel.roots import Signed, chart, each_once, ordered
 from haptisym.kernel.zeros import sign_of
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import THRESHOLD, Knob
-from haptisym.model.scene import Scene
+from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.verbs.require.feasible import Binding, Domain, End, Kind, Solved, Span, runs, together
 from haptisym.verbs.require.freeparameter import (
     Conditions,

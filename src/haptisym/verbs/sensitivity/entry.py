@@ -27,20 +27,17 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Crossing, CrossingKind, Curve
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.budget import SECONDS, limited
-from haptisym.kernel.lattices import Lattice, Piece, Signed
-from haptisym.kernel.polynomials import algebraic
+from haptisym.kernel.dynamics import RealFunction
+from haptisym.kernel.factors import algebraic
+from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot, at_rising_precision
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing
-from haptisym.kernel.roots import Point, chart
-from haptisym.kernel.shown import Shown, counted, titled
+from haptisym.kernel.rings import Polynomial, PolynomialRing, c, omega
+from haptisym.kernel.roots import Lattice, Piece, Point, Signed, chart
 from haptisym.kernel.solutions import Equation, ImplicitSlope
-from haptisym.kernel.symbols import c, omega
 from haptisym.kernel.zeros import is_clear, sign_of
 from haptisym.model.jnd import Part, is_irrational_algebraic
-from haptisym.model.knobs import THRESHOLD, Knob, Knobs
 from haptisym.model.parameters import Rule
-from haptisym.model.scene import Scene
+from haptisym.model.scene import THRESHOLD, Knob, Knobs, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.derive.derivation import Derivation, derive
 

@@ -1,10 +1,6 @@
-"""Motions of the hand: sines, sweeps, and recordings as splines.
-
-Motions of the hand, prescribed: sines, sums of sines and sweeps, with all their derivatives.
+"""Motions of the hand: sines and sweeps with all their derivatives, and recordings, read with care, as splines.
 
 A motion is a displacement X_h(t), m or rad, of time in s; before t = 0 the hand is at rest.
-
-Recorded motions of the hand: CSV files, read with care, as splines.
 """
 
 from __future__ import annotations
@@ -16,61 +12,16 @@ from functools import cached_property
 from itertools import pairwise
 from math import comb, factorial, pi
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from haptisym.kernel.errors import SceneError, need, several
+from haptisym.kernel.errors import SceneError, need, several, within
 from haptisym.model.quantities import Dimension, Number, number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
 
 _SMOOTH = 7  # derivatives of a fade-in that vanish at its ends
-
-
-class Motion(Protocol):
-    """A prescribed motion of the hand. ``amplitude`` in m or rad; ``omegas`` in rad/s, empty if it is not a sum of sines."""
-
-    @property
-    def name(self) -> str:
-        """What it is called."""
-
-    @property
-    def amplitude(self) -> float:
-        """The largest displacement, m or rad."""
-
-    @property
-    def omegas(self) -> tuple[float, ...]:
-        """The frequencies that it is made of, rad/s; none for what is no sum of sines."""
-
-    @property
-    def span(self) -> tuple[float, float]:
-        """The lowest and the highest frequency in it, rad/s."""
-        ...
-
-    @property
-    def duration(self) -> float | None:
-        """How long it lasts, s; None if it goes on."""
-        ...
-
-    @property
-    def smoothness(self) -> int:
-        """How many of its derivatives exist."""
-        ...
-
-    @property
-    def breaks(self) -> tuple[float, ...]:
-        """Where a higher one jumps, s: rests begin and end there."""
-        ...
-
-    @property
-    def kind(self) -> Kind | None:
-        """Translation or rotation, where a unit told."""
-        ...
-
-    def derivatives(self, t: Array, order: int) -> Array:
-        """The motion and its derivatives up to an order, along a new first axis."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -145,6 +96,32 @@ class Chirp:
         return _product(_fade(t, min(2 * pi / self.low, self.length / 4), order), wave.imag)
 
 
+@dataclass(frozen=True)
+class LettingGo:
+    """The force with which the hand holds: constant, then fading within ``fade`` seconds. In the place of a displacement."""
+
+    force: float
+    fade: float
+    span: tuple[float, float]
+    name: str = "release"
+    omegas: tuple[float, ...] = ()
+    duration: float | None = None
+    smoothness: int = 1000
+    breaks: tuple[float, ...] = ()
+    kind: Kind | None = None
+
+    @property
+    def amplitude(self) -> float:
+        """The force that holds the hand displaced, N or N m."""
+        return abs(self.force)
+
+    def derivatives(self, t: Array, order: int) -> Array:
+        """The force and its derivatives."""
+        rows = -self.force * _fade(t, self.fade, order)
+        rows[0] += self.force
+        return rows
+
+
 def sine(amplitude: Number, omega: Number) -> Sines:
     """A sine: ``amplitude`` in m or rad, ``omega`` in rad/s, bare or with a unit.
 
@@ -190,12 +167,10 @@ def _frequency(given: Number) -> float:
 
 def positive(key: str, given: Number, dimension: Dimension) -> float:
     """A quantity > 0 as a float in SI units; SceneError names the key."""
-    try:
+    with within(key):
         value = number(given, dimension).value
         if not value > 0:
             raise SceneError(f'"{given}" must be > 0')
-    except SceneError as error:
-        raise error.within(key) from None
     return float(value)
 
 
@@ -362,6 +337,15 @@ class Recording:
         )
 
 
+Motion: TypeAlias = Sines | Chirp | Recording | LettingGo
+"""A prescribed motion of the hand.
+
+``amplitude`` : the largest displacement, m or rad. ``omegas`` : the frequencies of a sum of sines, rad/s. ``span`` : the lowest
+and the highest frequency. ``duration`` : s, None if it goes on. ``smoothness`` : how many derivatives exist; ``breaks`` : where
+a higher one jumps, s. ``kind`` : of motion, where a unit told it. ``derivatives`` : up to an order, along a new first axis.
+"""
+
+
 def recording(path: str | Path, *, lowpass: Number | None = None, order: int = 4) -> Recording:
     """A motion from a CSV file: two columns, time and displacement, with units in the header (``t [s], x [mm]``).
 
@@ -427,10 +411,8 @@ def _unit(path: str | Path, header: str) -> str:
 
 
 def _scale(path: str | Path, unit: str, dimension: Dimension) -> tuple[float, Kind | None]:
-    try:
+    with within(f"{path}: line 1"):
         read = quantity(f"1 {unit}", dimension)
-    except SceneError as error:
-        raise error.within(f"{path}: line 1") from None
     return float(read.value), read.motion
 
 

@@ -1,51 +1,40 @@
-"""Linear equations of motion in named signals: the catalogue once more, from the physics.
+"""The catalogue once more, from the physics: equations of motion in named signals, with exact coefficients.
 
-Linear equations of motion in named signals, and dynamics as such equations.
+A ``Network`` is what a scene becomes before it is simulated: equations between signals, each a ``SignalSum`` of derivatives and
+delays that equals zero, and the elements that no linear equation describes (``Hold``, ``Switch``, ``Step``). Nothing here is a
+transfer function of the whole: every block adds its own equations, and only those of blocks that the scene names are ever made.
+They are written from springs, masses, delay lines, clocks and sliding friction, not from the chain matrices, which they are
+there to check. ``near`` and ``far`` are the ports towards the environment and towards the hand, each with force ``F`` and
+displacement ``X``.
 
-Linear equations of motion in named signals: sums of derivatives and delays with exact coefficients.
+*Fractional order.* s^alpha is a bank of first-order relaxations: no history to carry along. In s^(alpha-1) = sin(pi alpha)/pi *
+integral of lambda^(alpha-1)/(s + lambda) over lambda > 0, with lambda = e^y, the integrand is analytic in a strip, so that the
+trapezoidal rule converges exponentially (relative error about exp(-pi^2/step) on the imaginary axis). What lies below the
+slowest and beyond the fastest relaxation is a spring and a damper, whose strengths are geometric series and therefore known
+exactly.
 
-A ``Network`` is what a scene becomes before it is simulated: equations between signals, each a ``Sum`` that equals zero, and
-the elements that no linear equation describes (``Hold``, ``Switch``, ``Step``). Nothing here is a transfer function of
-the whole: every block adds its own equations, and only those of blocks that the scene names are ever made.
-
-Dynamics as equations: a rational function of s, powers of s and delays between signals of a network.
-
-The catalogue once more, as equations of motion.
-
-The catalogue once more, as equations of motion: what each environment and each effect does to force and motion in time.
-
-Every function adds the equations of one element to a ``Network``. They are written from the physics (springs, masses,
-delay lines, clocks, sliding friction), not from the chain matrices, which they are there to check. ``near`` and ``far`` are
-the ports towards the environment and towards the hand, each with force ``F`` and displacement ``X``.
-
-The derivative of fractional order in time, as a bank of first-order relaxations: no history to carry along.
-
-From s^(alpha-1) = sin(pi alpha)/pi * integral of lambda^(alpha-1)/(s + lambda) over lambda > 0: with lambda = e^y the integrand
-is analytic in a strip, so that the trapezoidal rule converges exponentially (relative error about exp(-pi^2/step) on the
-imaginary axis). What lies below the slowest and beyond the fastest relaxation is a spring and a damper, whose strengths are
-geometric series and therefore known exactly.
+*Rest.* In a stable scene each signal goes, long after a step of the hand, to the step times the limit of its transfer function
+at s -> 0. That limit is taken from the equations of motion with a tiny rational s: s = 0 itself would lose what delay lines
+hold (a line of wave variables keeps its position error as a constant flow, and no equation without derivatives knows of it).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import reduce
 from math import ceil, floor, log, sin
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from flint import fmpq
+from flint import fmpq, fmpq_mat
 from sympy import Expr, I, Rational, exp, pi
 
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, within
 from haptisym.kernel.rings import Polynomial
-from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
-from haptisym.model.hand import device
-from haptisym.model.sampled import controller
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model, controller, device
 from haptisym.programs.values import Array
 
 Exact: TypeAlias = fmpq
@@ -163,8 +152,6 @@ class Network:
     holds: list[Hold] = field(default_factory=list)
     switches: list[Switch] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
-    frictions: list[Switch] = field(default_factory=list)
-    """Those of the switches that are friction, as built: where several act on one velocity, ``switches`` has only the first."""
     built: list[str] = field(default_factory=list)
     fractional: list[tuple[float, float, float]] = field(default_factory=list)
     """Order and quadrature range of each fractional derivative."""
@@ -202,24 +189,15 @@ def name_of(signal: SignalSum) -> str:
     return name
 
 
-def quotient(net: Network, formula: Expr, x: SignalSum, y: SignalSum) -> None:
-    """y = (numerator/denominator) x as a differential equation: denominator(d/dt) y = numerator(d/dt) x."""
-    combined(net, [formula], [x], y)
-
-
 def combined(net: Network, formulas: Sequence[Expr], signals: Sequence[SignalSum], y: SignalSum) -> None:
     """y = G_1 x_1 + G_2 x_2 + ... over one denominator: what the formulas share is one motion in time, not several."""
     ring = Ring.of(formulas)
     quotients = [ring.convert(formula).reduced() for formula in formulas]
-    common = reduce(_least_multiple, (q.denominator for q in quotients))
+    common = reduce(lambda x, y: x * (y // x.gcd(y)), (q.denominator for q in quotients))
     total = SignalSum({})
     for q, x in zip(quotients, signals, strict=True):
         total = total + operator(net, q.numerator * (common // q.denominator), ring, x)
     net.equal(operator(net, common, ring, y), total)
-
-
-def _least_multiple(one: Polynomial, other: Polynomial) -> Polynomial:
-    return one * (other // one.gcd(other))
 
 
 def operator(net: Network, polynomial: Polynomial, ring: Ring, x: SignalSum) -> SignalSum:
@@ -252,12 +230,6 @@ def _powers(net: Network, made: dict[tuple[Any, int], SignalSum], x: SignalSum, 
     return x
 
 
-def fractional(net: Network, x: SignalSum, alpha: Exact) -> SignalSum:
-    """The derivative of an order that is not whole."""
-
-    return derivative(net, x, alpha)
-
-
 ExactValues: TypeAlias = Mapping[str, Exact]
 
 
@@ -272,7 +244,7 @@ def build_environment(net: Network, environment: Environment, port: Port) -> Non
     """Add the equations of an environment that is felt at a port."""
     net.built.append(environment.model)
     ours = _ENVIRONMENTS.get(environment.model) if _is_ours(ENVIRONMENTS, environment.model) else None
-    with _named(environment.model):
+    with within(environment.model):
         (ours or _written)(net, environment, port)
 
 
@@ -282,7 +254,7 @@ def build_effect(net: Network, effect: Effect, near: Port, far: Port) -> None:
     ours = _EFFECTS.get(effect.model) if _is_ours(EFFECTS, effect.model) else None
     if ours is None:
         net.foreign.append(effect.name)
-    with _named(effect.name):
+    with within(effect.name):
         (ours or _two_port)(net, effect, near, far)
 
 
@@ -291,57 +263,23 @@ def _is_ours(catalogue: Mapping[str, Model], model: str) -> bool:
     return model in catalogue and catalogue[model].build.__module__.startswith(__name__.partition(".")[0] + ".")
 
 
-@contextmanager
-def _named(element: str) -> Iterator[None]:
-    try:
-        yield
-    except SceneError as error:
-        raise error.within(element) from None
-
-
 def _values(element: Environment | Effect) -> dict[str, Exact]:
     return {parameter.key: exact(parameter.value) for parameter in element.parameters}
-
-
-def _msd(p: ExactValues, x: SignalSum) -> SignalSum:
-    return x.through(p.get("k", fmpq(0)), p.get("b", fmpq(0)), p.get("m", fmpq(0)))
 
 
 # Environments
 
 
-def _mass_spring_damper(net: Network, element: Environment, port: Port) -> None:
-    net.equal(port.F, _msd(_values(element), port.X))
-
-
-def _branch(net: Network, k: Exact, b: Exact, x: SignalSum) -> SignalSum:
-    """The force of a spring and a damper in a row: their velocities add up to that of x."""
-    force = net.signal("branch")
-    net.equal(force.through(1 / b, 1 / k), x.d())
-    return force
-
-
-def _maxwell(net: Network, element: Environment, port: Port) -> None:
+def _maxwell_branches(net: Network, element: Environment, port: Port) -> None:
+    """Springs and dampers in a row, whose velocities add up to that of x; perhaps with a spring k0 beside them."""
     p = _values(element)
-    net.equal(port.F, _branch(net, p["k"], p["b"], port.X))
-
-
-def _zener(net: Network, element: Environment, port: Port) -> None:
-    p = _values(element)
-    net.equal(port.F, p["k0"] * port.X + _branch(net, p["k1"], p["b1"], port.X))
-
-
-def _prony(net: Network, element: Environment, port: Port) -> None:
-    p = _values(element)
-    total, count = p["k0"] * port.X, sum(key.startswith("k[") for key in p)
-    for i in range(1, count + 1):
-        total = total + _branch(net, p[f"k[{i}]"], p[f"b[{i}]"], port.X)
+    total = p.get("k0", fmpq(0)) * port.X
+    for key in p.keys() - {"k0"}:
+        if key.startswith("k"):
+            force = net.signal("branch")
+            net.equal(force.through(1 / p["b" + key[1:]], 1 / p[key]), port.X.d())
+            total = total + force
     net.equal(port.F, total)
-
-
-def _spring_pot(net: Network, element: Environment, port: Port) -> None:
-    p = _values(element)
-    net.equal(port.F, p.get("k", fmpq(0)) * port.X + p["k_alpha"] * fractional(net, port.X, p["alpha"]))
 
 
 def _two_mass(net: Network, element: Environment, port: Port) -> None:
@@ -353,35 +291,17 @@ def _two_mass(net: Network, element: Environment, port: Port) -> None:
 
 
 def _written(net: Network, element: Environment, port: Port) -> None:
-    quotient(net, element.H, port.X, port.F)
-
-
-# Formulas
+    """Springs, masses and dampers, also of fractional order, and users' own."""
+    combined(net, [element.H], [port.X], port.F)
 
 
 # Effects
 
 
 def _series(net: Network, element: Effect, near: Port, far: Port) -> None:
+    """Every filter is its own differential equation."""
     net.equal(far.X, near.X)
-    quotient(net, element.matrix[0], near.F, far.F)
-
-
-def _first_order_lag(net: Network, element: Effect, near: Port, far: Port) -> None:
-    omega_c = _values(element)["omega_c"]
-    net.equal(far.X, near.X)
-    net.equal(far.F.d(), omega_c * (near.F - far.F))
-
-
-def _second_order_lowpass(net: Network, element: Effect, near: Port, far: Port) -> None:
-    p = _values(element)
-    net.equal(far.X, near.X)
-    net.equal(far.F.through(p["omega_n"] ** 2, 2 * p["zeta"] * p["omega_n"], 1), p["omega_n"] ** 2 * near.F)
-
-
-def _delay(net: Network, element: Effect, near: Port, far: Port) -> None:
-    net.equal(far.X, near.X)
-    net.equal(far.F, near.F.late(_values(element)["tau"]))
+    combined(net, [element.matrix[0]], [near.F], far.F)
 
 
 def _zero_order_hold(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -418,7 +338,7 @@ def _shunt(net: Network, element: Effect, near: Port, far: Port) -> None:
     if own := device(element):
         net.equal(beside, near.X.through(*map(exact, own)))
     else:
-        quotient(net, element.matrix[1], near.X, beside)
+        combined(net, [element.matrix[1]], [near.X], beside)
     net.equal(far.F, near.F + beside)
 
 
@@ -433,13 +353,15 @@ def _coulomb_friction(net: Network, element: Effect, near: Port, far: Port) -> N
     net.equal(far.X, near.X)
     net.equal(far.F, near.F + force)
     net.equal(velocity, near.X.d())
-    limit = float_of(_values(element)["force"])
-    net.frictions.append(Switch(name_of(force), velocity, name_of(velocity), limit, 0.0, element.name))
+    if limit := float_of(_values(element)["force"]):
+        net.switches.append(Switch(name_of(force), velocity, name_of(velocity), limit, 0.0, element.name))
+    else:
+        net.zero(force)
 
 
 def _admittance_display(net: Network, element: Effect, near: Port, far: Port) -> None:
     net.equal(far.X, near.X)
-    quotient(net, 1 / element.matrix[0], far.F, near.F)  # what the hand's force is to the rendered one
+    combined(net, [1 / element.matrix[0]], [far.F], near.F)  # what the hand's force is to the rendered one
 
 
 def _wave_variables(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -485,22 +407,13 @@ def float_of(number: Exact) -> float:
 
 
 _ENVIRONMENTS: dict[str, Callable[[Network, Environment, Port], None]] = {
-    "mass-spring-damper": _mass_spring_damper,
-    "kelvin-voigt": _mass_spring_damper,
-    "maxwell": _maxwell,
-    "zener": _zener,
-    "prony": _prony,
-    "spring-pot": _spring_pot,
+    **dict.fromkeys(("maxwell", "zener", "prony"), _maxwell_branches),
     "two-mass": _two_mass,
 }
 _EFFECTS: dict[str, Callable[[Network, Effect, Port, Port], None]] = {
-    "first-order-lag": _first_order_lag,
-    "second-order-lowpass": _second_order_lowpass,
-    "delay": _delay,
-    "pade-delay": _series,
     "sampled-loop": _sampled_loop,
     "zero-order-hold": _zero_order_hold,
-    "series": _series,
+    **dict.fromkeys(("series", "first-order-lag", "second-order-lowpass", "delay", "pade-delay"), _series),
     "shunt": _shunt,
     "compliance": _compliance,
     "coulomb-friction": _coulomb_friction,
@@ -538,7 +451,7 @@ def rates_and_weights(alpha: float, span: tuple[float, float]) -> tuple[list[flo
     return rates, weights, spring, damper
 
 
-def derivative(net: Network, x: SignalSum, alpha: Exact) -> SignalSum:
+def fractional(net: Network, x: SignalSum, alpha: Exact) -> SignalSum:
     """A signal that is the derivative of order alpha, 0 < alpha < 1, of a sum."""
     order = int(alpha.p) / int(alpha.q)
     net.fractional.append((order, *net.span))
@@ -563,3 +476,59 @@ def bank_error(alpha: float, span: tuple[float, float], omegas: Array) -> float:
     s = 1j * np.asarray(omegas)[:, None]
     value = spring + damper * s[:, 0] + (np.array(weights) * s / (s + np.array(rates))).sum(axis=1)
     return float(np.abs(value / s[:, 0] ** alpha - 1).max())
+
+
+_S = fmpq(1, 10**40)
+"""1/s. Numbers of the answer are wrong by about as little, relative to the time constants of the scene in s."""
+
+
+def at_rest(net: Network, position: float) -> dict[str, float]:
+    """Every signal of a network while the hand rests at a position, m or rad.
+
+    Clocks let through what they sample, friction gives no force, a limited force is what it is without the limit or the limit,
+    and a quantiser counts as exact. Raises SceneError where something moves on though the hand rests.
+
+    >>> net, f, x = Network((1.0, 1.0)), SignalSum.of("f"), SignalSum.of("x")
+    >>> net.equal(f, x.through(100, 15)), net.equal(x, SignalSum.of("motion"))
+    (None, None)
+    >>> at_rest(net, 0.5)["f"]
+    50.0
+    """
+    ratios = _ratios(net)
+    values = {name: position * float_of(ratio) for name, ratio in ratios.items()}
+    if not all(abs(value) < 1e15 for value in values.values()):
+        raise SceneError("motion: it begins away from 0, where the scene does not come to rest; begin it at 0")
+    return values
+
+
+def _ratios(net: Network) -> dict[str, Exact]:
+    """Each signal as a fraction of the hand's position."""
+    held = [
+        SignalSum.of(x.target) - SignalSum.of(x.source).late(fmpq(*x.period.as_integer_ratio()) / 2) for x in net.holds
+    ]
+    passed = [*held, *(SignalSum.of(x.target) - SignalSum.of(x.source) for x in net.steps)]
+    switched = [switch.closed if switch.offset else SignalSum.of(switch.target) for switch in net.switches]
+    equations = [*net.equations, *passed, *switched]
+    names = list(dict.fromkeys(name for equation in equations for name, _, _ in equation.terms if name != MOTION))
+    if len(equations) != len(names):
+        raise SceneError("the effects do not determine the motion")
+    place = {name: i for i, name in enumerate(names)}
+    left, right = fmpq_mat(len(names), len(names)), fmpq_mat(len(names), 1)
+    for row, equation in enumerate(equations):
+        for key, value in equation.terms.items():
+            if key[0] == MOTION:
+                right[row, 0] -= value * _factor(key)
+            else:
+                left[row, place[key[0]]] += value * _factor(key)
+    try:
+        found = left.solve(right)
+    except ZeroDivisionError:
+        raise SceneError("motion: it begins away from 0, where the scene has no state of rest; begin it at 0") from None
+    return {MOTION: fmpq(1), **{name: found[i, 0] for name, i in place.items()}}
+
+
+def _factor(key: SignalKey) -> Exact:
+    """s^n exp(-s lag) at the tiny s; three terms of the series are exact enough, as s^2 is 1e-80."""
+    _, order, lag = key
+    turned = _S * lag
+    return _S**order * (1 - turned + turned * turned / 2)

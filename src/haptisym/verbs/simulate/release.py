@@ -1,15 +1,9 @@
-"""Held displaced, and let go: the run, what is read from it, and the closed form's rightmost root.
-
-Rate and frequency of what lasts longest in a motion: a matrix pencil (Hua and Sarkar, 1990) on even samples.
-
-What a release hands over: the run, the rate and frequency read from it, and those of the closed form.
-
-Held displaced, and let go: whether hand and display come to rest or shake, by their equations of motion in time.
+"""Held displaced, and let go: whether hand and display come to rest or shake, by their equations of motion in time.
 
 The hand has held the display displaced for so long that everything rests; then the force with which it holds fades within a
-moment, and its mass, damping and stiffness alone stay. Clocks, delay lines and friction are real ones (``blocks``,
-``engine``); the closed form of H_perc is not used. From the motion that follows, rate and frequency of what lasts longest are
-read by a matrix pencil, and held against the rightmost root of H_perc(s) + m s^2 + b s + k.
+moment, and its mass, damping and stiffness alone stay. Clocks, delay lines and friction are real ones; the closed form of
+H_perc is not used. From the motion that follows, rate and frequency of what lasts longest are read by a matrix pencil (Hua and
+Sarkar, 1990) on even samples, and held against the rightmost root of H_perc(s) + m s^2 + b s + k.
 """
 
 from __future__ import annotations
@@ -24,26 +18,22 @@ from typing import Any, ClassVar
 import numpy as np
 
 from haptisym.judge.answers import Answer
-from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.budget import ONE_THREAD, SECONDS, limited
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.objects import titled
 from haptisym.kernel.rootcount import RootChain, at_least, order_at_0
-from haptisym.kernel.shown import titled
-from haptisym.model.caveats import clocks
-from haptisym.model.hand import Hand, how_to_give
+from haptisym.model.catalogue import Hand, how_to_give
 from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import MotionKind as Kind
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Scene, clocks
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.engine import Engine
-from haptisym.verbs.simulate.frictions import join_frictions
-from haptisym.verbs.simulate.motions import _fade, positive
-from haptisym.verbs.simulate.network import MOTION, Network, Port, SignalSum, exact, name_of
-from haptisym.verbs.simulate.propagate import Record
-from haptisym.verbs.simulate.rest import at_rest
+from haptisym.verbs.simulate.entry import build, in_time, same_kind
+from haptisym.verbs.simulate.motions import LettingGo, positive
+from haptisym.verbs.simulate.network import MOTION, Network, Port, SignalSum, at_rest, exact, name_of
 from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost_root
-from haptisym.verbs.simulate.run import build
-from haptisym.verbs.simulate.threads import one_thread
+from haptisym.verbs.simulate.statespace import Record
 from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.held import Held, characteristic, held, ring_of
 
@@ -261,11 +251,7 @@ class Release(Answer):
 
     def to_csv(self) -> str:
         """The run in time as a table, units in its header."""
-        force = "N m" if self.unit == "rad" else "N"
-        rows = (
-            ",".join(map(repr, map(float, row))) for row in zip(self.time, self.hand_motion, self.force, strict=True)
-        )
-        return "\n".join([f"time [s],displacement [{self.unit}],force [{force}]", *rows]) + "\n"
+        return in_time(self.scene, self.time, {"": (self.hand_motion, self.force)})
 
     def _body(self) -> dict[str, Any]:
         fitted = self.fitted and {"rate": self.fitted.rate, "omega": self.fitted.omega, "error": self.error}
@@ -304,32 +290,6 @@ _HIGHEST = 1e4  # rad/s: what is faster is not what a hand is let go with
 _BROAD = 10  # times the scale: the frequencies at which a release moves anything
 
 
-@dataclass(frozen=True)
-class LettingGo:
-    """The force with which the hand holds: constant, then fading within ``fade`` seconds. As a ``Motion`` of an engine."""
-
-    force: float
-    fade: float
-    span: tuple[float, float]
-    name: str = "release"
-    omegas: tuple[float, ...] = ()
-    duration: float | None = None
-    smoothness: int = 1000
-    breaks: tuple[float, ...] = ()
-    kind: Kind | None = None
-
-    @property
-    def amplitude(self) -> float:
-        """The force that holds the hand displaced, N or N m."""
-        return abs(self.force)
-
-    def derivatives(self, t: Array, order: int) -> Array:
-        """The force and its derivatives."""
-        rows = -self.force * _fade(t, self.fade, order)
-        rows[0] += self.force
-        return rows
-
-
 def release(
     scene: Scene | str | Path,
     displacement: Number,
@@ -355,9 +315,10 @@ def release(
     scene.knobs.need_numbers()
     hand = _the_hand(scene, hand)
     size = positive("release", displacement, Dimension.DISPLACEMENT)
-    _one_kind(scene, quantity(displacement, Dimension.DISPLACEMENT).motion, hand)
+    same_kind("release", quantity(displacement, Dimension.DISPLACEMENT).motion, scene)
+    same_kind(f"hand {hand.name}", hand.motion, scene)
     length = None if duration is None else positive("duration", duration, Dimension.TIME)
-    with one_thread(), limited(limit):
+    with ONE_THREAD, limited(limit):
         return _Run(scene, hand, size, closed_form(scene, hand)).go(length, progress)
 
 
@@ -370,12 +331,6 @@ def _the_hand(scene: Scene, given: str | Hand | None) -> Hand:
         f"which one of {', '.join(x.name for x in scene.hands)}" if scene.hands else "of this scene nothing tells which"
     )
     raise SceneError(f"letting go needs a hand, {several}: {how_to_give()}")
-
-
-def _one_kind(scene: Scene, kind: Kind | None, hand: Hand) -> None:
-    for what, own in (("release", kind), (f"hand {hand.name}", hand.motion)):
-        if own is not None and scene.motion is not None and own is not scene.motion:
-            raise SceneError(f"{what}: its unit is {own.value}, but the scene is {scene.motion.value}")
 
 
 def closed_form(scene: Scene, hand: Hand) -> Closed | None:
@@ -397,7 +352,9 @@ class _Run:
     def __init__(self, scene: Scene, hand: Hand, size: float, closed: Closed | None) -> None:
         self.scene, self.hand, self.size, self.closed = scene, hand, size, closed
         self.periods = [float(x) for x in clocks(scene)]
-        self.scale = self._scale()
+        found = abs(closed.s) if closed and closed.chain is None else 0.0
+        self.scale = max(found if found < _HIGHEST else 0.0, float(scene.band[1]) / 3)
+        """The frequency, rad/s, on which steps and the fading of the force are laid out."""
         self.lead = self._lead()
         span = (1e-3 * self.scale, max(30 * self.scale, 3 * float(scene.band[1])))
         self.net = Network(span)
@@ -415,11 +372,6 @@ class _Run:
         except SceneError as error:
             raise SceneError(f"the hand {hand.name} does not make it a motion in time: {error}") from None
 
-    def _scale(self) -> float:
-        """The frequency, rad/s, on which steps and the fading of the force are laid out."""
-        found = abs(self.closed.s) if self.closed and self.closed.chain is None else 0.0
-        return max(found if found < _HIGHEST else 0.0, float(self.scene.band[1]) / 3)
-
     def _lead(self) -> complex:
         """What the motion is expected to last as: how long a run takes follows from it, and nothing else."""
         if self.closed is None:
@@ -432,7 +384,6 @@ class _Run:
         net = Network(span)
         port = build(net, self.scene)[-1]
         net.equal(port.X, SignalSum.of(MOTION))
-        join_frictions(net)
         found = at_rest(net, self.size)
         force = found[name_of(port.F)] + float(self.hand.k.value) * self.size
         return {**found, MOTION: force}
@@ -491,7 +442,7 @@ class _Run:
 
     def _why(self) -> str:
         """Why the closed form is not what was simulated; empty where it is."""
-        if self.net.frictions:
+        if self.net.switches:
             return "sliding friction, for which the closed form has a describing function of one amplitude"
         return "a clock whose loop has no closed form here" if self.periods and self.closed is None else ""
 
@@ -501,5 +452,4 @@ def _held(net: Network, scene: Scene, hand: Hand) -> Port:
     port = build(net, scene)[-1]
     own = port.X.through(*(exact(p.value) for p in (hand.k, hand.b, hand.m)))
     net.equal(port.F + own, SignalSum.of(MOTION))
-    join_frictions(net)
     return port

@@ -24,7 +24,7 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
 from haptisym.verbs.stability.clocked import loop_of
@@ -71,7 +71,7 @@ def rightmost_pole(dynamics: RationalFunction) -> complex | None:
     """The pole with the largest real part; None if none is found.
 
     >>> from sympy import exp
-    >>> from haptisym.kernel.symbols import s
+    >>> from haptisym.kernel.rings import s
     >>> pole = rightmost_pole(Ring.of([exp(-s)]).convert(1 / (s + 2 * exp(-s))).reduced())
     >>> round(pole.real, 4), round(abs(pole.imag), 4)
     (0.1728, 1.6737)

@@ -43,16 +43,13 @@ from flint import acb, arb
 from sympy import Expr, Integer, Rational
 
 from haptisym.judge.peaks import ValueAt
-from haptisym.kernel.alike import ALIKE_BITS, each_once, ordered
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball, rational_between
-from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
-from haptisym.kernel.rings import RationalFunction, degree_in
+from haptisym.kernel.rings import RationalFunction, degree_in, s
 from haptisym.kernel.rootcount import Row, is_mirrored, least_on_torus
-from haptisym.kernel.roots import chart, sign_of_number
-from haptisym.kernel.symbols import s
+from haptisym.kernel.roots import ALIKE_BITS, chart, each_once, ordered, sign_of_number
 from haptisym.verbs.stability.loops import (
     Characteristic,
     Curve,

@@ -44,12 +44,9 @@ from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import Roots, count_roots, is_stable
 from haptisym.kernel.roots import sign_of_number
-from haptisym.model.catalogue import Effect
-from haptisym.model.hand import Hand, device
-from haptisym.model.knobs import Knob
+from haptisym.model.catalogue import CLOCKS, SAMPLED_LOOP, Effect, Hand, controller, device
 from haptisym.model.parameters import Rule
-from haptisym.model.sampled import CLOCKS, SAMPLED_LOOP, controller
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 
 _BITS = 256
 

@@ -30,18 +30,16 @@ from flint import arb
 from sympy import Expr, Integer, Rational
 
 from haptisym.judge.peaks import ValueAt
-from haptisym.kernel.alike import each_once, is_told, ordered
 from haptisym.kernel.budget import Waiting
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.far import Sense, far
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball, rational_between
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rootcount import RootChain
-from haptisym.kernel.shown import Shown
-from haptisym.model.caveats import clocks
-from haptisym.model.hand import Hand
-from haptisym.model.knobs import Knob
-from haptisym.model.scene import Scene
+from haptisym.kernel.roots import each_once, is_told, ordered
+from haptisym.model.catalogue import Hand
+from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Array, halves
 from haptisym.verbs.stability.chains import Switches, cells, from_infinity, is_neutral, neutral_meetings

@@ -19,12 +19,10 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError, meant, several
+from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import whole
-from haptisym.kernel.shown import titled
-from haptisym.model.caveats import clocks
-from haptisym.model.hand import NOBODY, Hand, hands, how_to_give
-from haptisym.model.knobs import Knob
-from haptisym.model.scene import Scene
+from haptisym.model.catalogue import NOBODY, Hand, hands, how_to_give
+from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.model.scenefile import as_scene, read_scenes
 from haptisym.verbs.evaluate.certificate import document, inverse, name_in_file, zeros
 from haptisym.verbs.evaluate.products import NOT_RATIONAL

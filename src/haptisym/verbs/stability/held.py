@@ -23,20 +23,17 @@ from sympy import Expr, I, Integer, Rational, prime
 
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity, environment_alone, force_is_stable, passivity, rests
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.far import Sense, far
+from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.response import RealFunction, on_axis
-from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
+from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, omega
 from haptisym.kernel.rootcount import RootChain, Roots, at_least, count_roots, order_at_0, terms_of
 from haptisym.kernel.roots import chart, sign_of_number
-from haptisym.kernel.shown import Shown
-from haptisym.kernel.symbols import omega
-from haptisym.model.caveats import clocks
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import WHOLE_NUMBERS, Parameter, values
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Scene, clocks
 from haptisym.verbs.stability.clocked import OnCircle, clocked_roots, loop_of, roots_at_one
 
 
@@ -138,7 +135,7 @@ class Held(Shown):
 def held(scene: Scene, hand: Hand) -> Held:
     """Whether a display is stable in a hand (at its nominal values).
 
-    >>> from haptisym.model.hand import hands
+    >>> from haptisym.model.catalogue import hands
     >>> from haptisym.model.scenefile import load_scene
     >>> found = held(load_scene("satellite-contact"), hands["postural-arm"])
     >>> found.stable, found.unstable, found.roots.chain.value

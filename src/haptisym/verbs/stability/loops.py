@@ -35,21 +35,17 @@ from sympy import Expr, Integer, Poly, Rational, Symbol, factorial
 
 from haptisym.judge.passivity import rests
 from haptisym.judge.peaks import ValueAt
-from haptisym.kernel.alike import ordered
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, expression_ball
-from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
-from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials
+from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials, omega
 from haptisym.kernel.rootcount import Roots, Row, late_turns, squares, terms_of
-from haptisym.kernel.roots import Point, chart, sign_of_number
-from haptisym.kernel.symbols import omega
-from haptisym.model.hand import Hand
-from haptisym.model.knobs import Knob
+from haptisym.kernel.roots import Point, chart, ordered, sign_of_number
+from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import Rule, values
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 from haptisym.verbs.stability.held import zeros_of
 
 ALLOWED: dict[Rule, tuple[Expr | None, Expr | None, bool]] = {

@@ -12,9 +12,9 @@ import numpy as np
 from sympy import Rational
 
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import Roots
-from haptisym.kernel.symbols import s
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
 from haptisym.verbs.stability.clocked import clocked_roots, loop_of

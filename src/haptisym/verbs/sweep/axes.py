@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.errors import SceneError, need
 from haptisym.kernel.reals import ExactNumber
-from haptisym.model.hand import Hand
-from haptisym.model.knobs import Knob
-from haptisym.model.scene import Scene
+from haptisym.model.catalogue import Hand
+from haptisym.model.scene import Knob, Scene
 
 AxisValues: TypeAlias = "Sequence[Any] | ArrayLike"
 

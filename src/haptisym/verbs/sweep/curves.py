@@ -24,18 +24,15 @@ from flint import arb
 from sympy import Expr, Integer, S, Symbol
 
 from haptisym.judge.crossings import Criterion, noticed
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import HaptisymError
-from haptisym.kernel.lattices import Lattice, Signed
-from haptisym.kernel.polynomials import Level
+from haptisym.kernel.factors import Level
 from haptisym.kernel.reals import expression_ball
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, omega
+from haptisym.kernel.roots import Lattice, Signed
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import Knob
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene
 from haptisym.verbs.sweep.batch import BITS, Monomial, monomial
 from haptisym.verbs.sweep.waves import Exponents, Family, Variables, is_trusted
 

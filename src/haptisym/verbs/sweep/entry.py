@@ -15,11 +15,10 @@ import numpy as np
 
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.reals import whole
-from haptisym.kernel.shown import counted, titled
-from haptisym.model.hand import Hand
-from haptisym.model.knobs import Knob
-from haptisym.model.scene import Scene
+from haptisym.model.catalogue import Hand
+from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.sweep.axes import EXACT, FLOAT, HELD, INFINITE, OPEN, UNKNOWN, AxisValues, Told, axes

@@ -27,16 +27,13 @@ from haptisym.judge.percepts import changeovers
 from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError, SceneError, UndecidedError
-from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import ExactNumber, bounds
-from haptisym.kernel.roots import Chart, Key, Point, chart
-from haptisym.model.caveats import clocks
+from haptisym.kernel.roots import Chart, Key, Point, Signed, chart
+from haptisym.model.catalogue import Hand
 from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values as values_of
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.verbs.stability.held import characteristic, unstable_roots
 from haptisym.verbs.sweep.axes import ABSENT, EXACT, FLOAT, INFINITE, OPEN, SYSTEMS, UNKNOWN, Told, held_name
 from haptisym.verbs.sweep.batch import Array, Powers, count_right, within_reach

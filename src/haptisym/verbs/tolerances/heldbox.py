@@ -25,10 +25,9 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.rootcount import count_roots
-from haptisym.model.caveats import clocks
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import values as values_of
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Scene, clocks
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Array, halves
 from haptisym.verbs.stability.clocked import Cell, OnCircle, cell_halves

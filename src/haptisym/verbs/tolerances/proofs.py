@@ -30,10 +30,10 @@ from haptisym.judge.crossings import Criterion, Judged, kept, noticed
 from haptisym.judge.excess import Box, Excess, box_of, excess_of
 from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, tick
 from haptisym.kernel.errors import LimitError
+from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.reals import ExactNumber, RealNumber, whole
 from haptisym.kernel.roots import chart
-from haptisym.kernel.shown import counted, titled
-from haptisym.model.hand import Hand
+from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands

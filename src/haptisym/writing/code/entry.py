@@ -7,16 +7,15 @@ from pathlib import Path
 
 from sympy import Expr, Pow, Symbol
 
+from haptisym.kernel.dynamics import on_axis
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.response import on_axis
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.rings import omega
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.parameters import Rule, values
 from haptisym.model.quantities import Dimension, MotionKind
-from haptisym.model.scene import Scene
+from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.balls import BallPoint
 from haptisym.programs.program import Program

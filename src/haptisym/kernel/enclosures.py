@@ -1,24 +1,130 @@
-"""Taylor's coefficients in one variable or several, carried through sums, products and quotients, in balls.
+"""Enclosures over an interval or a cell: Bernstein coefficients of polynomials, Taylor coefficients of anything, in balls.
 
-Over a cell q = m + r x, -1 <= x_i <= 1, a function f of q is the sum of f_a x^a over all a of degree < n, and of as many terms of
-degree n, where f_a is the derivative of order a times r^a/a!, at m for degrees < n, and somewhere in the cell for n (Taylor's
-theorem with Lagrange's rest). A jet is the row of the f_a, by rising degree, at a set of numbers or all over a cell; f may be a
-number, a polynomial or a matrix. Together they stay as narrow as the function is smooth, where a ball grows with each number that
-occurs twice.
+A ball grows with each number that occurs twice in a formula; two forms stay as narrow as the function is smooth.
+
+*Bernstein.* A polynomial of degree n on [-r, r] lies between its least and its greatest coefficient in the basis of Bernstein's
+polynomials. A ``Stretch`` is a function between two frequencies as such a polynomial: by Taylor's theorem its last coefficient
+is one over the whole piece.
+
+*Jets.* Over a cell q = m + r x, -1 <= x_i <= 1, a function f of q is the sum of f_a x^a over all a of degree < n, and of as
+many terms of degree n, where f_a is the derivative of order a times r^a/a!, at m for degrees < n, and somewhere in the cell for
+n (Lagrange's rest). A ``Jet`` is the row of the f_a, by rising degree, at a set of numbers or all over a cell; f may be a
+number, a polynomial or a matrix, and sums, products and quotients of jets are those of the functions.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import lru_cache, reduce
-from itertools import combinations_with_replacement, count
+from itertools import combinations_with_replacement, count, pairwise
 from math import comb
 from operator import add
 from typing import Any, NamedTuple, TypeAlias
 
-from flint import arb, arb_poly
+import flint
+from flint import arb, arb_mat, arb_poly, fmpq
 
 from haptisym.kernel.reals import Ball
+
+
+def range_of(row: Sequence[Ball], reach: Sequence[Ball]) -> Ball:
+    """A ball around the values of c_0 + c_1 h + ... for all h from -r to r, given the powers 1, r, r^2, ... of r.
+
+    >>> balls = [arb(c) for c in (3, 0, 1)]
+    >>> range_of(balls, [arb(1), arb(2), arb(4)])     # 3 + h^2 for -2 <= h <= 2: by Bernstein not below -1
+    [+/- 7.01]
+    """
+    return reduce(arb.union, _converted([c * power for c, power in zip(row, reach, strict=False)]).entries())
+
+
+def bernstein_coefficients(row: Sequence[Ball], reach: Ball) -> arb_mat:
+    """The Bernstein coefficients of c_0 + c_1 h + ... between h = -r and h = r, in a column.
+
+    >>> bernstein_coefficients([arb(3), arb(0), arb(1)], arb(2)).entries()
+    [7.00000000000000, -1.00000000000000, 7.00000000000000]
+    """
+    scaled, power = [row[0]], arb(1)
+    for c in row[1:]:
+        power = power * reach
+        scaled.append(c * power)
+    return _converted(scaled)
+
+
+def _converted(row: Sequence[Ball]) -> arb_mat:
+    degree = len(row) - 1
+    return _conversion(degree, flint.ctx.prec) * arb_mat(degree + 1, 1, row)
+
+
+@lru_cache(maxsize=64)
+def _conversion(degree: int, bits: int) -> arb_mat:
+    """From the coefficients of 1, u, u^2, ... to those of the Bernstein polynomials on [-1, 1]."""
+    with flint.ctx.workprec(bits):
+        return arb_mat([[arb(_weight(degree, j, k)) for k in range(degree + 1)] for j in range(degree + 1)])
+
+
+def _weight(degree: int, j: int, k: int) -> fmpq:
+    """The part of u^k = (t - (1 - t))^k (t + (1 - t))^(degree - k), t = (1 + u)/2, in the j-th Bernstein polynomial."""
+    ways = sum((-1) ** (k - i) * comb(k, i) * comb(degree - k, j - i) for i in range(min(j, k) + 1))
+    return fmpq(ways, comb(degree, j))
+
+
+Series: TypeAlias = Callable[[Ball, int, int], Sequence[Ball]]
+"""Balls around the Taylor coefficients of a function, of orders from one to before another, about every point of a ball."""
+
+_ORDER = 8  # of the polynomial
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Stretch:
+    """A function between ``low`` and ``high``: at each x in there it, and its slopes, are those of one of the polynomials.
+
+    Taylor's theorem: the last coefficient is one of those over the whole piece; which one may change with x. ``row``: the
+    coefficients between the exact numbers ``ends``, which enclose low and high.
+    """
+
+    low: Ball
+    high: Ball
+    ends: tuple[Ball, Ball]
+    row: Sequence[Ball]
+
+    @classmethod
+    def of(cls, series: Series, low: Ball, high: Ball) -> Stretch:
+        """A function with those Taylor coefficients between two exact numbers, at the current working precision."""
+        with flint.ctx.workprec(flint.ctx.prec - 60):  # so that the ends of its parts are exact numbers too
+            middle = ((low + high) / 2).mid()
+        with flint.ctx.workprec(30):
+            reach = (high - middle).max(middle - low).upper()
+        ends = middle - reach, middle + reach
+        row = [*series(middle, 0, _ORDER), *series(ends[0].union(ends[1]), _ORDER, _ORDER + 1)]
+        return cls(low, high, ends, bernstein_coefficients(row, reach).entries())
+
+    def sign(self, order: int = 0) -> int:
+        """The sign all over the piece, or that of the slope or the curvature; 0 where it does not show."""
+        row = self._differences(order)
+        if row[0] > 0:
+            return int(all(x > 0 for x in row))
+        return -int(row[0] < 0 and all(x < 0 for x in row))
+
+    def _differences(self, order: int) -> Sequence[Ball]:
+        """The coefficients of the slope, the curvature, ... up to numbers > 0."""
+        row = self.row
+        for _ in range(order):
+            row = [b - a for a, b in pairwise(row)]
+        return row
+
+    def sign_at(self, end: int, order: int = 0) -> int:
+        """That at one of the ends, 0 for the low one and -1 for the high one; 0 where it does not show."""
+        row = self._differences(order)
+        found, beyond = row[end], self.ends[end] - (self.low, self.high)[end]
+        if not beyond.is_zero() and len(row) > 1:  # by the mean value theorem
+            steepest = reduce(arb.max, (abs(b - a).upper() for a, b in pairwise(row))) * (len(row) - 1)
+            found = found + steepest * beyond / (self.ends[1] - self.ends[0]) * _EITHER
+        return int(found > 0) - int(found < 0)
+
+
+_EITHER = arb(0, 1)
+
 
 Value: TypeAlias = Any
 """A number, a polynomial or a matrix in balls, or a jet of them."""

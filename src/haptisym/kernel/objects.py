@@ -1,13 +1,69 @@
-"""Copies of what holds numbers of FLINT, which has no pickles of its own: balls, polynomials and their contexts, exactly."""
+"""What every value can do: show itself in a line, as a formula or as a table, and be copied exactly.
+
+In a session a value is one short line; in a notebook it is the formula, table or sentence that it is. FLINT's numbers have no
+pickles of their own: balls, polynomials and their contexts are packed part by part, so that an answer can go to another process.
+"""
 
 from __future__ import annotations
 
 import pickle
+from abc import ABC, abstractmethod
 from functools import cached_property
 from io import BytesIO
+from textwrap import shorten
 from typing import Any
 
 from flint import Ordering, acb, arb, arb_mat, arb_poly, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
+
+_LINE = 150
+"""Characters of a line at most."""
+_NOTEBOOK = "haptisym.pages.notebook"
+
+
+class Viewed:
+    """A value that a notebook shows as LaTeX or HTML; what writes them is loaded where one is shown."""
+
+    __slots__ = ()
+
+    def _repr_latex_(self) -> str | None:
+        return self._view("latex")
+
+    def _repr_html_(self) -> str | None:
+        return self._view("html")
+
+    def _view(self, language: str) -> str | None:
+        """None where that language has nothing for such a value."""
+        from pkgutil import resolve_name
+
+        found: str | None = resolve_name(f"{_NOTEBOOK}:{language}")(self)
+        return found
+
+
+class Shown(Viewed, ABC):
+    """A value that a session shows as one short line: its kind, and what ``_line`` says of it."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def _line(self) -> str:
+        """What there is to say of it, in a line."""
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {shorten(self._line(), _LINE, placeholder=' ...')}>"
+
+
+def titled(title: str) -> str:
+    """A title in quotation marks, shortened.
+
+    >>> titled("Numerical example of Fu, van Paassen and Mulder (2019), section 3"), titled("")
+    ('"Numerical example of Fu, van Paassen and ..."', '"Untitled scene"')
+    """
+    return f'"{shorten(title or "Untitled scene", 45, placeholder=" ...")}"'
+
+
+def counted(number: int, singular: str, plural: str = "") -> str:
+    """``1 crossing``, ``2 crossings``, ``no crossings``."""
+    return f"{number or 'no'} {singular if number == 1 else plural or f'{singular}s'}"
 
 
 def packed(thing: object) -> bytes:
@@ -44,14 +100,10 @@ class _Pickler(pickle.Pickler):
         kind = type(thing)
         if kind in _PARTS:
             return _again, (kind, _PARTS[kind](thing))
-        if not _has_its_own(kind) and kind.__module__.startswith("haptisym.") and hasattr(thing, "__dict__"):
+        is_special = any(name in vars(c) for c in kind.__mro__[:-1] for name in ("__reduce__", "__reduce_ex__"))
+        if not is_special and kind.__module__.startswith("haptisym.") and hasattr(thing, "__dict__"):
             return made, (kind, tuple(thing) if isinstance(thing, tuple) else None), state(thing)
         return NotImplemented
-
-
-def _has_its_own(kind: type) -> bool:
-    """Whether a class says itself how it is copied, as enumerations do."""
-    return any(name in vars(c) for c in kind.__mro__[:-1] for name in ("__reduce__", "__reduce_ex__"))
 
 
 def _exact(x: arb) -> Any:

@@ -1,8 +1,9 @@
-"""Irreducible polynomials in omega, their certified zeros, and where they meet algebraic numbers.
+"""The irreducible factors of real functions of omega: polynomials, and what delays and powers of omega bring.
 
-Irreducible polynomials in omega, and their certified zeros.
-
-Where a rational function meets an algebraic number that is not rational: its own peak, say, exactly.
+A ``PolynomialFactor`` in omega^2 (or omega) has coefficients in Z[pi]; Descartes' rule isolates its roots. A ``LevelFactor`` is
+where a rational function meets an algebraic number that is not rational: a zero of the norm, told from its conjugates. An
+``AnalyticFactor`` holds sines, cosines or powers of omega: its zeros are found by subdivision, as it has all Taylor
+coefficients.
 """
 
 from __future__ import annotations
@@ -12,18 +13,49 @@ from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from operator import ne
+from typing import Any
 
 import flint
 from flint import acb_poly, arb, arb_poly, fmpq, fmpq_poly, fmpz, fmpz_poly
 from sympy import Dummy, Expr, Rational, minimal_polynomial, pi
 
 from haptisym.kernel.budget import Waiting, tick
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.reals import SURE_BITS, Ball, RealNumber, at_rising_precision
-from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import PolynomialRing
-from haptisym.kernel.symbols import omega
-from haptisym.kernel.zeros import Factor, SmoothFactor, Zero, around, exact, is_clear, rounded_up, tightened
+from haptisym.kernel.reals import (
+    MOST_BITS,
+    SURE_BITS,
+    Ball,
+    RealNumber,
+    at_rising_precision,
+    expression_ball,
+)
+from haptisym.kernel.rings import PolynomialRing, omega
+from haptisym.kernel.waves import (
+    NEARER,
+    Wave,
+    WaveSum,
+    beginning,
+    by_powers,
+    clear_of_zero,
+    exact_waves,
+    order_at_0,
+    taylor_coefficients,
+)
+from haptisym.kernel.zeros import (
+    Factor,
+    SeriesFactor,
+    SmoothFactor,
+    Zero,
+    around,
+    clear_of,
+    exact,
+    is_clear,
+    isolated,
+    rounded_up,
+    sign_of,
+    tightened,
+)
 
 
 @dataclass(frozen=True)
@@ -188,13 +220,11 @@ def _real_ones(isolated: Iterable[Ball]) -> list[Ball]:
     alone = [
         z
         for i, z in enumerate(roots)
-        if not any(_meet(z.conjugate(), other) for j, other in enumerate(roots) if j != i)
+        if not any(
+            z.real.overlaps(other.real) and (-z.imag).overlaps(other.imag) for j, other in enumerate(roots) if j != i
+        )
     ]
     return [z.real for z in alone if z.imag.contains(0)]
-
-
-def _meet(z: Ball, other: Ball) -> bool:
-    return bool(z.real.overlaps(other.real) and z.imag.overlaps(other.imag))
 
 
 def _positive(roots: Iterable[Ball]) -> tuple[Ball, ...] | None:
@@ -299,3 +329,100 @@ class LevelFactor(Factor):
         return (
             the_one(self.number.factor.positive_roots(), lambda bits: self.function.ball(x.ball(bits))) == self.number
         )
+
+
+class AnalyticFactor(WaveSum, SeriesFactor):
+    """An irreducible function that holds sines, cosines or powers of omega."""
+
+    def steady_sign(self, low: Expr, high: Expr) -> int:
+        with flint.ctx.workprec(128):
+            ends = around(low, high)
+            box = arb.union(*ends)
+            if not self.orders:
+                return 0 if low == 0 and self.begins_with_zero else sign_of(self.value(box))
+            if low == 0 and not any(not any(term.powers) for term in self.terms):
+                return 0  # at omega = 0
+            seen = set[int]()
+            for place in (((ends[0] + ends[1]) / 2).mid(), box, *ends):
+                signs = set(map(sign_of, self.parts(place)))
+                if place is box and len(signs) == 1 and 0 not in signs:
+                    return signs.pop()
+                seen |= signs
+                if {1, -1} <= seen:
+                    return 0  # there is none all over
+            every = {sign_of(x) for x in self.ranges(box).values()}
+            return every.pop() if len(every) == 1 else 0
+
+    @property
+    def farthest(self) -> float | None:
+        return NEARER if self.orders else None
+
+    def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
+        with flint.ctx.workprec(128):
+            ends = around(low, high)
+            first = (ends[1] - ends[0]) / (NEARER if self.orders else 16)
+        return isolated(self, self._edge(low, first, above=True), self._edge(high, first, above=False))
+
+    def _edge(self, place: Expr, first: Ball, *, above: bool) -> Ball:
+        """A dyadic number where a search may start or stop, with no zero between it and the place but at the place itself."""
+        if place == 0 and self.orders:
+            return clear_of_zero(self, first)
+        order = self.order_at(place)
+        if order or place == 0:  # even functions have slope 0 at 0: keep away from it
+            return clear_of(self, place, order, first, above=above)
+        with flint.ctx.workprec(128):
+            ball = expression_ball(place)
+            return ball.lower() if above else ball.upper()
+
+    def order_at(self, place: Expr) -> Any:
+        return _order_at(self, place)
+
+    def shown_sign(self, place: Expr) -> int:
+        return _shown_sign(self, place)
+
+
+@lru_cache(maxsize=1024)
+def _shown_sign(factor: AnalyticFactor, place: Expr) -> int:
+    with flint.ctx.workprec(128):
+        return sign_of(factor.value(expression_ball(place)))
+
+
+@lru_cache(maxsize=1024)
+def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
+    if place == 0 and factor.orders:
+        return beginning(factor).exponent
+    if place == 0 and not any(constant for _, constant in factor.rates):
+        if not factor.begins_with_zero:
+            return 0
+        if (order := order_at_0(factor)) is not None:
+            return order
+    if _shown_sign(factor, place):
+        return 0
+    if factor.orders:
+        return _order_with_powers(factor, place)
+    exact = exact_waves(factor, place)
+    if exact is None:
+        factor.sign_at(lambda bits: expression_ball(place))
+        return 0
+    return _exact_order(factor, place, exact)
+
+
+def _order_with_powers(factor: AnalyticFactor, place: Expr) -> int:
+    """Away from 0: all Taylor coefficients vanish that vanish in every part; the next one must not."""
+    parts = by_powers(factor).values()
+    least = min(AnalyticFactor(p.terms, p.rates, p.degrees, ()).order_at(place) for p in parts)
+    with flint.ctx.workprec(MOST_BITS):
+        if is_clear(factor.taylor(expression_ball(place), least)):
+            return int(least)
+    raise UndecidedError(f"the order of a zero at omega = {place} rad/s")
+
+
+def _exact_order(factor: AnalyticFactor, place: Expr, waves: list[Wave]) -> int:
+    """The order of the zero at a place where the waves are known exactly: the first derivative that is not zero there."""
+    for order, found in zip(range(_HIGHEST_ORDER), taylor_coefficients(factor, place, waves), strict=False):
+        if not found.is_zero:
+            return order
+    raise UndecidedError(f"the order of a zero at omega = {place} rad/s")
+
+
+_HIGHEST_ORDER = 200

@@ -1,37 +1,195 @@
-"""From equations of motion to an ordinary state equation, exactly, and in floats.
-
-From equations of motion to an ordinary state equation, exactly.
+"""From equations of motion to a state equation, exactly, and its time steps, exact for the equation.
 
 The equations of a network are a descriptor system E x' = A x + B w, in which masses beside masses, rigid connections and
 prescribed motions make E singular (differential-algebraic, of any index). Each round of ``_reduced`` takes the algebraic
-equations, solves them for as many variables and puts these back, over the rational numbers, so that no rank is ever
-guessed. What remains is
+equations, solves them for as many variables and puts these back, over the rational numbers, so that no rank is ever guessed.
+What remains is
 
     z' = M z + N_0 w + N_1 dw/dt + ...,    any signal = K z + C_0 w + C_1 dw/dt + C_2 d2w/dt2 + ...
 
 where w are the inputs: the hand's motion, delayed signals and what clocks and switches set. Only the hand's motion, which is
-known with all its derivatives, keeps an N of higher order.
+known with all its derivatives, keeps an N of higher order. What clocks, switches and delay lines read is found by following the
+inputs back: a delayed signal whose derivative is needed makes that derivative a signal to record, until nothing new is needed.
 
-A network's state equation in floats, with a row for every signal that something reads.
-
-What clocks, switches and delay lines read is found by following the inputs back: a delayed signal whose derivative is needed
-makes that derivative a signal to record, and so on until nothing new is needed.
+On a step the inputs are polynomials through their values at Gauss points, and the state's response to these is exact: it is
+read off SciPy's matrix exponential of the equation extended by the polynomials. Stiff equations therefore need no small steps,
+and what a step leaves behind are polynomials again, from which delay lines read.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpq_mat
+from numpy.polynomial import legendre
 
 from haptisym.kernel.errors import SceneError
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.network import MOTION, Exact, Network, SignalSum
-from haptisym.verbs.simulate.propagate import Propagator
+from haptisym.verbs.simulate.network import MOTION, Exact, Network, SignalSum, float_of
+
+POINTS = 10
+"""Gauss points of a step: its polynomials have degree 9."""
+
+NODES, WEIGHTS = (np.asarray(x) / 2 for x in legendre.leggauss(POINTS))
+NODES = NODES + 0.5
+"""Places of the Gauss points on a step from 0 to 1, and weights that integrate over it."""
+
+_POWERS = np.arange(POINTS)
+_TO_SERIES = np.linalg.inv(np.power.outer(2 * NODES - 1, _POWERS))
+_TO_LEGENDRE = np.linalg.inv(legendre.legvander(2 * NODES - 1, POINTS - 1))
+_LEFT_ENDS = (-1.0) ** _POWERS[None, :]  # of the Legendre polynomials
+_DERIVATIVE = 2 * legendre.legder(np.eye(POINTS), axis=0)  # with respect to a step from 0 to 1
+_DERIVATIVE = np.vstack([_DERIVATIVE, np.zeros((1, POINTS))])
+_AT_END = np.ones((1, POINTS)) @ _TO_SERIES
+
+
+def at_end(values: Array) -> Array:
+    """The value at the end of a step of polynomials with these values at its nodes (nodes on the last axis but one)."""
+    result: Array = (_AT_END @ values)[..., 0, :]
+    return result
+
+
+def finer(samples: Array, places: Array) -> Array:
+    """Samples at the nodes of successive steps, evaluated at other places of every step, from 0 to 1."""
+    basis = np.power.outer(2 * places - 1, _POWERS) @ _TO_SERIES
+    result: Array = (samples.reshape(-1, POINTS) @ basis.T).ravel()
+    return result
+
+
+def series(values: Array) -> Array:
+    """Coefficients of ascending powers, on -1 to 1, of polynomials with these values at the nodes of a step."""
+    result: Array = _TO_SERIES @ values
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class Propagator:
+    """Steps of z' = M z + N w; ``steady`` are the inputs that never change within a step."""
+
+    M: Array
+    N: Array
+    steady: tuple[int, ...] = ()
+
+    @cached_property
+    def _driving(self) -> tuple[list[int], list[int]]:
+        """The inputs that move the state at all: those that vary within a step, and the steady ones."""
+        active = [i for i in range(self.N.shape[1]) if self.N[:, i].any()]
+        return [i for i in active if i not in self.steady], [i for i in active if i in self.steady]
+
+    @cached_property
+    def _balance(self) -> Array:
+        """Units for the states in which the numbers of the matrix are of like size."""
+        from scipy.linalg import matrix_balance  # SciPy is an extra: asked for where it is needed
+
+        _, (scale, _) = matrix_balance(self.M, permute=False, separate=True)
+        return np.asarray(scale, dtype=float)
+
+    @lru_cache(maxsize=4096)  # noqa: B019 - a propagator lives as long as its simulation
+    def step(self, h: float) -> tuple[Array, Array]:
+        """Maps to the state at the nodes and at the end of a step: from the state before it, and from the inputs' values.
+
+        The inputs are a varying one's values node by node, then the steady ones.
+        """
+        from scipy.linalg import expm
+
+        unchanged, per_second, from_values = self._extended
+        n, scale = len(self.M), self._balance
+        whole = expm(np.multiply.outer([*NODES, 1.0], unchanged + h * per_second))
+        free = whole[:, :n, :n] * scale[:, None] / scale[None, :]
+        return free, whole[:, :n, n:] @ (h * from_values) * scale[:, None]
+
+    @cached_property
+    def _extended(self) -> tuple[Array, Array, Array]:
+        """The equation extended by the inputs' Legendre coefficients, without and with the factor h of a step's length; and the
+        way from values at the nodes to these, which has that factor too."""
+        scale, (varying, steady) = self._balance, self._driving
+        N = self.N / scale[:, None]
+        size = np.abs(N).max(axis=0, initial=0.0)  # a large input would cost the exponential its small entries
+        n, m, count = len(self.M), len(varying), len(varying) * POINTS
+        unchanged = np.zeros((n + count + len(steady),) * 2)
+        unchanged[:n, n : n + count] = np.kron(_LEFT_ENDS, N[:, varying] / size[varying])
+        unchanged[:n, n + count :] = N[:, steady] / size[steady]
+        unchanged[n : n + count, n : n + count] = np.kron(_DERIVATIVE, np.eye(m))
+        per_second = np.zeros_like(unchanged)
+        per_second[:n, :n] = self.M / scale[:, None] * scale[None, :]
+        from_values = np.diag(np.concatenate([np.zeros(count), size[steady]]))
+        from_values[:count, :count] = np.kron(_TO_LEGENDRE, np.diag(size[varying]))
+        return unchanged, per_second, from_values
+
+    def march(self, z: Array, w: Array, h: float) -> tuple[Array, Array]:
+        """The states at all nodes of as many steps as ``w`` has (steps, nodes, inputs), and the state after the last."""
+        steps, n = len(w), len(self.M)
+        if n == 0:
+            return np.zeros((steps, POINTS, 0)), z
+        free, forced = self.step(h)
+        varying, steady = self._driving
+        values = np.concatenate([w[..., varying].reshape(steps, -1), w[:, 0, steady]], axis=1)
+        driven = (forced @ values.T).transpose(2, 0, 1)
+        starts = np.empty((steps, n))
+        for k in range(steps):
+            starts[k] = z
+            z = free[-1] @ z + driven[k, -1]
+        inside = (free[:-1] @ starts.T).transpose(2, 0, 1) + driven[:, :-1]
+        return inside, z
+
+
+@dataclass
+class Record:
+    """Signals as polynomials, step by step: appended to at the end, read anywhere before it; constant before the start."""
+
+    width: int
+    before: Array = field(init=False)
+    """What they were before the start; 0 if not said."""
+    times: Array = field(default_factory=lambda: np.zeros(1024))
+    lengths: Array = field(default_factory=lambda: np.zeros(1024))
+    values: Array = field(default_factory=lambda: np.zeros((0, POINTS, 0)))
+    coefficients: Array = field(default_factory=lambda: np.zeros((0, POINTS, 0)))
+    count: int = 0
+
+    def __post_init__(self) -> None:
+        self.before = np.zeros(self.width)
+        self.values = np.zeros((1024, POINTS, self.width))
+        self.coefficients = np.zeros((1024, POINTS, self.width))
+
+    def append(self, start: float, h: float, values: Array) -> None:
+        """Steps of length h from a start on, with values (steps, nodes, signals)."""
+        steps = len(values)
+        while self.count + steps > len(self.times):
+            for name in ("times", "lengths", "values", "coefficients"):
+                old: Array = getattr(self, name)
+                setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
+        span = slice(self.count, self.count + steps)
+        self.times[span], self.lengths[span] = start + h * np.arange(steps), h
+        self.values[span], self.coefficients[span] = values, series(values)
+        self.count += steps
+
+    def at(self, t: Array, columns: Sequence[int]) -> Array:
+        """Signals at given times, along a new last axis; what they were before, before the first step."""
+        if self.count == 0:
+            return np.broadcast_to(self.before[list(columns)], (*t.shape, len(columns)))
+        last = np.maximum(np.searchsorted(self.times[: self.count], t, side="right") - 1, 0)
+        place = np.clip(2 * (t - self.times[last]) / self.lengths[last] - 1, -1.0, 1.0)
+        basis = np.power.outer(place, _POWERS)[..., None, :]
+        found = (basis @ self.coefficients[last][..., columns])[..., 0, :]
+        return np.where((t < self.times[0])[..., None], self.before[list(columns)], found)
+
+    @property
+    def instants(self) -> Array:
+        """The times of all nodes, (steps, nodes)."""
+        steps = slice(0, self.count)
+        result: Array = self.times[steps, None] + self.lengths[steps, None] * NODES
+        return result
+
+    @property
+    def quadrature(self) -> Array:
+        """Weights that integrate over all steps, (steps, nodes)."""
+        result: Array = self.lengths[: self.count, None] * WEIGHTS
+        return result
+
 
 RationalMatrix: TypeAlias = Any  # flint.fmpq_mat, which ships no types
 
@@ -75,12 +233,9 @@ class StateSpace:
         column = self.columns[name, min(order, known)]
         row = SignalRow(_row(self.K, column), tuple(_row(c, column) for c in self.C))
         for _ in range(order - known):
-            row = self._differentiated(row)
+            moved = [row.state * n for n in self.N]
+            row = SignalRow(row.state * self.M, tuple(_added(moved, [0 * moved[0], *row.inputs])))
         return row
-
-    def _differentiated(self, row: SignalRow) -> SignalRow:
-        moved = [row.state * n for n in self.N]
-        return SignalRow(row.state * self.M, tuple(_added(moved, [0 * moved[0], *row.inputs])))
 
     def reach(self, name: str, order: int, channel: Input) -> int | None:
         """The highest derivative of an input in a signal; -1 if it acts through the state alone, None if not at all."""
@@ -174,7 +329,7 @@ def _reduced(system: _Descriptor) -> StateSpace:
             f"the effects give {E.nrows()} equations for {size} unknowns: they do not determine the motion"
         )
     chosen = list(range(size))
-    K, C = _identity(size), [fmpq_mat(size, width)]
+    K, C = fmpq_mat(size, size, [fmpq(int(i == k)) for i in range(size) for k in range(size)]), [fmpq_mat(size, width)]
     while True:
         upper, lower = _row_reduced(E, A, B)
         if not lower:
@@ -187,10 +342,8 @@ def _reduced(system: _Descriptor) -> StateSpace:
         K, C = K * back, _added(C, [K * f for f in forward])
         chosen = [chosen[i] for i in keep]
     rows = _stack(upper, len(chosen) * 2 + width * len(B))
-    M = _negative(_columns(rows, len(chosen), 2 * len(chosen)))
-    N = [
-        _negative(_columns(rows, 2 * len(chosen) + k * width, 2 * len(chosen) + (k + 1) * width)) for k in range(len(B))
-    ]
+    M = -1 * (_columns(rows, len(chosen), 2 * len(chosen)))
+    N = [-1 * (_columns(rows, 2 * len(chosen) + k * width, 2 * len(chosen) + (k + 1) * width)) for k in range(len(B))]
     return _without_derivatives(system, M, N, K, C, tuple(chosen))
 
 
@@ -198,8 +351,10 @@ def _row_reduced(
     E: RationalMatrix, A: RationalMatrix, B: Sequence[RationalMatrix]
 ) -> tuple[list[list[Any]], list[list[Any]]]:
     """The rows of [E | -A | -B] in echelon form: those with a derivative, and those without."""
-    table = _beside([E, -1 * A, *(-1 * b for b in B)])
-    form, _ = table.rref()
+    beside = zip(*(part.tolist() for part in (E, -1 * A, *(-1 * b for b in B))), strict=True)
+    form, _ = _stack(
+        [[x for part in row for x in part] for row in beside], 2 * E.ncols() + sum(b.ncols() for b in B)
+    ).rref()
     rows = [row for row in form.tolist() if any(x != 0 for x in row)]
     size = E.ncols()
     lower = [row for row in rows if all(x == 0 for x in row[:size])]
@@ -233,8 +388,8 @@ def _substituted(
 ) -> tuple[RationalMatrix, RationalMatrix, list[RationalMatrix]]:
     """The remaining equations in the remaining variables; a derivative of a replaced one raises the inputs' order."""
     table = _stack(upper, 2 * size + width * len(forward))
-    E, A = _columns(table, 0, size), _negative(_columns(table, size, 2 * size))
-    B = [_negative(_columns(table, 2 * size + k * width, 2 * size + (k + 1) * width)) for k in range(len(forward))]
+    E, A = _columns(table, 0, size), -1 * (_columns(table, size, 2 * size))
+    B = [-1 * (_columns(table, 2 * size + k * width, 2 * size + (k + 1) * width)) for k in range(len(forward))]
     B = _added(B, [A * f for f in forward])
     B = _added(B, [fmpq_mat(len(upper), width), *(-1 * (E * f) for f in forward)])
     while len(B) > 1 and B[-1] == fmpq_mat(len(upper), width):
@@ -271,21 +426,8 @@ def _without_derivatives(
 # Matrices of exact numbers
 
 
-def _identity(size: int) -> RationalMatrix:
-    return fmpq_mat(size, size, [fmpq(int(i == k)) for i in range(size) for k in range(size)])
-
-
-def _negative(matrix: RationalMatrix) -> RationalMatrix:
-    return -1 * matrix
-
-
 def _stack(rows: list[list[Any]], width: int) -> RationalMatrix:
     return fmpq_mat(len(rows), width, [x for row in rows for x in row])
-
-
-def _beside(parts: Sequence[RationalMatrix]) -> RationalMatrix:
-    rows = zip(*(part.tolist() for part in parts), strict=True)
-    return _stack([[x for piece in row for x in piece] for row in rows], sum(part.ncols() for part in parts))
 
 
 def _columns(matrix: RationalMatrix, first: int, last: int) -> RationalMatrix:
@@ -382,12 +524,13 @@ def _drives_of(system: StateSpace, reading: Reading, net: Network) -> list[Drive
         return driving
     row = system.signal(*reading)
     direct = [(x, k) for k, c in enumerate(row.inputs) for i, x in enumerate(system.inputs) if c[0, i] != 0]
-    back = [(x, k) for k, c in enumerate(system.shifts) for i, x in enumerate(system.inputs) if _any(c, i)]
+    back = [
+        (x, k)
+        for k, c in enumerate(system.shifts)
+        for i, x in enumerate(system.inputs)
+        if any(c[r, i] != 0 for r in range(c.nrows()))
+    ]
     return [*driving, *direct, *back]
-
-
-def _any(matrix: Any, column: int) -> bool:
-    return any(matrix[i, column] != 0 for i in range(matrix.nrows()))
 
 
 def _floats(system: StateSpace, net: Network, readings: tuple[Reading, ...]) -> Linear:
@@ -399,12 +542,12 @@ def _floats(system: StateSpace, net: Network, readings: tuple[Reading, ...]) -> 
     for k, matrix in enumerate(system.shifts):
         for i, channel in enumerate(system.inputs):
             if (channel, k) in drives:
-                back[:, drives.index((channel, k))] = [_float(matrix[r, i]) for r in range(system.size)]
+                back[:, drives.index((channel, k))] = [float_of(matrix[r, i]) for r in range(system.size)]
     N = np.zeros((system.size, len(drives)))
     for i, (channel, k) in enumerate(drives):
         if k < len(system.N):
             column = system.inputs.index(channel)
-            N[:, i] = [_float(system.N[k][r, column]) for r in range(system.size)]
+            N[:, i] = [float_of(system.N[k][r, column]) for r in range(system.size)]
     width = system.size + len(drives)
     steady = tuple(i for i, (x, _) in enumerate(drives) if x.lag == 0 and x.name in net.jumps)
     return Linear(
@@ -418,14 +561,10 @@ def _row_in_linear(system: StateSpace, reading: Reading, drives: tuple[Drive, ..
         own = (next(x for x in system.inputs if x.name == reading[0] and x.lag == 0), reading[1])
         return [0.0] * system.size + [float(drive == own) for drive in drives]
     row: SignalRow = system.signal(*reading)
-    state = [_float(row.state[0, i]) for i in range(system.size)]
-    direct = [_float(row.inputs[k][0, system.inputs.index(x)]) if k < len(row.inputs) else 0.0 for x, k in drives]
+    state = [float_of(row.state[0, i]) for i in range(system.size)]
+    direct = [float_of(row.inputs[k][0, system.inputs.index(x)]) if k < len(row.inputs) else 0.0 for x, k in drives]
     return state + direct
 
 
-def _float(number: Any) -> float:
-    return int(number.p) / int(number.q)
-
-
 def _array(matrix: Any) -> Array:
-    return np.array([_float(x) for row in matrix.tolist() for x in row]).reshape(matrix.nrows(), matrix.ncols())
+    return np.array([float_of(x) for row in matrix.tolist() for x in row]).reshape(matrix.nrows(), matrix.ncols())
