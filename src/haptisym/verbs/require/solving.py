@@ -117,6 +117,7 @@ Quick: TypeAlias = Callable[[float, float], Sequence[Told]]
 
 
 def _nothing(low: float, high: float) -> Sequence[Told]:
+    """What is known where nothing is: all of it open."""
     return (Told(low, high, None),)
 
 
@@ -215,12 +216,12 @@ class ValueSearch:
             with flint.ctx.workprec(BITS):
                 cell = dyadic(between[0]).union(dyadic(between[1]))
                 return next((x for x in roots if cell.contains(x.ball(BITS))), None)
-        near = rational_between(*(ExactNumber(_rational(x)) for x in value.bounds(2 * BITS)))
+        ends = [_rational(x) for x in value.bounds(2 * BITS)]
+        near = ends[0] if ends[0] == ends[1] else rational_between(*map(ExactNumber, ends))
         if int(near.p).bit_length() + int(near.q).bit_length() > BITS:
             return None
-        ends = value.between
         shapes = (value.shape,) if isinstance(value, Summit) else (value.rising, value.falling)
-        return ExactNumber(near) if _touches(shapes, near, ends) else None
+        return ExactNumber(near) if _touches(shapes, near, value.between) else None
 
     def _turning(self, low: Fraction, high: Fraction) -> Fraction:
         """From where on the parameter is a delay that breaks a condition by its phase, if anywhere; else the high end."""
