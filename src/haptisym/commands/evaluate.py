@@ -32,7 +32,7 @@ from haptisym.model.scenefile import chosen, felt_through, open_scenes
 from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
 
 
-@verb(needs=[("--points", "--response", "the lines of a file")])
+@verb(needs=[("--points", "--response", "the lines of a file")], formulas=True)
 @click.argument("scene")
 @click.argument("more", nargs=-1, metavar="")
 @json_option
@@ -42,13 +42,6 @@ from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
     multiple=True,
     metavar="FILE...",
     help="Feel the environments of these scenes (files or names) instead, all at once.",
-)
-@click.option(
-    "--digits",
-    type=click.IntRange(1, 10_000),
-    default=15,
-    show_default=True,
-    help="Correct decimal digits of each crossing.",
 )
 @click.option("--tolerance", metavar="X", help="Leave out the effects that change the ratios by at most that, jointly.")
 @click.option("--regions", is_flag=True, help="Compare with square, disc and diamond of the JND's half widths.")
@@ -68,7 +61,7 @@ def evaluate(
     as_json: bool,
     environment: str | None,
     environments: tuple[str, ...],
-    digits: int,
+    digits: int | None,
     tolerance: str | None,
     regions: bool,
     proportion: str | None,
@@ -115,11 +108,13 @@ def evaluate(
     family = felt_through(opened, scene, (*environments, *more))
     if environment is None and (environments or len(family) > 1):
         _of_one_environment()
-        _evaluate_all(family, digits, regions, proportion, limit, figures, as_json)
+        _evaluate_all(family, digits or 15, regions, proportion, limit, figures, as_json)
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
     with progress() as told, limited(limit, told):
-        result = evaluate_scene(one, digits, tolerance=tolerance, regions=regions, proportion=proportion, limit=None)
+        result = evaluate_scene(
+            one, digits or 15, tolerance=tolerance, regions=regions, proportion=proportion, limit=None
+        )
         _ = result.bandwidths  # of a range of thresholds: within the limit
         proof = result.certificate() if certificate else ""
     if certificate is not None:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import _thread
 import codecs
+import inspect
 import os
 import re
 import shutil
@@ -273,13 +274,14 @@ def _is_plain(stream: TextIOWrapper) -> bool:
 
 
 def say(page: Document) -> None:
-    """A page on standard output: as wide as the terminal, 96 columns anywhere else so that it can be compared."""
-    from haptisym.writing.plain import PAGE, plain  # only a page needs the writer
+    """A page on standard output: as wide as the terminal, 80 columns anywhere else so that it can be compared."""
+    from haptisym.writing.plain import PAGE, WIDEST, plain  # only a page needs the writer
 
     is_terminal = sys.stdout is not None and sys.stdout.isatty()
-    write(
-        plain(page, min(shutil.get_terminal_size((PAGE, 24)).columns, PAGE) if is_terminal else PAGE, _spell_in_streams)
-    )
+    columns = min(shutil.get_terminal_size((PAGE, 24)).columns, WIDEST) if is_terminal else PAGE
+    context = click.get_current_context(silent=True)
+    style = context.meta.get(STYLE, {}) if context is not None else {}
+    write(plain(page, columns, _spell_in_streams, **style))
 
 
 def say_document(document: Iterable[str]) -> None:
@@ -414,17 +416,26 @@ OptionRule = tuple[str, str, str]
 
 
 def verb(
-    *, apart: Sequence[OptionRule] = (), needs: Sequence[OptionRule] = (), pages: bool = True
+    *, apart: Sequence[OptionRule] = (), needs: Sequence[OptionRule] = (), pages: bool = True, formulas: bool = False
 ) -> Callable[[Callable[..., Any]], click.Command]:
     """The decorator of a verb, in place of ``click.command()``.
 
     ``apart`` : options that may not both be given, and why: a sentence to which "leave out one of them" is added. ``needs`` : an
     option that means nothing without another one, and what it is about. ``pages`` : whether it answers with a page, which
-    ``--latex`` and ``--report`` write to files.
+    ``--latex`` and ``--report`` write to files. ``formulas`` : whether that page has formulas where they are asked for.
     """
-    return click.command(cls=Verb, apart=apart, needs=needs, pages=pages)
+    return click.command(cls=Verb, apart=apart, needs=needs, pages=pages, formulas=formulas)
 
 
+def digits_option() -> click.Option:
+    """The option ``--digits N``, of a page (4 if not given) and of a JSON document (15)."""
+    words = "Digits of printed numbers (4 if not given); correct digits in --json (15)."
+    return click.Option(["--digits"], type=click.IntRange(1, 10_000), metavar="N", help=words)
+
+
+STYLE = "haptisym.style"
+"""How a page is printed, in the context's ``meta``: with how many digits, and whether with formulas."""
+DIGITS = 4  # as ``haptisym.writing.document``, which only a page needs
 PAGES = "haptisym.pages"
 """What ``--latex`` and ``--report`` name, in the context's ``meta``: whoever hands an answer over writes them."""
 
@@ -443,15 +454,19 @@ class Verb(click.Command):
         apart: Sequence[OptionRule] = (),
         needs: Sequence[OptionRule] = (),
         pages: bool = True,
+        formulas: bool = False,
         **options: Any,
     ) -> None:
         super().__init__(*args, **options)
         self.apart, self.needs = apart, needs
         if pages:
             self.params += [
-                _file("latex", "Write the page as a document of LaTeX."),
-                _file("report", "Write the page as a report: of HTML (.html), or a document (.pdf).", checked_report),
+                _file("latex", "Write the page as a LaTeX document."),
+                _file("report", "Write the page as a report, HTML or PDF by the name's ending.", checked_report),
             ]
+            own = {x.name for x in self.params}
+            self.params += [] if "digits" in own else [digits_option()]
+            self.params += [click.Option(["--formulas"], is_flag=True, help="Print the formulas, too.")] * formulas
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """As click; an option that is given twice is refused."""
@@ -469,6 +484,9 @@ class Verb(click.Command):
                 raise SceneError(f"{one} is about {about}: it needs {other}, or leave it out")
         _nothing_lost(ctx)
         ctx.meta[PAGES] = {name: ctx.params.pop(name, None) for name in ("latex", "report")}
+        ctx.meta[STYLE] = {"digits": ctx.params.get("digits") or DIGITS, "formulas": ctx.params.pop("formulas", False)}
+        if "digits" not in inspect.signature(self.callback or (lambda: None)).parameters:
+            ctx.params.pop("digits", None)
         return super().invoke(ctx)
 
 

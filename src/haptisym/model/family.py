@@ -14,7 +14,7 @@ from haptisym.kernel.shown import Shown, titled
 from haptisym.kernel.symbols import c
 from haptisym.model.jnd import Threshold
 from haptisym.model.parameters import free_name
-from haptisym.model.quantities import Number
+from haptisym.model.quantities import Number, Unit
 from haptisym.model.scene import Scene
 
 MOST_ENVIRONMENTS = 100
@@ -73,6 +73,11 @@ class SceneFamily(Shown):
     def band(self) -> tuple[Expr, Expr]:
         """Lowest and highest frequency, rad/s."""
         return self.first.band
+
+    @property
+    def frequency(self) -> Unit:
+        """The unit of frequency in which pages print."""
+        return self.first.frequency
 
     @property
     def threshold(self) -> Threshold:
