@@ -71,13 +71,6 @@ from haptisym.model.scene import Scene
 @click.option("--resolution", metavar="DELTA", help="The step of the device's encoder that belongs to it.")
 @click.option("--any-environment", is_flag=True, help="Ask for |G - 1| <= c, for every environment at once.")
 @json_option
-@click.option(
-    "--digits",
-    type=click.IntRange(1, 10_000),
-    default=15,
-    show_default=True,
-    help="Correct decimal digits of each end.",
-)
 @figure_option("the set, or the map")
 @certificate_option
 @click.option(
@@ -105,7 +98,7 @@ def require(
     ranges: tuple[tuple[str, str], ...],
     name: str | None,
     as_json: bool,
-    digits: int,
+    digits: int | None,
     figure: Path | None,
     certificate: Path | None,
     slices: int,
@@ -144,7 +137,7 @@ def require(
             placed: dict[str, Any] = {"slices": slices, "uniform": uniform, "within": within}
             found: Any = design_map(scene, paths, ranges, **placed, **drawn_beside, **asked)
         else:
-            found = ask(scene, paths[0], *ranges, digits=digits, **asked)
+            found = ask(scene, paths[0], *ranges, digits=digits or 15, **asked)
             with limited(None, told):
                 _ = found.nearest  # which may take its time too
     drawn(found, figure)
@@ -164,7 +157,5 @@ def _refuse_contradictions(context: click.Context, free: int, ranges: int) -> No
         raise SceneError(f"{option} is about a map of two parameters: give --free twice, or leave it out")
     if given(context, "--uniform") and given(context, "--within"):
         raise SceneError("--uniform places slices evenly, and --within where they are needed: leave out one of them")
-    if given(context, "--digits") and free == 2:
-        raise SceneError("--digits is about the ends of one parameter's values: give --free once, or leave it out")
     if free == 2 and not ranges:
         raise SceneError("a map of two parameters needs a --range for each")

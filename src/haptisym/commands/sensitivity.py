@@ -10,15 +10,12 @@ from haptisym.commands.options import drawn, figure_option, hand_over, json_opti
 from haptisym.model.scene import Scene
 
 
-@verb(needs=[("--digits", "--json", "the document")])
+@verb()
 @scene_argument
 @json_option
-@click.option(
-    "--digits", type=click.IntRange(1, 1000), default=15, show_default=True, help="Correct decimal digits in --json."
-)
 @figure_option("bars of the elasticities")
 @within_limit
-def sensitivity(scene: Scene, as_json: bool, digits: int, figure: Path | None) -> None:
+def sensitivity(scene: Scene, as_json: bool, digits: int | None, figure: Path | None) -> None:
     """Tell how each frequency moves with each parameter, exactly.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
@@ -35,6 +32,6 @@ def sensitivity(scene: Scene, as_json: bool, digits: int, figure: Path | None) -
     """
     from haptisym.verbs.sensitivity.entry import sensitivity as of
 
-    found = of(scene, digits, limit=None)
+    found = of(scene, digits or 15, limit=None)
     drawn(found, figure)
     hand_over(found, as_json=as_json)

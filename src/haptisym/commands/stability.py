@@ -20,7 +20,7 @@ from haptisym.commands.options import (
 from haptisym.model.scene import Scene
 
 
-@verb(needs=[("--digits", "--json", "the document")])
+@verb()
 @scene_argument
 @click.option(
     "--hand",
@@ -38,9 +38,6 @@ from haptisym.model.scene import Scene
 )
 @figure_option("the hand's plane: where the display is stable")
 @json_option
-@click.option(
-    "--digits", type=click.IntRange(1, 1000), default=15, show_default=True, help="Correct decimal digits in --json."
-)
 @certificate_option
 @within_limit
 def stability(
@@ -50,7 +47,7 @@ def stability(
     *,
     figure: Path | None,
     as_json: bool,
-    digits: int,
+    digits: int | None,
     certificate: Path | None,
 ) -> None:
     """Tell whether a display shakes: imposed, held, in every passive hand.
@@ -72,7 +69,7 @@ def stability(
     """
     from haptisym.verbs.stability.entry import stability as of
 
-    found = of(scene, names or None, paths, digits=digits, limit=None)
+    found = of(scene, names or None, paths, digits=digits or 15, limit=None)
     drawn(found, figure)
     proven(found, certificate)
     hand_over(found, as_json=as_json)

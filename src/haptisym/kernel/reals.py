@@ -18,7 +18,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decima
 from enum import Enum
 from fractions import Fraction
 from functools import reduce
-from math import ceil, floor, isfinite, isinf
+from math import ceil, floor, isfinite, isnan
 from operator import add, index, mul
 from types import MappingProxyType
 from typing import Any, SupportsIndex, TypeAlias, TypeVar
@@ -284,7 +284,7 @@ class Way(Enum):
     UP = ROUND_CEILING
 
 
-Printable: TypeAlias = "RealNumber | Fraction | float"
+Printable: TypeAlias = "RealNumber | Fraction | Expr | float"
 
 
 def printed(x: Printable, digits: int, way: Way) -> str:
@@ -297,10 +297,12 @@ def printed(x: Printable, digits: int, way: Way) -> str:
     >>> printed(ExactNumber(Integer(70) - Rational(1, 10**9)), 4, Way.NEAREST), printed(14646442000.5, 4, Way.UP)
     ('70.00', '1.465e10')
     """
-    if isinstance(x, float) and isinf(x):
-        return "-infinity" if x < 0 else "infinity"
+    if isinstance(x, float) and not isfinite(x):
+        return "undefined" if isnan(x) else "-infinity" if x < 0 else "infinity"
+    if isinstance(x, Expr):
+        x = ExactNumber(x)
     if isinstance(x, float | int):  # a float stands for its shortest decimal text
-        x = Fraction(repr(x))
+        x = Fraction(repr(float(x)) if isinstance(x, float) else x)
     if isinstance(x, ExactNumber) and x.value.is_Rational:
         x = Fraction(int(x.value.p), int(x.value.q))
     if isinstance(x, Fraction):
@@ -348,8 +350,8 @@ def in_unit(x: Printable, unit: Expr) -> Printable:
     """A number of SI in a unit of that size: a float stays one, what is exact stays exact."""
     if unit == 1:
         return x
-    if isinstance(x, ExactNumber):
-        return ExactNumber(x.value / unit)
+    if isinstance(x, ExactNumber | Expr):
+        return ExactNumber((x if isinstance(x, Expr) else x.value) / unit)
     if isinstance(x, RealNumber):
         return Scaled(x, unit)
     size = float(unit)

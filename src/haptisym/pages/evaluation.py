@@ -175,7 +175,15 @@ def _range_of(e: Evaluation) -> Phrase:
     found = e.bandwidths
     if found is None or found.least is None or found.most is None:
         return ""
-    return "; ", cell(found.least, Way.DOWN), " to ", both(found.most, Way.UP), " for the range of the JND"
+    return (
+        "; ",
+        cell(found.least, Way.DOWN),
+        " to ",
+        cell(found.most, Way.UP),
+        "\xa0",
+        FREQUENCY_UNIT,
+        " for the range of the JND",
+    )
 
 
 def felt_as(e: Evaluation) -> Phrase:
@@ -534,12 +542,22 @@ def _spread(found: Sequence[Compared | FamilyCompared], what: str = "bandwidth")
         return f"With each region: no {what}."
     least, most = min(widths, key=float), max(widths, key=float)
     if len(widths) < len(found):
-        between: Phrase = ("from ", cell(least, Way.DOWN), " to ", both(most, Way.UP))
+        between: Phrase = ("from ", cell(least, Way.DOWN), " to ", cell(most, Way.UP), "\xa0", FREQUENCY_UNIT)
         return f"The {what} depends on the JND model: none with some regions, ", between, " with the others."
     if float(least) == float(most):
         return f"The {what} is the same with all regions: ", both(most), "."
     times: Phrase = (", a factor of ", near(float(most) / float(least))) if float(least) else ""
-    return f"The {what} is from ", cell(least, Way.DOWN), " to ", both(most, Way.UP), " with these regions", times, "."
+    return (
+        f"The {what} is from ",
+        cell(least, Way.DOWN),
+        " to ",
+        cell(most, Way.UP),
+        "\xa0",
+        FREQUENCY_UNIT,
+        " with these regions",
+        times,
+        ".",
+    )
 
 
 _MOST_LETTERS = 280  # of a formula: three lines

@@ -109,13 +109,13 @@ def region_of_fit(scene: Scene | SceneFamily) -> str:
     return "" if scene.level is None else f"{float(100 * scene.level):g} % region of the fit"
 
 
-def proof(scene: Scene | SceneFamily, what: str) -> Phrase:
+def proof(scene: Scene | SceneFamily, what: Phrase) -> Phrase:
     """What is proven, as the last line of a page; of a fitted scene for the fitted model alone."""
     region = region_of_fit(scene)
     if region:
-        fitted = f"Proven for the fitted model: {what}. The model is estimated; for all values in the {region}: "
-        return fitted, Code("haptisym tolerances"), "."
-    return f"Proven: {what}."
+        fitted = f". The model is estimated; for all values in the {region}: "
+        return "Proven for the fitted model: ", what, fitted, Code("haptisym tolerances"), "."
+    return "Proven: ", what, "."
 
 
 def undecided(what: Phrase) -> Phrase:
@@ -185,7 +185,7 @@ def places(points: Iterable[Point]) -> Phrase:
     return listed(apart([p.omega for p in points])), "\xa0", FREQUENCY_UNIT
 
 
-def value_of(knob: Knob, x: Printable, way: Way) -> Phrase:
+def value_of(knob: Knob, x: Printable, way: Way) -> Real:
     """A value of a parameter in the unit that the scene wrote."""
     return Real(x, way, unit=knob.shown_unit(knob.motion))
 

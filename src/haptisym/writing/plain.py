@@ -120,8 +120,9 @@ class _Writer:
     def blocks(self, blocks: Sequence[Block], indent: str) -> Iterator[str]:
         """Blank lines stand between them, except between lists that belong together."""
         for before, block in zip((None, *blocks), blocks, strict=False):
-            is_list = isinstance(before, Notes | Equations | Facts) and isinstance(block, Notes | Equations | Facts)
-            if before is not None and (not is_list or type(before) is type(block) is Notes or _is_answer(before)):
+            belongs = isinstance(before, Notes) and isinstance(block, Equations | Facts)
+            belongs |= type(before) is type(block) and isinstance(block, Equations | Facts) and not _is_answer(before)
+            if before is not None and not belongs:
                 yield ""
             yield from self.block(block, indent)
 
