@@ -30,11 +30,11 @@ from haptisym.model.scenefile import load_scene
 @json_option
 @figure_option("digits against time")
 @click.option("--quick", is_flag=True, help="Fewer methods and repeats, for a first look.")
-@click.option("--simulation", is_flag=True, help="The simulation in time instead: steps, tolerances, periods, effects.")
-@click.option("--sweep", is_flag=True, help="A sweep instead: time for a set, and how many a grid counts wrong.")
-@click.option("--free", multiple=True, metavar="PATH", help="With --sweep, what varies; all numbers if not given.")
+@click.option("--simulation", is_flag=True, help="Measure the simulation in time instead.")
+@click.option("--sweep", is_flag=True, help="Measure a sweep instead.")
+@click.option("--free", multiple=True, metavar="PATH", help="Parameter to vary with --sweep (all if not given).")
 @limit_option
-@click.option("--hard-cases", is_flag=True, help="Cases on which the usual ways fail, instead of a scene.")
+@click.option("--hard-cases", is_flag=True, help="Measure cases on which usual methods fail, instead of a scene.")
 def cost(
     scene: str | None,
     environment: str | None,
@@ -51,9 +51,9 @@ def cost(
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Measured live, in turns, against certified references of higher precision: right decimal digits and seconds of the
-    ratios in floats and to many digits, of the crossings by grids, eigenvalues and proof (with crossings missed and
-    invented counted), of Pade approximants in place of delays, and of each effect left out.
+    Correct digits and time, measured against proven references of higher precision: of the ratios in floats and to
+    many digits, of the crossings by grids, eigenvalues and proof, of Pade approximants for delays, and of each effect
+    left out.
 
     \b
     Examples:

@@ -416,20 +416,21 @@ OptionRule = tuple[str, str, str]
 
 
 def verb(
-    *, apart: Sequence[OptionRule] = (), needs: Sequence[OptionRule] = (), pages: bool = True, formulas: bool = False
+    *, apart: Sequence[OptionRule] = (), needs: Sequence[OptionRule] = (), pages: bool = True, formulas: str = ""
 ) -> Callable[[Callable[..., Any]], click.Command]:
     """The decorator of a verb, in place of ``click.command()``.
 
     ``apart`` : options that may not both be given, and why: a sentence to which "leave out one of them" is added. ``needs`` : an
     option that means nothing without another one, and what it is about. ``pages`` : whether it answers with a page, which
-    ``--latex`` and ``--report`` write to files. ``formulas`` : whether that page has formulas where they are asked for.
+    ``--latex`` and ``--report`` write to files. ``formulas`` : the option that
+    asks for all that the page has, ``--formulas`` or ``--all``.
     """
     return click.command(cls=Verb, apart=apart, needs=needs, pages=pages, formulas=formulas)
 
 
 def digits_option() -> click.Option:
     """The option ``--digits N``, of a page (4 if not given) and of a JSON document (15)."""
-    words = "Digits of printed numbers (4 if not given); correct digits in --json (15)."
+    words = "Digits to print (4 if not given; 15 in --json)."
     return click.Option(["--digits"], type=click.IntRange(1, 10_000), metavar="N", help=words)
 
 
@@ -454,7 +455,7 @@ class Verb(click.Command):
         apart: Sequence[OptionRule] = (),
         needs: Sequence[OptionRule] = (),
         pages: bool = True,
-        formulas: bool = False,
+        formulas: str = "",
         **options: Any,
     ) -> None:
         super().__init__(*args, **options)
@@ -462,11 +463,17 @@ class Verb(click.Command):
         if pages:
             self.params += [
                 _file("latex", "Write the page as a LaTeX document."),
-                _file("report", "Write the page as a report, HTML or PDF by the name's ending.", checked_report),
+                _file("report", "Write the page as a report (.html or .pdf).", checked_report),
             ]
             own = {x.name for x in self.params}
             self.params += [] if "digits" in own else [digits_option()]
-            self.params += [click.Option(["--formulas"], is_flag=True, help="Print the formulas, too.")] * formulas
+            words = {
+                "--formulas": "Print the formulas, too.",
+                "--all": "Print every measure with its formulas and values.",
+            }
+            self.params += (
+                [click.Option([formulas, "formulas"], is_flag=True, help=words[formulas])] if formulas else []
+            )
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """As click; an option that is given twice is refused."""
@@ -594,13 +601,13 @@ def scene_argument(command: Command) -> Command:
 def environment_option(command: Command) -> Command:
     """The option ``--environment NAME``."""
     return click.option(
-        "--environment", "environment", metavar="NAME", help="Of a scene with several environments, only this one."
+        "--environment", "environment", metavar="NAME", help="Use this environment, where a scene has several."
     )(command)
 
 
 def json_option(command: Command) -> Command:
     """The option ``--json``."""
-    return click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")(command)
+    return click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")(command)
 
 
 def figure_option(what: str) -> Callable[[Command], Command]:
@@ -627,14 +634,12 @@ def file_option(name: str, help_text: str) -> Callable[[Command], Command]:
 def figures_option(command: Command) -> Command:
     """The option ``--figures DIR``."""
     kind = click.Path(file_okay=False, path_type=Path)
-    return click.option("--figures", type=kind, metavar="DIR", help="Write the figures there.")(command)
+    return click.option("--figures", type=kind, metavar="DIR", help="Write the figures to this folder.")(command)
 
 
 def certificate_option(command: Command) -> Command:
     """The option ``--certificate FILE``."""
-    return file_option(
-        "certificate", "Write the answer with a proof that `python -m haptisym_check FILE SCENE.toml` checks."
-    )(command)
+    return file_option("certificate", "Write a certificate, for python -m haptisym_check FILE SCENE.toml.")(command)
 
 
 def written(what: str, path: Path) -> None:
@@ -720,7 +725,7 @@ def limit_option(command: Command) -> Command:
         default=SECONDS,
         show_default=True,
         metavar="SECONDS",
-        help="Time after which what is proven so far is told, and the rest is said to be undecided.",
+        help="Stop after this time; print what is proven and mark the rest undecided.",
     )(command)
 
 

@@ -39,7 +39,7 @@ from haptisym.model.scene import Scene
     multiple=True,
     required=True,
     metavar="PATH",
-    help="The number asked for, as effects.filter.omega_n, evaluation.jnd, or its symbol; twice for a map.",
+    help="Free parameter, by path or name; twice for a map.",
 )
 @click.option(
     "--range",
@@ -47,29 +47,27 @@ from haptisym.model.scene import Scene
     multiple=True,
     nargs=2,
     metavar="LO HI",
-    help='The values asked about, as "50 rad/s" "30 Hz"; bare numbers in SI. All that the model allows if not given.',
+    help='Range searched, as "50 rad/s" "30 Hz"; bare numbers in SI.',
 )
-@click.option("--part", "name", type=click.Choice(["real", "imag"]), help="Ask for the condition of one part only.")
+@click.option("--part", "name", type=click.Choice(["real", "imag"]), help="Require the condition of one part only.")
 @click.option(
     "--that",
     multiple=True,
     type=click.Choice(["transparent", "stable", "passive"]),
     default=["transparent"],
     show_default=True,
-    help="What is asked of the display; may be repeated: all of them together.",
+    help="What is required; repeatable, for all of them together.",
 )
-@click.option("--hand", metavar="NAME", help="The hand of --that stable: of the scene, or one that the package ships.")
+@click.option("--hand", metavar="NAME", help="Hand of --that stable, of the scene or shipped.")
 @click.option(
     "--jnd",
     multiple=True,
     metavar="C",
-    help="Of a map: a further threshold, with the set that is not noticed with it; may be repeated.",
+    help="Add the transparent set for this JND to a map; repeatable.",
 )
-@click.option(
-    "--friction", metavar="F", help="Of a map: the device's Coulomb friction f_c, for Abbott and Okamura's 2 f_c/Delta."
-)
-@click.option("--resolution", metavar="DELTA", help="The step of the device's encoder that belongs to it.")
-@click.option("--any-environment", is_flag=True, help="Ask for |G - 1| <= c, for every environment at once.")
+@click.option("--friction", metavar="F", help="Coulomb friction of the device, for the bound 2 f_c/Delta in a map.")
+@click.option("--resolution", metavar="DELTA", help="Step of the encoder, for the same bound.")
+@click.option("--any-environment", is_flag=True, help="Require |G - 1| <= c, for every environment at once.")
 @json_option
 @figure_option("the set, or the map")
 @certificate_option
@@ -78,14 +76,13 @@ from haptisym.model.scene import Scene
     type=click.IntRange(3, 2000),
     default=41,
     show_default=True,
-    help="Exact slices of a map, at most: they go where its boundary bends.",
+    help="Largest number of exact slices of a map.",
 )
-@click.option("--uniform", is_flag=True, help="Of a map: all of the slices, as far from each other.")
+@click.option("--uniform", is_flag=True, help="Space the slices of a map evenly.")
 @click.option(
     "--within",
     metavar="SHARE",
-    help="Of a map: slices are put in until lines between them are off by that share of the second range at most, as "
-    "estimated; 0.5 % if not given.",
+    help="Estimated error of a map between slices, as a share (0.5 % if not given).",
 )
 @limit_option
 @click.pass_context
@@ -109,10 +106,12 @@ def require(
     resolution: str | None,
     **asked: Any,
 ) -> None:
-    """Find all values of a parameter for which a display is transparent on its whole band.
+    """Find all values of a parameter that satisfy a requirement.
 
-    SCENE is a scene file (TOML) or the name of a shipped scene. The answer is a union of intervals, with proof, and says what
-    binds at each end: which part, at the band's edge or at a touch inside, at which frequency.
+    SCENE is a scene file (TOML) or the name of a shipped scene.
+
+    Required is that the display is transparent on its whole band, stable in a hand, or passive. The result is a proven
+    union of intervals, with what limits it at each end.
 
     \b
     Examples:

@@ -27,14 +27,14 @@ from haptisym.model.scene import Scene
     "names",
     multiple=True,
     metavar="NAME",
-    help="A hand of the scene, or one that the package ships; may be repeated. Those of the scene if not given.",
+    help="Hand of the scene, or a shipped one; repeatable.",
 )
 @click.option(
     "--free",
     "paths",
     multiple=True,
     metavar="PATH",
-    help="A number, as environment.k or its symbol, of which it is told how far it may go; may be repeated.",
+    help="Parameter whose stability limits are searched; repeatable.",
 )
 @figure_option("the hand's plane: where the display is stable")
 @json_option
@@ -50,13 +50,12 @@ def stability(
     digits: int | None,
     certificate: Path | None,
 ) -> None:
-    """Tell whether a display shakes: imposed, held, in every passive hand.
+    """Find whether a display shakes, and its stability limits.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Three statements, each proven apart. Imposed: the force under imposed motion is stable. Held: the display is stable in this
-    hand, a mass, damping and stiffness of [hand] in the scene or a published one. Every passive hand: no hand that only takes
-    energy can make it shake.
+    Three statements, each proven by itself: stable in a hand (mass, damping and stiffness, of [hand] in the scene or a
+    shipped one); stable under prescribed motion; passive, that is stable in the hand of any passive operator.
 
     \b
     Examples:

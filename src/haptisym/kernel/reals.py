@@ -310,6 +310,11 @@ def printed(x: Printable, digits: int, way: Way) -> str:
     if way is Way.NEAREST:
         return _readable(Decimal(x.digits(digits)), digits)
     low, high = x.bounds(bits_for(digits + 3))
+    nearest = _decimal(low, Context(prec=digits))
+    if low <= Fraction(nearest) <= high:
+        low, high = x.bounds(_SAME)
+        if low <= Fraction(nearest) <= high and (high - low) * 2 ** (_SAME - 10) <= abs(low):
+            return _readable(nearest, digits, Fraction(nearest))
     return _readable(_decimal(low if way is Way.DOWN else high, Context(prec=digits, rounding=way.value)), digits)
 
 
@@ -326,6 +331,8 @@ def _readable(x: Decimal, digits: int, exact: Fraction | None = None) -> str:
     return f"{mantissa:f}e{x.adjusted()}"
 
 
+_SAME = 200
+"""Bits to which a number that lies on a short decimal is taken for it: a maximum at 3.6 is not printed as "above 3.601"."""
 _SMALLEST, _LARGEST = -4, 7  # powers of ten of numbers that are printed without an exponent
 
 

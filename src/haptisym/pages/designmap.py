@@ -52,12 +52,11 @@ def _answer(m: DesignMap) -> Iterator[tuple[Phrase, Phrase]]:
     a, b = m.free
     some = [x for x in m.slices if x.requirement.feasible]
     what = required(m.criteria)
-    name = what[0][0].upper() + what[0][1:] if isinstance(what, tuple) and isinstance(what[0], str) else "Satisfied"
     on: Phrase = (f"on {len(some)} of {len(m.slices)} slices along ", named(a.symbol.name))
     if some:
         ends = [value_of(a, float(x.at), Way.NEAREST) for x in (some[0], some[-1])]
-        on = (*on, ", from ", ends[0], " to ", ends[1], "; for ", named(b.symbol.name), " see the table and --figure")
-    yield (name, *(what[1:] if isinstance(what, tuple) else ())), on
+        on = (on, ", from ", ends[0], " to ", ends[1], "; for ", named(b.symbol.name), " see the table and --figure")
+    yield what[0].upper() + what[1:], on
     kinds = sorted({_KINDS.get(y.kind, y.kind.value) for x in some for e in x.requirement.ends for y in e.bindings})
     if kinds:
         yield "Limited at", listed(kinds)

@@ -167,7 +167,9 @@ def _bandwidth(e: Evaluation) -> Phrase:
 
 
 def _limit(c: Crossing) -> str:
-    return f"the {c.criterion.joint.kind}" if c.criterion.joint else f"the {PART_NAMES[c.criterion.part]} part"
+    if c.criterion.joint or c.criterion.part is None:
+        return f"the {c.criterion.joint.kind if c.criterion.joint else 'region'}"
+    return f"the {PART_NAMES[c.criterion.part]} part"
 
 
 def _range_of(e: Evaluation) -> Phrase:
@@ -218,6 +220,8 @@ def _active(found: Passivity) -> Phrase:
         return ""
     shown = found.active[:_MOST_BANDS]
     on = found.beyond is Beyond.ALWAYS and len(shown) == len(found.active)
+    if on and not float(shown[-1].low.omega) and len(shown) == 1:
+        return ", active at all frequencies"
     last: Phrase = ("above ", both(shown[-1].low.omega)) if on else ""
     before: Phrase = spans(shown[:-1] if on else shown) if len(shown) > bool(on) else ""
     more = ", …" if len(found.active) > _MOST_BANDS or found.beyond in (Beyond.AGAIN, Beyond.LATE) else ""

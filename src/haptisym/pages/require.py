@@ -33,6 +33,7 @@ from haptisym.writing.document import (
 )
 from haptisym.writing.layout import layout, named
 from haptisym.writing.layout import rounded as in_digits
+from haptisym.writing.plain import said
 
 _PLACES = {
     Kind.EDGE: "the high end of the band", Kind.START: "the low end of the band", Kind.TOUCH: "a tangency inside the band",
@@ -54,9 +55,9 @@ def page(r: Requirement) -> Document:
     return page_about(r.scene, _answer(r), blocks, _proven(r), "Which values satisfy it", r.asides())
 
 
-def required(criteria: tuple[Criterion, ...]) -> Phrase:
+def required(criteria: tuple[Criterion, ...]) -> str:
     """What is required, as an adjective: ``transparent and stable in light-touch``."""
-    return listed(dict.fromkeys(map(kept, criteria)))
+    return said(listed(dict.fromkeys(map(kept, criteria))))
 
 
 def kept(x: Criterion) -> str:
@@ -66,8 +67,7 @@ def kept(x: Criterion) -> str:
 
 def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
     now = (" (is ", value_of(r.free, ExactNumber(r.free.value), Way.NEAREST), ")") if r.free.value.is_number else ()
-    first = str(listed(dict.fromkeys(map(kept, r.criteria)))[0])
-    names = (first[0].upper() + first[1:], *listed(dict.fromkeys(map(kept, r.criteria)))[1:])
+    what = required(r.criteria)
     known: Phrase = (
         ("for ", sets(r))
         if r.feasible
@@ -75,7 +75,7 @@ def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
         if r.certified
         else "for no value that is proven"
     )
-    yield names, (known, now)
+    yield what[0].upper() + what[1:], (known, now)
     limits = list(dict.fromkeys(x for end in r.ends if end.value for x in _bindings(end, r)))
     if limits:
         yield "Limited by", listed(limits) if len(limits) <= _MOST_LIMITS else "see the table"

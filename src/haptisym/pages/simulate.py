@@ -74,7 +74,7 @@ def _table(runs: Sequence[Simulation]) -> Iterator[Block]:
 
 def _row(x: Estimate) -> tuple[Phrase, ...]:
     found = near(x.simulated.real), near(x.simulated.imag)
-    return cell(x.omega), *found, near(float(f"{x.difference:.2g}")), near(float(f"{x.error:.2g}")), _AGREES[x.agrees]
+    return cell(x.omega), *found, near(x.difference, most=2), near(x.error, most=2), _AGREES[x.agrees]
 
 
 def _verdict(runs: Sequence[Simulation]) -> Phrase:
@@ -84,7 +84,7 @@ def _verdict(runs: Sequence[Simulation]) -> Phrase:
     reasons = dict.fromkeys(x.approximate for x in rows if x.approximate)
     if reasons:
         sizes = [x.difference / abs(x.closed) for x in rows if x.approximate and x.closed]
-        worst: Phrase = ("; it differs by up to ", at_most(float(f"{100 * max(sizes):.2g}")), "\xa0%") if sizes else ""
+        worst: Phrase = ("; it differs by up to ", at_most(100 * max(sizes)), "\xa0%") if sizes else ""
         return f"not exact here: {'; '.join(reasons)}", worst
     wrong = [cell(x.omega) for x in rows if not x.agrees]
     if wrong:

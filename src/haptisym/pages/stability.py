@@ -218,7 +218,7 @@ def _box(hand: Hand, box: Box) -> Phrase:
 def _limits(found: Stability) -> Iterator[Block]:
     """The limits of each parameter, one varied at a time; those that change nothing in a line."""
     pairs = [(x, row) for x, rows in zip(found.held, found.critical, strict=True) for row in rows]
-    shown = [(x, row, own) for x, row in pairs if (own := _stable_for(found, x, row))]
+    shown = [(x, row, own) for x, row in pairs if (own := _stable_for(found, row))]
     lines: list[tuple[Phrase, ...]] = []
     last = ""
     for x, row, (stable_for, places) in shown:
@@ -232,11 +232,14 @@ def _limits(found: Stability) -> Iterator[Block]:
     caption = "The nearest values, either way, at which stability changes, and the frequency of the pole there."
     notes: list[Phrase] = []
     for x in found.held:
-        none = [row for y, row in pairs if y is x and not row.reason and not _stable_for(found, x, row)]
-        if none:
-            names = listed(_name(found.scene.knobs[row.path]) for row in none)
-            kept = "stable" if x.stable else "unstable"
-            notes.append((f"{x.hand.name}: {kept} for all values searched of ", names, _searched(found, none), "."))
+        none = [row for y, row in pairs if y is x and not row.reason and not _stable_for(found, row)]
+        kept = "stable" if x.stable or x.shakes is False else "unstable"
+        for rows, words in (
+            ([row for row in none if not row.found], f"{kept} for all values searched of "),
+            ([row for row in none if row.found], "unstable on both sides of the nearest change of "),
+        ):
+            names = listed(_name(found.scene.knobs[row.path]) for row in rows)
+            notes += [(f"{x.hand.name}: {words}", names, _searched(found, rows), ".")] if rows else []
     notes += [undecided((f"{row.path}: {row.reason}",)) for _, row in pairs if row.reason]
     blocks: list[Block] = [Table(columns, tuple(lines), caption)] if lines else []
     if blocks or notes:
@@ -245,7 +248,7 @@ def _limits(found: Stability) -> Iterator[Block]:
 
 def _searched(found: Stability, rows: Sequence[Nearest]) -> Phrase:
     ends = [
-        (_name(knob), *_range(knob, x.low, x.high))
+        (_name(knob), _range(knob, x.low, x.high))
         for x in rows
         if (knob := found.scene.knobs[x.path]) and x.high is not None
     ]
@@ -257,7 +260,7 @@ def _range(knob: Knob, low: Fraction | None, high: Fraction | None) -> Phrase:
     return (first, " up to ", value_of(knob, high, Way.DOWN)) if high is not None else (first, "")
 
 
-def _stable_for(found: Stability, x: Held, row: Nearest) -> tuple[Phrase, Phrase] | None:
+def _stable_for(found: Stability, row: Nearest) -> tuple[Phrase, Phrase] | None:
     """The values next to the present one for which it is stable, and the frequencies of the poles at their ends."""
     knob = found.scene.knobs[row.path]
     sides = {side: y for y in row.found if (side := y.stable_side)}

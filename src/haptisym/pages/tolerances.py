@@ -87,10 +87,10 @@ def _verdict(a: Tolerances) -> Phrase:
     low, high = (cell(ExactNumber(x)) for x in a.box.scene.band)
     band: Phrase = (" on ", low, " to ", high, "\xa0", FREQUENCY_UNIT)
     words: dict[Verdict, Phrase] = {
-        Verdict.ALL: ("transparent", *band, " for ", Strong("every"), " combination of values"),
-        Verdict.NONE: ("noticed", *band, " for ", Strong("every"), " combination of values"),
-        Verdict.DEPENDS: (Strong("depends"), " on the values whether it is transparent", *band),
-        Verdict.UNDECIDED: (Strong("undecided"), " whether it is transparent", *band),
+        Verdict.ALL: ("transparent", band, " for ", Strong("every"), " combination of values"),
+        Verdict.NONE: ("noticed", band, " for ", Strong("every"), " combination of values"),
+        Verdict.DEPENDS: (Strong("depends"), " on the values whether it is transparent", band),
+        Verdict.UNDECIDED: (Strong("undecided"), " whether it is transparent", band),
     }
     return words[a.verdict]
 

@@ -123,9 +123,9 @@ def undecided(what: Phrase) -> Phrase:
     return Strong("Undecided"), ": ", what, "."
 
 
-def near(x: Printable, *, least: int = 1, unit: Unit | None = None) -> Real:
-    """A number to the nearest: of a place, a value, an estimate."""
-    return Real(x, Way.NEAREST, least, unit or Unit(""))
+def near(x: Printable, *, unit: Unit | None = None, most: int = 1000) -> Real:
+    """A number to the nearest: of a place, a value, an estimate with so many digits at most."""
+    return Real(x, Way.NEAREST, unit=unit or Unit(""), most=most)
 
 
 def at_least(x: Printable, *, unit: Unit | None = None) -> Real:

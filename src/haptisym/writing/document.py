@@ -36,13 +36,14 @@ class Number:
 class Real:
     """A number that is rounded where the page is written; ``least`` : digits that it needs, as others would look the same.
 
-    ``unit`` : in which it is printed, and which is printed behind it.
+    ``most`` : digits that it has, of an estimate. ``unit`` : in which it is printed, and which is printed behind it.
     """
 
     value: Printable
     way: Way
     least: int = 1
     unit: Unit = Unit("")
+    most: int = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -298,8 +299,8 @@ class Style:
         rows: list[list[Phrase]] = [[] for _ in table.rows]
         two = self.frequency == RADIANS
         for i, column in enumerate(table.columns):
-            unit = (" (", FREQUENCY_UNIT, ")") if column.hertz else ()
-            columns.append(replace(column, heading=self.phrase((column.heading, *unit))))
+            heading = (column.heading, " (", FREQUENCY_UNIT, ")") if column.hertz else column.heading
+            columns.append(replace(column, heading=self.phrase(heading)))
             columns += [Column("Hz", number=True, full=column.full)] * (column.hertz and two)
             for row, cells in zip(table.rows, rows, strict=True):
                 cells.append(self.phrase(row[i]))
@@ -328,7 +329,7 @@ class Style:
 
     def _real(self, x: Real) -> Phrase:
         value = in_unit(x.value, x.unit.size)
-        number = Number(printed(value, max(self.digits, x.least), x.way), float(x.value))
+        number = Number(printed(value, min(max(self.digits, x.least), x.most), x.way), float(x.value))
         return (number, f"\xa0{x.unit.text}") if x.unit.text else number
 
     def _frequency(self, x: Frequency) -> Phrase:
