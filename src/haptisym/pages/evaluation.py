@@ -194,7 +194,8 @@ def felt_as(e: Evaluation) -> Phrase:
     found = sorted(first.values(), key=lambda x: float(x.band.low.omega))
     if not found:
         return "nothing noticed on the band"
-    return listed((x.words, " from ", cell(x.band.low.omega), "\xa0", FREQUENCY_UNIT) for x in found)
+    each = ((x.words, " from ", cell(x.band.low.omega), "\xa0", FREQUENCY_UNIT) for x in found)
+    return tuple(y for x in each for y in (", ", x))[1:]
 
 
 def stability(e: Evaluation) -> Phrase:

@@ -13,7 +13,7 @@ from haptisym.model.jnd import Part
 from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.quantities import Unit
 from haptisym.pages.late import proof as certificate
-from haptisym.pages.words import PART_NAMES, both, near, page_about, proof, symbol, undecided, value_of
+from haptisym.pages.words import PART_NAMES, at_least, both, near, page_about, proof, symbol, undecided, value_of
 from haptisym.verbs.require.entry import is_quick, require
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span
 from haptisym.verbs.require.freeparameter import Domain
@@ -133,7 +133,7 @@ def _nearest(r: Requirement) -> Iterator[Block]:
         return
     least: Phrase = "How near other values come is not proven."
     if x.at_least > 1:
-        least = "Proven: no value in the range keeps all ratios below ", near(x.at_least), " times their thresholds."
+        least = "Proven: no value in the range keeps all ratios below ", at_least(x.at_least), " times their thresholds."
     yield Paragraph((
         "Nearest of those tried: ", named(r.free.symbol.name), " = ", value_of(r.free, float(x.value), Way.NEAREST), ", where ",
         _part(x.binding), " reaches ", near(100 * float(x.ratio)), "\xa0% at ", _where(x.binding, r), ", ", near(x.times),
