@@ -14,7 +14,7 @@ from terminal import COMMAND, all_in_terminal, environment, in_terminal
 
 import haptisym as hs
 from haptisym.commands.options import escaped, say_document, spelt
-from haptisym.writing.document import Document, Section, chosen
+from haptisym.writing.document import Document, Section, Style
 from haptisym.writing.plain import plain
 
 
@@ -109,7 +109,7 @@ def test_what_an_encoding_lacks_is_said_in_words_on_both_streams() -> None:
 def test_a_page_made_narrower_says_the_same_words_in_the_same_order(columns: int) -> None:
     page = hs.evaluate(hs.load_scene("organ-tissue")).document()
     told = Document(
-        page.title, page.lead, tuple(x for x in chosen(page.blocks, full=False) if not isinstance(x, Section))
+        page.title, page.lead, tuple(x for x in Style(full=False).chosen(page.blocks) if not isinstance(x, Section))
     )
     narrow = plain(told, columns)
     assert narrow.split() == plain(told).split()

@@ -12,19 +12,37 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
+from decimal import Decimal
+from fractions import Fraction
 from functools import cache
-from math import pi
+from math import isfinite, pi
 from pathlib import Path
 from typing import Any
 
 import pytest
 from marks import often
+from sympy import Expr
 
 import haptisym as hs
+from haptisym.kernel.reals import ExactNumber, Way, in_unit, printed
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.verbs.jnd.tables import Answers, Row
 from haptisym.verbs.sweep.entry import Swept
-from haptisym.writing.document import Block, Document, Number, Phrase, Section, Table, chosen
+from haptisym.writing.document import (
+    Block,
+    Document,
+    Facts,
+    Frequency,
+    Notes,
+    Number,
+    Paragraph,
+    Phrase,
+    Real,
+    Section,
+    Strong,
+    Style,
+    Table,
+)
 from haptisym.writing.latex import latex
 from haptisym.writing.plain import plain
 
@@ -136,7 +154,7 @@ def flat(document: object) -> Iterator[float]:
 
 
 def tables(blocks: Iterable[Block], *, full: bool = False) -> Iterator[Table]:
-    for x in chosen(blocks, full=full):
+    for x in Style(full=full).chosen(blocks):
         if isinstance(x, Section):
             yield from tables(x.blocks, full=full)
         elif isinstance(x, Table):
@@ -163,20 +181,74 @@ def numerals(told: str) -> Iterator[tuple[float, float]]:
 def test_every_number_of_a_table_is_one_of_the_answer_and_its_digits_are_its_value(name: str) -> None:
     """As it is, in hertz, or in per cent; ends may be rounded outwards, by one unit of the last digit."""
     page, held = answer(name).document(), [*flat(answer(name).to_dict())]
+    held += [float(x.value) for x in getattr(getattr(answer(name), "scene", None), "knobs", ())]
     assert isinstance(page, Document)
     for table in tables(page.blocks):
         assert {len(row) for row in table.rows} == {len(table.columns)}
         for n in numbers(table.rows):  # type: ignore[arg-type]
-            same = (y for x in held for y in (x, -x, x / 2 / pi, 100 * x))
-            assert any(abs(y - n.value) <= 1e-9 * abs(y) for y in same), n
-            [(shown, unit)] = numerals(n.digits.lstrip("=+"))
+            same = (y for x in held for y in in_units(x))
+            assert any(abs(y - n.value) <= 1e-9 * abs(y) for y in (*same, 0)), n
+            [(shown, unit)] = numerals(n.digits)
             assert abs(shown - n.value) <= 1.001 * unit, n
+
+
+def in_units(x: float) -> tuple[float, ...]:
+    """A number of SI as it is, in hertz, in per cent, in milliseconds."""
+    return x, -x, x / 2 / pi, 100 * x, 1000 * x
+
+
+def claims(words: object) -> Iterator[Real | Frequency]:
+    """All numbers of a page before they are rounded."""
+    if isinstance(words, Real | Frequency):
+        yield words
+    elif isinstance(words, tuple):
+        for x in words:
+            yield from claims(x)
+    elif isinstance(words, Strong | Paragraph | Notes | Facts | Table | Section):
+        for x in vars(words).values() if hasattr(words, "__dict__") else (words.words,):  # type: ignore[union-attr]
+            yield from claims(x)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_is_printed_of_a_bound_is_true(name: str) -> None:
+    """A lower bound is not printed larger than it is, nor an upper one smaller; all else is the nearest, to half a digit."""
+    page = answer(name).document()
+    for x in claims(page.blocks):
+        for digits in (2, 4, 7):
+            size = x.unit if isinstance(x, Real) else page.frequency
+            value = in_unit(x.value, size.size)
+            shown = Fraction(printed(value, max(digits, x.least), x.way)) if finite(value) else None
+            if shown is None:
+                continue
+            low, high = bounds_of(value)
+            unit = Fraction(10) ** (magnitude(shown) - max(digits, x.least) + 1)
+            assert {
+                Way.DOWN: shown <= high,
+                Way.UP: shown >= low,
+                Way.NEAREST: abs(shown - low) <= unit * Fraction(51, 100),
+            }[x.way]
+            assert abs(shown - low) <= unit
+
+
+def finite(x: object) -> bool:
+    return not isinstance(x, float) or isfinite(x)
+
+
+def bounds_of(x: object) -> tuple[Fraction, Fraction]:
+    if isinstance(x, float | int | Fraction):
+        return Fraction(repr(x) if isinstance(x, float) else x), Fraction(repr(x) if isinstance(x, float) else x)
+    return (ExactNumber(x) if isinstance(x, Expr) else x).bounds(200)  # type: ignore[attr-defined]
+
+
+def magnitude(x: Fraction) -> int:
+    """The power of ten of its first digit."""
+    return Decimal(x.numerator / x.denominator).adjusted() if x else 0
 
 
 NOT_TOLD = {
     "derive": None, "derive-ellipse": None, "published": None, "simulate": None, "release": None,  # formulas, words, rounding
     "effects": {"operations"}, "design-map": {"unit", "band", "range", "slices", "proven"}, "peaks": {"band"}, "jnd": {"deviance"},
-    "identify": {"rows"}, "family": {"environments"}, "stability-clock": {"held"},  # how far, beside a value that was found
+    "identify": {"rows"}, "family": {"environments"}, "stability": {"held"}, "stability-clock": {"held", "sampled"},
 }  # fmt: skip
 """What the document of an answer holds and its page does not say, or says in part."""
 
@@ -186,10 +258,10 @@ NOT_TOLD = {
 )
 def test_every_number_that_an_answer_holds_stands_on_its_page(name: str) -> None:
     """To the digits that are printed, as it is or in per cent."""
-    told = [*numerals(text(name))]
+    told = [*numerals(plain(answer(name).document(), formulas=True))]
     for key, part in answer(name).to_dict().items():
         for x in flat(part) if key not in NOT_TOLD.get(name, set()) else ():  # type: ignore[operator]
-            near = (abs(abs(t) - abs(y)) <= 1.001 * unit and abs(y) >= unit for t, unit in told for y in (x, 100 * x))
+            near = (abs(abs(t) - abs(y)) <= 1.001 * unit and abs(y) >= unit for t, unit in told for y in in_units(x))
             assert x == 0 or any(near), (key, x)
 
 

@@ -32,9 +32,9 @@ from haptisym.writing.document import (
     Phrase,
     Section,
     Strong,
+    Style,
     Table,
     Versions,
-    chosen,
     is_empty,
 )
 from haptisym.writing.html import Html, data, display, element, html, joined, script
@@ -60,24 +60,24 @@ def test_in_brief_there_are_no_figures_and_of_versions_the_brief_one_and_in_full
         LIVE,
         Versions((Paragraph("brief"),), lambda: (Paragraph("full"), figure("g"))),
     )
-    assert list(chosen(blocks, full=False)) == [WORDS, Paragraph("brief")]
-    assert [x.name if isinstance(x, Figure) else x for x in chosen(blocks, full=True)] == [
+    assert list(Style(full=False).chosen(blocks)) == [WORDS, Paragraph("brief")]
+    assert [x.name if isinstance(x, Figure) else x for x in Style(full=True).chosen(blocks)] == [
         WORDS,
         "f",
         Paragraph("full"),
         "g",
     ]
-    assert list(chosen(blocks, full=False, live=True)) == [WORDS, LIVE, Paragraph("brief")]
-    assert LIVE in chosen(blocks, full=True, live=True)
+    assert list(Style(full=False, live=True).chosen(blocks)) == [WORDS, LIVE, Paragraph("brief")]
+    assert LIVE in Style(full=True, live=True).chosen(blocks)
     made: list[int] = []
 
     def noted() -> tuple[Block, ...]:
         made.append(1)
         return ()
 
-    assert list(chosen([Versions((WORDS,), noted)], full=False)) == [WORDS]
+    assert list(Style(full=False).chosen([Versions((WORDS,), noted)])) == [WORDS]
     assert made == []  # what is said in full is made only when it is wanted
-    assert list(chosen([Versions((WORDS,), noted)], full=True)) == []
+    assert list(Style(full=True).chosen([Versions((WORDS,), noted)])) == []
 
 
 def test_columns_for_reports_and_columns_that_say_nothing_are_left_out() -> None:
@@ -87,7 +87,7 @@ def test_columns_for_reports_and_columns_that_say_nothing_are_left_out() -> None
     assert told.cut(full=False) == Table((Column(""),), (("x",), ("",)), "caption")
     headed = Table((Column("h"),), (("",),), "")
     assert headed.cut(full=False) == headed
-    [cut] = chosen([TABLE], full=False)
+    [cut] = Style(full=False).chosen([TABLE])
     assert cut == TABLE.cut(full=False)
     for words, empty in (
         ("", True),

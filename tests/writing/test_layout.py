@@ -43,7 +43,6 @@ from sympy import (
 import haptisym as hs
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import PolynomialRing, X, omega, s
-from haptisym.pages.words import unlike
 from haptisym.writing.boxes import (
     Numeral,
     Ratio,

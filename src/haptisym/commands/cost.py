@@ -26,7 +26,7 @@ from haptisym.model.scenefile import load_scene
 @json_option
 @figure_option("digits against time")
 @click.option("--quick", is_flag=True, help="Fewer methods and repeats, for a first look.")
-@click.option("--hard-cases", is_flag=True, help="Cases on which the usual ways fail, instead of a scene.")
+@click.option("--hard-cases", is_flag=True, help="Measure cases on which usual methods fail, instead of a scene.")
 def cost(
     scene: str | None,
     environment: str | None,
@@ -39,9 +39,9 @@ def cost(
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Measured live, in turns, against certified references of higher precision: right decimal digits and seconds of the
-    ratios in floats and to many digits, of the crossings by grids, eigenvalues and proof (with crossings missed and
-    invented counted), of Pade approximants in place of delays, and of each effect left out.
+    Correct digits and time, measured against proven references of higher precision: of the ratios in floats and to
+    many digits, of the crossings by grids, eigenvalues and proof, of Pade approximants for delays, and of each effect
+    left out.
 
     \b
     Examples:

@@ -38,19 +38,19 @@ class _Language(click.Choice[str]):
 
 @verb()
 @scene_argument
-@click.option("--symbolic", "mode", flag_value="symbolic", help="Keep every parameter a symbol (the default).")
-@click.option("--numeric", "mode", flag_value="numeric", help="Put the scene's number in for every parameter.")
+@click.option("--symbolic", "mode", flag_value="symbolic", help="Keep every parameter a symbol (default).")
+@click.option("--numeric", "mode", flag_value="numeric", help="Insert the number of the scene for every parameter.")
 @click.option(
     "--keep",
     "keep",
     multiple=True,
     metavar="NAME",
-    help="Keep this parameter only, by path or symbol (may be repeated; c is the threshold).",
+    help="Keep only this parameter a symbol, by path or name; repeatable.",
 )
-@click.option("--to", "language", type=_Language(_OUTPUTS), default="text", show_default=True, help="What to write.")
 @click.option(
-    "--of", "names", multiple=True, metavar="QUANTITY", help="Only this quantity, written out (may be repeated)."
+    "--to", "language", type=_Language(_OUTPUTS), default="text", show_default=True, help="Language of the output."
 )
+@click.option("--of", "names", multiple=True, metavar="QUANTITY", help="Print only this quantity; repeatable.")
 @json_option
 @within_limit
 def derive(
@@ -61,7 +61,7 @@ def derive(
     names: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Derive the formulas of a scene: in steps, written out, solved, dimensionless, and as code.
+    """Derive the formulas of a scene, as text, LaTeX or code.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 

@@ -18,19 +18,17 @@ from haptisym.model.scene import Scene
     metavar="X",
     default="0.01",
     show_default=True,
-    help="Largest change of r_r and r_i that leaving out effects may make.",
+    help="Allowed change of r_r and r_i by leaving out effects.",
 )
 @figure_option("the influences along the band")
 @within_limit
 def effects(scene: Scene, as_json: bool, tolerance: str, figure: Path | None) -> None:
-    """Find which effects of a scene matter, with proof.
+    """Find which effects of a scene matter.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Of each effect: the largest change of r_r and r_i anywhere on the band if it is left out. Of all together: the fewest
-    effects with which both ratios stay within the tolerance of the full scene's, what that changes at most, how much shorter
-    the formulas get, and intervals that hold all crossings of the full scene. Ratios are fractions of |H_env|, frequencies
-    in rad/s.
+    Prints, proven, the largest change of r_r and r_i on the band without each effect, the smallest set of effects with
+    which both ratios stay within the tolerance, and intervals that hold all crossings of the full scene.
 
     \b
     Examples:

@@ -31,7 +31,7 @@ from haptisym.model.scenefile import SceneFamily, chosen, felt_through, open_sce
 from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
 
 
-@verb(needs=[("--points", "--response", "the lines of a file")])
+@verb(needs=[("--points", "--response", "the lines of a file")], formulas="--formulas")
 @click.argument("scene")
 @click.argument("more", nargs=-1, metavar="")
 @json_option
@@ -40,22 +40,19 @@ from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
     "--environments",
     multiple=True,
     metavar="FILE...",
-    help="Feel the environments of these scenes (files or names) instead, all at once.",
+    help="Use the environments of these scenes instead.",
 )
-@click.option(
-    "--digits",
-    type=click.IntRange(1, 10_000),
-    default=15,
-    show_default=True,
-    help="Correct decimal digits of each crossing.",
-)
-@click.option("--tolerance", metavar="X", help="Leave out the effects that change the ratios by at most that, jointly.")
-@click.option("--regions", is_flag=True, help="Compare with square, disc and diamond of the JND's half widths.")
-@click.option("--proportion", metavar="P", help="Convert the JND to that proportion of right answers, as 0.84.")
+@click.option("--tolerance", metavar="X", help="Leave out effects that together change the ratios by at most X.")
+@click.option("--regions", is_flag=True, help="Compare with square, disc and diamond of the same half widths.")
+@click.option("--proportion", metavar="P", help="Convert the JND to this proportion of correct answers, as 0.84.")
 @figures_option
 @file_option("response", "Write the exact response, sampled on the band, as a CSV file that [perceived] reads.")
 @click.option(
-    "--points", type=click.IntRange(2, 1_000_000), default=200, show_default=True, help="Lines of --response."
+    "--points",
+    type=click.IntRange(2, 1_000_000),
+    default=200,
+    show_default=True,
+    help="Number of frequency points of --response.",
 )
 @certificate_option
 @limit_option
@@ -65,7 +62,7 @@ def evaluate(
     as_json: bool,
     environment: str | None,
     environments: tuple[str, ...],
-    digits: int,
+    digits: int | None,
     tolerance: str | None,
     regions: bool,
     proportion: str | None,
@@ -75,15 +72,15 @@ def evaluate(
     certificate: Path | None,
     limit: float,
 ) -> None:
-    """Find when a display begins to be noticed, and how it is felt, with proof.
+    """Find when a hand notices a display, and as what.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Step 1 finds every frequency of the band at which r_r = |Re dH|/|H_env| or r_i = |Im dH|/|H_env| meets the JND
-    threshold; step 2 says as which mechanical property the distortion is felt beyond it. Frequencies are in rad/s.
+    Step 1: every frequency of the band at which r_r = |Re dH|/|H_env| or r_i = |Im dH|/|H_env| crosses the JND. Step 2:
+    the mechanical property that changes there (stiffness, damping, mass). All crossings are proven.
 
-    A scene with several environments ([[environments]], or --environments after SCENE) gives a row for each and the worst
-    case: the band that is transparent for all, and which environment and part bind at its ends.
+    A scene with several environments ([[environments]], or --environments after SCENE) gives a row for each, and the band
+    on which the display is transparent with all of them.
 
     \b
     Examples:
@@ -100,8 +97,8 @@ def evaluate(
       haptisym evaluate fu2019 --response fu2019.csv --points 60
       haptisym evaluate my-device.toml --json --digits 50
       haptisym evaluate control-stick-in-detail --tolerance 0.01
-      haptisym evaluate fu2019-bench            a simulated bench run that the package ships
-      haptisym evaluate bench.toml              a scene with [perceived] from a file: measured lines alone
+      haptisym evaluate fu2019-bench            a simulated bench run
+      haptisym evaluate bench.toml              a scene with [perceived] from a file
     """
     if more and not environments:
         raise click.UsageError(f"got an unexpected argument ({more[0]})")
@@ -112,11 +109,13 @@ def evaluate(
     family = felt_through(opened, scene, (*environments, *more))
     if environment is None and (environments or len(family) > 1):
         _of_one_environment()
-        _evaluate_all(family, digits, regions, proportion, limit, figures, as_json)
+        _evaluate_all(family, digits or 15, regions, proportion, limit, figures, as_json)
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
     with progress() as told, limited(limit, told):
-        result = evaluate_scene(one, digits, tolerance=tolerance, regions=regions, proportion=proportion, limit=None)
+        result = evaluate_scene(
+            one, digits or 15, tolerance=tolerance, regions=regions, proportion=proportion, limit=None
+        )
         _ = result.bandwidths  # of a range of thresholds: within the limit
         proof = result.certificate() if certificate else ""
     if certificate is not None:

@@ -52,7 +52,7 @@ def _no_such_option(_context: click.Context, _option: click.Parameter, given: st
     is_flag=False,
     flag_value=_MISSING,
     callback=_need_a_model,
-    help="A model of what is felt, as mass-spring-damper or kelvin-voigt.",
+    help="Environment model, as mass-spring-damper.",
 )
 @click.option(
     "--effect",
@@ -62,18 +62,20 @@ def _no_such_option(_context: click.Context, _option: click.Parameter, given: st
     is_flag=False,
     flag_value=_MISSING,
     callback=_need_a_model,
-    help="An effect after it, nearest the environment first.",
+    help="Effect model, nearest the environment first; repeatable.",
 )
 @click.option("--model", is_flag=False, flag_value=_MISSING, hidden=True, expose_value=False, callback=_no_such_option)
-@click.option("--degrees", nargs=2, type=int, metavar="N D", help="Of numerator and denominator, in place of a model.")
-@click.option("--band", nargs=2, metavar="LOW HIGH", help='Only lines on it, rad/s or with a unit: "1 Hz" "20 Hz".')
-@click.option("--averages", type=float, metavar="N", help="Of FILE's column coherence.")
-@click.option("--confidence", type=float, metavar="P", help="Of FILE's discs, and of all intervals; 0.95 if not given.")
-@click.option("--estimator", metavar="NAME", help="Of a FILE of records in time: H1, H2 or joint.")
-@click.option("--segment", metavar="TIME", help='Of records: the length of Welch\'s segments, as "4 s".')
-@click.option("--title", default="", help="Of the scene.")
+@click.option(
+    "--degrees", nargs=2, type=int, metavar="N D", help="Degrees of numerator and denominator, in place of a model."
+)
+@click.option("--band", nargs=2, metavar="LOW HIGH", help='Use only this band, as "1 Hz" "20 Hz".')
+@click.option("--averages", type=float, metavar="N", help="Number of averages of the column coherence.")
+@click.option("--confidence", type=float, metavar="P", help="Confidence of all intervals (0.95 if not given).")
+@click.option("--estimator", metavar="NAME", help="Estimator for records in time: H1, H2 or joint.")
+@click.option("--segment", metavar="TIME", help='Length of Welch segments of records in time, as "4 s".')
+@click.option("--title", default="", help="Title of the scene that is written.")
 @json_option
-@file_option("scene", "Write the scene that was found, each parameter with its range.")
+@file_option("scene", "Write the fitted scene, each parameter with its range.")
 @figure_option("the model over what was measured, and the residuals")
 @within_limit
 def identify(
@@ -91,16 +93,15 @@ def identify(
     scene: Path | None,
     figure: Path | None,
 ) -> None:
-    """Fit a model to a measured response: parameters with confidence intervals, and whether the model holds.
+    """Fit a model to a measured response.
 
-    FILE is a file of measured lines, or with --estimator of records in time (CSV), or a scene with [perceived] (TOML), of which
-    what should be felt is known and effects are fitted.
+    FILE holds frequency points, or with --estimator records in time (CSV); or it is a scene with [perceived] (TOML), whose
+    environment is known and whose effects are fitted.
 
-    MODEL is one of the catalogue; all its parameters are found. After a colon stand those of its parameters that it is to have,
-    where it can do without some, and values that are given: shunt:m,b or second-order-lowpass:zeta=0.5.
+    MODEL is a model of the catalogue. After a colon follow the parameters that it has, where some are optional, and given
+    values: shunt:m,b or second-order-lowpass:zeta=0.5.
 
-    Least squares weighted with the discs of the lines. Estimated, not proven: a model that does not fit is said not to fit. The
-    scene's ranges hold the true values with the confidence, if the model is right: haptisym tolerances tells what holds for all.
+    Weighted least squares. Estimated: parameters with confidence intervals, and a test whether the model fits.
 
     \b
     Examples:

@@ -30,31 +30,36 @@ class _Number(click.ParamType[object]):
 
 @verb()
 @click.argument("data", required=False)
-@click.option("--published", is_flag=True, help="List the published thresholds instead, usable by name in a scene.")
+@click.option("--published", is_flag=True, help="List published thresholds that a scene can use by name.")
 @click.option(
-    "--proportion", type=_Number(), metavar="P", help="Take the JND at that share of answers.  [default: 0.75]"
+    "--proportion",
+    type=_Number(),
+    metavar="P",
+    help="Proportion of responses that defines the JND (0.75 if not given).",
 )
-@click.option("--alternatives", type=int, metavar="M", help="A forced choice between M; levels are differences.")
 @click.option(
-    "--reference", type=_Number(), metavar="X", help="The level of the standard, for the JND as a fraction of it."
+    "--alternatives", type=int, metavar="M", help="Forced choice between M alternatives; levels are differences."
 )
-@click.option("--guess", type=_Number(), default=0.0, metavar="G", help="Share of guesses.  [default: 0]")
 @click.option(
-    "--lapse", type=_Number("free"), default=0.0, metavar="L", help='Share of lapses, or "free".  [default: 0]'
+    "--reference", type=_Number(), metavar="X", help="Level of the standard, for the JND as a fraction of it."
 )
-@click.option("--confidence", type=_Number(), default=0.95, metavar="C", help="Of the interval.  [default: 0.95]")
+@click.option("--guess", type=_Number(), default=0.0, metavar="G", help="Guess rate (0 if not given).")
+@click.option("--lapse", type=_Number("free"), default=0.0, metavar="L", help='Lapse rate, or "free" (0 if not given).')
+@click.option(
+    "--confidence", type=_Number(), default=0.95, metavar="C", help="Confidence of the interval (0.95 if not given)."
+)
 @click.option(
     "--method",
     type=click.Choice(["likelihood", "psignifit"]),
     default="likelihood",
     show_default=True,
-    help="How to fit.",
+    help="Method of the fit.",
 )
-@click.option("--level", metavar="COLUMN", help="The column of the levels.")
-@click.option("--count", metavar="COLUMN", help="The column of the answers that count, k.")
-@click.option("--trials", metavar="COLUMN", help="The column of all answers, n.")
-@click.option("--answer", metavar="COLUMN", help="The column of single answers, 1 or 0.")
-@click.option("--where", multiple=True, metavar="COLUMN=VALUE", help="Only lines with that value; may be repeated.")
+@click.option("--level", metavar="COLUMN", help="Column of the levels.")
+@click.option("--count", metavar="COLUMN", help="Column of the counted responses, k.")
+@click.option("--trials", metavar="COLUMN", help="Column of all responses, n.")
+@click.option("--answer", metavar="COLUMN", help="Column of single responses, 1 or 0.")
+@click.option("--where", multiple=True, metavar="COLUMN=VALUE", help="Use only rows with this value; repeatable.")
 @figure_option("answers and curve")
 @json_option
 def jnd(
@@ -75,13 +80,13 @@ def jnd(
     figure: Path | None,
     as_json: bool,
 ) -> None:
-    """Fit a psychometric function to answers: the JND, its interval, and the line for a scene.
+    """Fit a psychometric function to responses: the JND.
 
-    DATA is a table (CSV) with a line for each level (level, k of n answers; the columns of quickpsy and Palamedes are known)
-    or for each trial (level, answer; as PsychoPy writes it, staircases too), or a result of psignifit 4 (JSON).
+    DATA is a table (CSV) with a row for each level (level, k of n responses; as quickpsy and Palamedes write it) or for
+    each trial (level, response; as PsychoPy writes it, staircases too), or a result of psignifit 4 (JSON).
 
-    Without --alternatives the answers say whether a level is more than the standard: the JND is the distance from the point of
-    subjective equality. With it they are right or wrong, and the JND is the level itself.
+    Without --alternatives responses are "more" or "less" than the standard: the JND is the distance from the point of
+    subjective equality. With it they are correct or not, and the JND is the level itself.
 
     \b
     Examples:

@@ -21,15 +21,18 @@ from haptisym.commands.options import (
 from haptisym.model.scene import Scene
 
 
-@verb(apart=[("--json", "--to", "--json prints one document, and --to another output")])
+@verb(formulas="--all", apart=[("--json", "--to", "--json prints one document, and --to another output")])
 @scene_argument
 @click.option(
-    "--to", "language", type=click.Choice(["text", "latex"]), default="text", show_default=True, help="What to write."
+    "--to",
+    "language",
+    type=click.Choice(["text", "latex"]),
+    default="text",
+    show_default=True,
+    help="Language of the output.",
 )
 @figure_option("the measures over the band")
-@click.option(
-    "--absolute-stability", is_flag=True, help="Tell that a display is not absolutely stable, too: most are not."
-)
+@click.option("--absolute-stability", is_flag=True, help="Print absolute stability even where it does not hold.")
 @json_option
 @within_limit
 def metrics(
@@ -39,14 +42,13 @@ def metrics(
     absolute_stability: bool,
     as_json: bool,
 ) -> None:
-    """Compare the measures of transparency that the field uses with what a hand notices.
+    """Compare the JND with other measures of transparency.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Each measure has its closed form, its proven numbers (frequencies in rad/s) and a verdict: transmitted over environment
-    impedance and its 3 dB edges, relative distortion, Z_min, Z_max and Z_width, sensitivity, the conditions on the axis
-    for passivity and absolute stability, effective stiffness, mass and damping, and the free-response tolerances of flight
-    simulators.
+    Transmitted over environment impedance and its 3 dB edges, relative distortion, Z_min, Z_max and Z_width, sensitivity,
+    passivity and absolute stability, effective stiffness, mass and damping, and the free-response tolerances of flight
+    simulators; --all prints formulas and values of each.
 
     \b
     Examples:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import _thread
 import codecs
+import inspect
 import os
 import re
 import shutil
@@ -273,13 +274,14 @@ def _is_plain(stream: TextIOWrapper) -> bool:
 
 
 def say(page: Document) -> None:
-    """A page on standard output: as wide as the terminal, 96 columns anywhere else so that it can be compared."""
-    from haptisym.writing.plain import PAGE, plain  # only a page needs the writer
+    """A page on standard output: as wide as the terminal, 80 columns anywhere else so that it can be compared."""
+    from haptisym.writing.plain import PAGE, WIDEST, plain  # only a page needs the writer
 
     is_terminal = sys.stdout is not None and sys.stdout.isatty()
-    write(
-        plain(page, min(shutil.get_terminal_size((PAGE, 24)).columns, PAGE) if is_terminal else PAGE, _spell_in_streams)
-    )
+    columns = min(shutil.get_terminal_size((PAGE, 24)).columns, WIDEST) if is_terminal else PAGE
+    context = click.get_current_context(silent=True)
+    style = context.meta.get(STYLE, {}) if context is not None else {}
+    write(plain(page, columns, _spell_in_streams, **style))
 
 
 def say_document(document: str) -> None:
@@ -411,17 +413,27 @@ OptionRule = tuple[str, str, str]
 
 
 def verb(
-    *, apart: Sequence[OptionRule] = (), needs: Sequence[OptionRule] = (), pages: bool = True
+    *, apart: Sequence[OptionRule] = (), needs: Sequence[OptionRule] = (), pages: bool = True, formulas: str = ""
 ) -> Callable[[Callable[..., Any]], click.Command]:
     """The decorator of a verb, in place of ``click.command()``.
 
     ``apart`` : options that may not both be given, and why: a sentence to which "leave out one of them" is added. ``needs`` : an
     option that means nothing without another one, and what it is about. ``pages`` : whether it answers with a page, which
-    ``--latex`` and ``--report`` write to files.
+    ``--latex`` and ``--report`` write to files. ``formulas`` : the option that
+    asks for all that the page has, ``--formulas`` or ``--all``.
     """
-    return click.command(cls=Verb, apart=apart, needs=needs, pages=pages)
+    return click.command(cls=Verb, apart=apart, needs=needs, pages=pages, formulas=formulas)
 
 
+def digits_option() -> click.Option:
+    """The option ``--digits N``, of a page (4 if not given) and of a JSON document (15)."""
+    words = "Digits to print (4 if not given; 15 in --json)."
+    return click.Option(["--digits"], type=click.IntRange(1, 10_000), metavar="N", help=words)
+
+
+STYLE = "haptisym.style"
+"""How a page is printed, in the context's ``meta``: with how many digits, and whether with formulas."""
+DIGITS = 4  # as ``haptisym.writing.document``, which only a page needs
 PAGES = "haptisym.pages"
 """What ``--latex`` and ``--report`` name, in the context's ``meta``: whoever hands an answer over writes them."""
 
@@ -440,15 +452,25 @@ class Verb(click.Command):
         apart: Sequence[OptionRule] = (),
         needs: Sequence[OptionRule] = (),
         pages: bool = True,
+        formulas: str = "",
         **options: Any,
     ) -> None:
         super().__init__(*args, **options)
         self.apart, self.needs = apart, needs
         if pages:
             self.params += [
-                _file("latex", "Write the page as a document of LaTeX."),
-                _file("report", "Write the page as a report: of HTML (.html), or a document (.pdf).", checked_report),
+                _file("latex", "Write the page as a LaTeX document."),
+                _file("report", "Write the page as a report (.html or .pdf).", checked_report),
             ]
+            own = {x.name for x in self.params}
+            self.params += [] if "digits" in own else [digits_option()]
+            words = {
+                "--formulas": "Print the formulas, too.",
+                "--all": "Print every measure with its formulas and values.",
+            }
+            self.params += (
+                [click.Option([formulas, "formulas"], is_flag=True, help=words[formulas])] if formulas else []
+            )
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """As click; an option that is given twice is refused."""
@@ -466,6 +488,9 @@ class Verb(click.Command):
                 raise SceneError(f"{one} is about {about}: it needs {other}, or leave it out")
         _nothing_lost(ctx)
         ctx.meta[PAGES] = {name: ctx.params.pop(name, None) for name in ("latex", "report")}
+        ctx.meta[STYLE] = {"digits": ctx.params.get("digits") or DIGITS, "formulas": ctx.params.pop("formulas", False)}
+        if "digits" not in inspect.signature(self.callback or (lambda: None)).parameters:
+            ctx.params.pop("digits", None)
         return super().invoke(ctx)
 
 
@@ -573,13 +598,13 @@ def scene_argument(command: Command) -> Command:
 def environment_option(command: Command) -> Command:
     """The option ``--environment NAME``."""
     return click.option(
-        "--environment", "environment", metavar="NAME", help="Of a scene with several environments, only this one."
+        "--environment", "environment", metavar="NAME", help="Use this environment, where a scene has several."
     )(command)
 
 
 def json_option(command: Command) -> Command:
     """The option ``--json``."""
-    return click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")(command)
+    return click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")(command)
 
 
 def figure_option(what: str) -> Callable[[Command], Command]:
@@ -606,14 +631,12 @@ def file_option(name: str, help_text: str) -> Callable[[Command], Command]:
 def figures_option(command: Command) -> Command:
     """The option ``--figures DIR``."""
     kind = click.Path(file_okay=False, path_type=Path)
-    return click.option("--figures", type=kind, metavar="DIR", help="Write the figures there.")(command)
+    return click.option("--figures", type=kind, metavar="DIR", help="Write the figures to this folder.")(command)
 
 
 def certificate_option(command: Command) -> Command:
     """The option ``--certificate FILE``."""
-    return file_option(
-        "certificate", "Write the answer with a proof that `python -m haptisym_check FILE SCENE.toml` checks."
-    )(command)
+    return file_option("certificate", "Write a certificate, for python -m haptisym_check FILE SCENE.toml.")(command)
 
 
 def written(what: str, path: Path) -> None:
@@ -699,7 +722,7 @@ def limit_option(command: Command) -> Command:
         default=SECONDS,
         show_default=True,
         metavar="SECONDS",
-        help="Time after which what is proven so far is told, and the rest is said to be undecided.",
+        help="Stop after this time; print what is proven and mark the rest undecided.",
     )(command)
 
 

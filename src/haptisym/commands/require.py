@@ -39,7 +39,7 @@ from haptisym.model.scene import Scene
     multiple=True,
     required=True,
     metavar="PATH",
-    help="The number asked for, as effects.filter.omega_n, evaluation.jnd, or its symbol; twice for a map.",
+    help="Free parameter, by path or name; twice for a map.",
 )
 @click.option(
     "--range",
@@ -47,37 +47,28 @@ from haptisym.model.scene import Scene
     multiple=True,
     nargs=2,
     metavar="LO HI",
-    help='The values searched, as "50 rad/s" "30 Hz", or in SI; a millionth to a million times the present one if not given.',
+    help='Range searched, as "50 rad/s" "30 Hz"; 1e-6 to 1e6 times the value if not given.',
 )
-@click.option("--part", "name", type=click.Choice(["real", "imag"]), help="Ask for the condition of one part only.")
+@click.option("--part", "name", type=click.Choice(["real", "imag"]), help="Require the condition of one part only.")
 @click.option(
     "--that",
     multiple=True,
     type=click.Choice(["transparent", "stable", "passive"]),
     default=["transparent"],
     show_default=True,
-    help="What is asked of the display; may be repeated: all of them together.",
+    help="What is required; repeatable, for all of them together.",
 )
-@click.option("--hand", metavar="NAME", help="The hand of --that stable: of the scene, or one that the package ships.")
+@click.option("--hand", metavar="NAME", help="Hand of --that stable, of the scene or shipped.")
 @click.option(
     "--jnd",
     multiple=True,
     metavar="C",
-    help="Of a map: a further threshold, with the set that is not noticed with it; may be repeated.",
+    help="Add the transparent set for this JND to a map; repeatable.",
 )
-@click.option(
-    "--friction", metavar="F", help="Of a map: the device's Coulomb friction f_c, for Abbott and Okamura's 2 f_c/Delta."
-)
-@click.option("--resolution", metavar="DELTA", help="The step of the device's encoder that belongs to it.")
-@click.option("--any-environment", is_flag=True, help="Ask for |G - 1| <= c, for every environment at once.")
+@click.option("--friction", metavar="F", help="Coulomb friction of the device, for the bound 2 f_c/Delta in a map.")
+@click.option("--resolution", metavar="DELTA", help="Step of the encoder, for the same bound.")
+@click.option("--any-environment", is_flag=True, help="Require |G - 1| <= c, for every environment at once.")
 @json_option
-@click.option(
-    "--digits",
-    type=click.IntRange(1, 10_000),
-    default=15,
-    show_default=True,
-    help="Correct decimal digits of each end.",
-)
 @figure_option("the set, or the map")
 @certificate_option
 @click.option(
@@ -85,14 +76,13 @@ from haptisym.model.scene import Scene
     type=click.IntRange(3, 2000),
     default=41,
     show_default=True,
-    help="Exact slices of a map, at most: they go where its boundary bends.",
+    help="Largest number of exact slices of a map.",
 )
-@click.option("--uniform", is_flag=True, help="Of a map: all of the slices, as far from each other.")
+@click.option("--uniform", is_flag=True, help="Space the slices of a map evenly.")
 @click.option(
     "--within",
     metavar="SHARE",
-    help="Of a map: slices are put in until lines between them are off by that share of the second range at most, as "
-    "estimated; 0.5 % if not given.",
+    help="Estimated error of a map between slices, as a share (0.5 % if not given).",
 )
 @limit_option
 @click.pass_context
@@ -105,7 +95,7 @@ def require(
     ranges: tuple[tuple[str, str], ...],
     name: str | None,
     as_json: bool,
-    digits: int,
+    digits: int | None,
     figure: Path | None,
     certificate: Path | None,
     slices: int,
@@ -116,10 +106,12 @@ def require(
     resolution: str | None,
     **asked: Any,
 ) -> None:
-    """Find all values of a parameter for which a display is transparent on its whole band.
+    """Find all values of a parameter that satisfy a requirement.
 
-    SCENE is a scene file (TOML) or the name of a shipped scene. The answer is a union of intervals, with proof, and says what
-    binds at each end: which part, at the band's edge or at a touch inside, at which frequency.
+    SCENE is a scene file (TOML) or the name of a shipped scene.
+
+    Required is that the display is transparent on its whole band, stable in a hand, or passive. The result is a proven
+    union of intervals, with what limits it at each end.
 
     \b
     Examples:
@@ -145,7 +137,7 @@ def require(
             placed: dict[str, Any] = {"slices": slices, "uniform": uniform, "within": within}
             found: Any = design_map(scene, paths, ranges, **placed, **drawn_beside, **asked)
         else:
-            found = ask(scene, paths[0], *ranges, digits=digits, **asked)
+            found = ask(scene, paths[0], *ranges, digits=digits or 15, **asked)
             with limited(None, told):
                 _ = found.nearest  # which may take its time too
     drawn(found, figure)
@@ -165,7 +157,5 @@ def _refuse_contradictions(context: click.Context, free: int, ranges: int) -> No
         raise SceneError(f"{option} is about a map of two parameters: give --free twice, or leave it out")
     if given(context, "--uniform") and given(context, "--within"):
         raise SceneError("--uniform places slices evenly, and --within where they are needed: leave out one of them")
-    if given(context, "--digits") and free == 2:
-        raise SceneError("--digits is about the ends of one parameter's values: give --free once, or leave it out")
     if free == 2 and not ranges:
         raise SceneError("a map of two parameters needs a --range for each")

@@ -15,7 +15,7 @@ from haptisym.model.scenefile import family_names, load_scenes, scene_names, sce
 @click.argument("name", required=False)
 @json_option
 def scenes(name: str | None, as_json: bool) -> None:
-    """List the scenes that the package ships, or print the file of one, to start your own from.
+    """List the shipped scenes, or print one to start from.
 
     \b
     Examples:

@@ -15,9 +15,9 @@ from haptisym.writing.schemas import json_schema, schema_names, schema_text
 @click.argument("name", required=False)
 @json_option
 def schemas(name: str | None, as_json: bool) -> None:
-    """List the documents that --json prints, or print the schema of one (JSON Schema, 2020-12), for any validator.
+    """List the documents of --json, or print a JSON Schema.
 
-    NAME is one of the list, or what a document's own key "schema" says.
+    NAME is one of the list, or the value of the key "schema" of a document.
 
     \b
     Examples:

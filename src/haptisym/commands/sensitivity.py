@@ -4,28 +4,22 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument, verb, within_limit
 from haptisym.model.scene import Scene
 
 
-@verb(needs=[("--digits", "--json", "the document")])
+@verb()
 @scene_argument
 @json_option
-@click.option(
-    "--digits", type=click.IntRange(1, 1000), default=15, show_default=True, help="Correct decimal digits in --json."
-)
 @figure_option("bars of the elasticities")
 @within_limit
-def sensitivity(scene: Scene, as_json: bool, digits: int, figure: Path | None) -> None:
-    """Tell how each frequency moves with each parameter, exactly.
+def sensitivity(scene: Scene, as_json: bool, digits: int | None, figure: Path | None) -> None:
+    """Find how each frequency moves with each parameter.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    For every crossing, changeover and the bandwidth, and every parameter p and the threshold c: the derivative d omega/dp, in
-    rad/s per unit of p, and the elasticity (p/omega) d omega/dp. Undefined, and said so, where the display only touches its
-    threshold.
+    For every crossing, changeover frequency and the bandwidth, and every parameter p and the threshold c: the derivative
+    d omega/dp and the elasticity (p/omega) d omega/dp, proven. Undefined where a ratio is tangent to its threshold.
 
     \b
     Examples:
@@ -35,6 +29,6 @@ def sensitivity(scene: Scene, as_json: bool, digits: int, figure: Path | None) -
     """
     from haptisym.verbs.sensitivity.entry import sensitivity as of
 
-    found = of(scene, digits, limit=None)
+    found = of(scene, digits or 15, limit=None)
     drawn(found, figure)
     hand_over(found, as_json=as_json)

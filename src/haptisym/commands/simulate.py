@@ -41,19 +41,22 @@ _MOVED = ("--motion", "--amplitude", "--omega", "--check", "--quantise", "--satu
     metavar="sine|multisine|chirp|FILE.csv",
     default="sine",
     show_default=True,
-    help="What the hand does.",
+    help="Motion of the hand.",
 )
-@click.option("--amplitude", metavar="LENGTH", help='Of the motion, as "5 cm" or "3 deg".')
-@click.option("--omega", metavar="FREQUENCY", help='Of a sine, or the highest; as "10 rad/s" or "2 Hz".')
-@click.option("--duration", metavar="TIME", help='Simulated time, as "20 s"; as long as needed if not given.')
-@click.option("--release", metavar="LENGTH", help='Held displaced by that, as "1 cm", and let go, instead of moved.')
-@click.option("--hand", metavar="NAME", help="The hand that lets go: of the scene, or one that the package ships.")
-@click.option("--check", is_flag=True, help="Compare with the closed form at ten frequencies along the band.")
+@click.option("--amplitude", metavar="LENGTH", help='Amplitude of the motion, as "5 cm" or "3 deg".')
+@click.option("--omega", metavar="FREQUENCY", help='Frequency of a sine, or the highest; as "2 Hz".')
+@click.option("--duration", metavar="TIME", help='Simulated time, as "20 s".')
+@click.option("--release", metavar="LENGTH", help="Release test: hold displaced by LENGTH, then let go.")
+@click.option("--hand", metavar="NAME", help="Hand of the release test, of the scene or shipped.")
+@click.option("--check", is_flag=True, help="Compare with the closed form at ten frequencies.")
 @click.option("--quantise", metavar="LENGTH", help='Resolution of the position encoder, as "0.1 mm".')
 @click.option("--saturate", metavar="FORCE", help='Largest force that can be rendered, as "5 N".')
 @click.option("--lowpass", metavar="FREQUENCY", help='Smooth a recorded motion (zero phase), as "20 Hz".')
 @click.option(
-    "--lowpass-order", metavar="ORDER", type=click.Choice(["2", "4", "6", "8"]), help="Of that; 4 if not given."
+    "--lowpass-order",
+    metavar="ORDER",
+    type=click.Choice(["2", "4", "6", "8"]),
+    help="Order of the low-pass filter (4 if not given).",
 )
 @file_option("force", "Write the force in time, with the motion, as CSV.")
 @figures_option
@@ -61,11 +64,11 @@ _MOVED = ("--motion", "--amplitude", "--omega", "--check", "--quantise", "--satu
 def simulate(
     scene: Scene, as_json: bool, check: bool, figures: Path | None, force: Path | None, **options: str | None
 ) -> None:
-    """Simulate a scene in time, and recover from the force what the closed form says.
+    """Simulate a scene in time, and compare with the closed form.
 
-    The force at the hand follows from the equations of motion of the scene's elements (delay lines, sampling clocks, sliding
-    friction), not from the closed form; a lock-in then gives back Re and Im of H_perc to compare with it. With --release the hand
-    holds the display displaced and lets go: whether it shakes, at which rate and frequency, beside the closed form's root.
+    The force at the hand follows from the equations of motion of the elements of the scene (delay lines, sampling, sliding
+    friction), not from the closed form; a lock-in recovers Re and Im of H_perc. With --release the hand holds the display
+    displaced and lets go: does it shake, at which rate and frequency?
 
     \b
     Examples:

@@ -20,27 +20,24 @@ from haptisym.commands.options import (
 from haptisym.model.scene import Scene
 
 
-@verb(needs=[("--digits", "--json", "the document")])
+@verb()
 @scene_argument
 @click.option(
     "--hand",
     "names",
     multiple=True,
     metavar="NAME",
-    help="A hand of the scene, or one that the package ships; may be repeated. Those of the scene if not given.",
+    help="Hand of the scene, or a shipped one; repeatable.",
 )
 @click.option(
     "--free",
     "paths",
     multiple=True,
     metavar="PATH",
-    help="A number, as environment.k or its symbol, of which it is told how far it may go; may be repeated.",
+    help="Parameter whose stability limits are searched; repeatable.",
 )
 @figure_option("the hand's plane: where the display is stable")
 @json_option
-@click.option(
-    "--digits", type=click.IntRange(1, 1000), default=15, show_default=True, help="Correct decimal digits in --json."
-)
 @certificate_option
 @within_limit
 def stability(
@@ -50,16 +47,15 @@ def stability(
     *,
     figure: Path | None,
     as_json: bool,
-    digits: int,
+    digits: int | None,
     certificate: Path | None,
 ) -> None:
-    """Tell whether a display shakes: imposed, held, in every passive hand.
+    """Find whether a display shakes, and its stability limits.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Three statements, each proven apart. Imposed: the force under imposed motion is stable. Held: the display is stable in this
-    hand, a mass, damping and stiffness of [hand] in the scene or a published one. Every passive hand: no hand that only takes
-    energy can make it shake.
+    Three statements, each proven by itself: stable in a hand (mass, damping and stiffness, of [hand] in the scene or a
+    shipped one); stable under prescribed motion; passive, that is stable in the hand of any passive operator.
 
     \b
     Examples:
@@ -72,7 +68,7 @@ def stability(
     """
     from haptisym.verbs.stability.entry import stability as of
 
-    found = of(scene, names or None, paths, digits=digits, limit=None)
+    found = of(scene, names or None, paths, digits=digits or 15, limit=None)
     drawn(found, figure)
     proven(found, certificate)
     hand_over(found, as_json=as_json)

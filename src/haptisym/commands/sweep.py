@@ -27,26 +27,27 @@ from haptisym.model.scene import Scene
     multiple=True,
     required=True,
     metavar="PATH=LO:HI:N[:log]",
-    help='N values of a parameter, as in "effects.filter.omega_n=40 rad/s:200 rad/s:100"; bare numbers are SI and rad/s. '
-    "May be repeated.",
+    help='N values of a parameter, as "omega_n=40 rad/s:200 rad/s:100"; repeatable.',
 )
 @click.option(
     "--hand",
     "names",
     multiple=True,
     metavar="NAME",
-    help="Count unstable roots in this hand, of the scene or a published one; may be repeated. Those of the scene if not given.",
+    help="Count unstable poles in this hand; repeatable.",
 )
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Stream to FILE.zarr or FILE.nc; what is there of this sweep already is kept.",
+    help="Write to FILE.zarr or FILE.nc; continues what is there.",
 )
 @json_option
 @figure_option("the design chart of one or two parameters")
-@click.option("--workers", type=click.IntRange(1, 1024), metavar="N", help="Processes on this machine; 1 if not given.")
-@click.option("--cluster", metavar="ADDRESS", help='A dask scheduler, as "tcp://10.0.0.1:8786".')
+@click.option(
+    "--workers", type=click.IntRange(1, 1024), metavar="N", help="Processes on this machine (1 if not given)."
+)
+@click.option("--cluster", metavar="ADDRESS", help='Address of a dask scheduler, as "tcp://10.0.0.1:8786".')
 def sweep(
     scene: Scene,
     vary: tuple[str, ...],
@@ -57,14 +58,14 @@ def sweep(
     workers: int | None,
     cluster: str | None,
 ) -> None:
-    """Evaluate a scene for every combination of parameter values, with proof.
+    """Evaluate a scene for every combination of values.
 
     SCENE is a scene file (TOML) or the name of a shipped scene. PATH is effects.NAME.KEY, environment.KEY,
     evaluation.jnd, hand.KEY, or a symbol.
 
-    For each set: the first crossing and the number of crossings of each part, the bandwidth, the transparent fraction of the
-    band, and the changeovers; in each hand the number of unstable roots. Counts are proven, frequencies are proven to a
-    relative 1e-10. A sweep that was interrupted is continued by the same command.
+    For each set: the first crossing and the number of crossings of each part, the bandwidth, the transparent fraction of
+    the band, the changeover frequencies, and in each hand the number of unstable poles. Counts are proven, frequencies to
+    a relative 1e-10. The same command continues an interrupted sweep.
 
     \b
     Examples:

@@ -29,30 +29,29 @@ from haptisym.model.scene import Scene
     type=click.IntRange(0, 100_000),
     default=200,
     show_default=True,
-    help="Sets of values to draw for the estimates.",
+    help="Number of random sets for the estimates.",
 )
-@click.option("--seed", type=int, default=2019, show_default=True, help="Of the random numbers of the estimates.")
+@click.option("--seed", type=int, default=2019, show_default=True, help="Seed of the random sets.")
 @click.option(
     "--hand",
     "names",
     multiple=True,
     metavar="NAME",
-    help="Whether the display is stable in this hand, of the scene or a published one, for all values; may be repeated.",
+    help="Test stability in this hand, for all values; repeatable.",
 )
 @figure_option("enclosures and samples, with a hand the plane of hands below them")
 @limit_option
 def tolerances(
     scene: Scene, as_json: bool, samples: int, seed: int, names: tuple[str, ...], figure: Path | None, limit: float
 ) -> None:
-    """Tell what holds for all values of parameters that are known as ranges.
+    """Find what holds for all values in given ranges.
 
     SCENE is a scene file (TOML) or the name of a shipped scene; a parameter in it may be written "1.8 kg +- 5 %",
     "1.8 kg +- 0.1 kg" or ["1.7 kg", "1.9 kg"], the threshold likewise.
 
-    Proven by branch and bound: whether the display is transparent on the band for all values, for none or for some, and
-    between which frequencies (rad/s) each crossing stays; with a hand, in which it is held, whether it is stable for all values,
-    for none or for some. Estimated, and said so: quantiles over values drawn at random. Exit status 3 if a verdict stayed
-    undecided within the limit.
+    Proven by branch and bound: whether the display is transparent for all values, for none or for some; where each
+    crossing lies; with --hand, whether it is stable for all values, for none or for some. Estimated: quantiles over random
+    values. Exit status 3 where a verdict is undecided within the limit.
 
     \b
     Examples:

@@ -188,11 +188,15 @@ def draw_left(ax: Axes, plane: MapPlane) -> list[Artist]:
         drawn = [x.rectangles.left for x in plane.found.proofs if x.of == name and len(x.rectangles.left)]
         for cells in drawn:
             plane.rectangles(ax, cells, color, 0.5)
-        what = f"{name}: left open" if len(plane.found.that) > 1 or plane.found.thresholds else "left open"
+        what = f"{name}: undecided" if len(plane.found.that) > 1 or plane.found.thresholds else "undecided"
         made += [Patch(facecolor=color, label=f"{what}, holds the boundary")] if drawn else []
     return made
 
 
+_AT = {
+    Kind.EDGE: "at the band's edge", Kind.START: "at the band's low end", Kind.TOUCH: "tangency", Kind.AXIS: "poles on the axis",
+    Kind.FAR: "at high frequency",
+}  # fmt: skip
 _FILL = {Kind.EDGE: "full", Kind.START: "none", Kind.TOUCH: "bottom", Kind.AXIS: "full", Kind.FAR: "none"}
 
 
@@ -210,7 +214,7 @@ def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str
     >>> found = design_map(load_scene("fu2019"), ["omega_n", "zeta"], [(60, 200), (0.1, 1)], slices=5)
     >>> strokes, *marks = draw_map(Figure().add_subplot(), found)
     >>> [mark.get_label() for mark in marks]
-    ['imaginary part, band-edge']
+    ["imaginary part, at the band's edge"]
     """
     look, plane = Look.on(ax, "exact slices", color, label), MapPlane(found)
     somewhere = any(r.feasible for _, r in plane.rows)
@@ -272,7 +276,7 @@ def draw_boundary(
         shown = color or look.color
         mark: dict[str, Any] = {
             "marker": look.marker, "markersize": 2.8, "markeredgewidth": 0.6, "fillstyle": _FILL[kind],
-            "markerfacecoloralt": "white", "label": f"{criterion.words}, {kind.value}{suffix}",
+            "markerfacecoloralt": "white", "label": f"{criterion.words}, {_AT[kind]}{suffix}",
         }  # fmt: skip
         [marks] = ax.plot(plane.x(x), plane.y(y), color=shown, linestyle="none", zorder=3, **mark)
         drawn.append((marks, Line2D([], [], color=shown, linestyle=look.stroke, linewidth=width, **mark)))
@@ -307,7 +311,7 @@ def _of(left: tuple[Binding, ...], right: tuple[Binding, ...]) -> Binding | None
 
 
 _COLORS = {"transparent": pen.BLUE, "stable": pen.RED, "passive": "#d0701f"}
-_NAMES = {"transparent": "transparent", "stable": "stable", "passive": "every passive hand"}
+_NAMES = {"transparent": "transparent", "stable": "stable", "passive": "passive"}
 _STROKES: Sequence[Any] = (pen.DASHED, pen.DOTTED, (0, (6, 1.5, 1, 1.5)))
 _GRID = 160
 

@@ -134,7 +134,7 @@ def envelope_handles(evaluation: FamilyEvaluation) -> list[Any]:
     """What the legend of an envelope says."""
     looks = binding_looks(evaluation)
     bound = [
-        handle(color, style, fill(f"{name} binds", 40), 1.1, marker="o", markersize=3.8)
+        handle(color, style, fill(f"limited by {name}", 40), 1.1, marker="o", markersize=3.8)
         for name, (color, style) in looks.items()
     ]
     others = [] if len(looks) == len(evaluation.family) else [handle(pen.GREY, pen.SOLID, "others", 0.6)]

@@ -120,7 +120,7 @@ def draw_requirement(ax: Axes, found: Requirement, *, color: str | None = None, 
 
 def kept_words(that: Iterable[str]) -> str:
     """``transparent and stable``: of what was asked."""
-    return " and ".join("fit for every passive hand" if x == "passive" else x for x in that)
+    return " and ".join(that)
 
 
 def _dots(ax: Axes, at: Sequence[float], color: str, label: str) -> list[Line2D]:

@@ -109,7 +109,7 @@ def _place(figure: Figure, axes: Sequence[Axes], rows: Sequence[int]) -> None:
 
 def panels(found: Sensitivities) -> Sequence[tuple[str, Sensitive]]:
     """What is drawn, each with its title."""
-    crossings = [(f"{written(x.criterion)} meets its threshold", x) for x in found.crossings if x.criterion]
+    crossings = [(f"{written(x.criterion)} crosses its threshold", x) for x in found.crossings if x.criterion]
     env, perc = found.changeovers_environment, found.changeovers_perceived
     systems = ((r"H_\mathrm{env}", env), (r"H_\mathrm{perc}", perc))
     changeovers = [(rf"$\mathrm{{Re}}\,{name} = 0$", x) for name, listed in systems for x in listed]

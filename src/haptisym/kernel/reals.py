@@ -15,9 +15,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
+from enum import Enum
 from fractions import Fraction
 from functools import reduce
-from math import ceil, floor, isfinite
+from math import ceil, floor, isfinite, isnan
 from operator import add, index, mul
 from types import MappingProxyType
 from typing import Any, SupportsIndex, TypeAlias, TypeVar
@@ -288,6 +289,97 @@ def short(x: RealNumber, digits: int = 5) -> str:
     """
     shown = x.digits(digits)
     return shown.rstrip("0").rstrip(".") if "." in shown and "E" not in shown else shown
+
+
+class Way(Enum):
+    """How a number is rounded where it is printed: bounds and ranges outward, allowed sets inward, all else to the nearest."""
+
+    NEAREST = ROUND_HALF_EVEN
+    DOWN = ROUND_FLOOR
+    UP = ROUND_CEILING
+
+
+Printable: TypeAlias = "RealNumber | Fraction | Expr | float"
+
+
+def printed(x: Printable, digits: int, way: Way) -> str:
+    """A number as it is printed: so many significant digits, rounded once, from all that is known of it.
+
+    What needs no more digits is printed as it is. ``DOWN``: not larger than the number, ``UP``: not less; proven.
+
+    >>> printed(ExactNumber(pi), 4, Way.DOWN), printed(ExactNumber(pi), 4, Way.UP), printed(2.5, 4, Way.UP)
+    ('3.141', '3.142', '2.5')
+    >>> printed(ExactNumber(Integer(70) - Rational(1, 10**9)), 4, Way.NEAREST), printed(14646442000.5, 4, Way.UP)
+    ('70.00', '1.465e10')
+    """
+    if isinstance(x, float) and not isfinite(x):
+        return "undefined" if isnan(x) else "-infinity" if x < 0 else "infinity"
+    if isinstance(x, Expr):
+        x = ExactNumber(x)
+    if isinstance(x, float | int):  # a float stands for its shortest decimal text
+        x = Fraction(repr(float(x)) if isinstance(x, float) else x)
+    if isinstance(x, ExactNumber) and x.value.is_Rational:
+        x = Fraction(int(x.value.p), int(x.value.q))
+    if isinstance(x, Fraction):
+        return _readable(_decimal(x, Context(prec=digits, rounding=way.value)), digits, x)
+    if way is Way.NEAREST:
+        return _readable(Decimal(x.digits(digits)), digits)
+    low, high = x.bounds(bits_for(digits + 3))
+    nearest = _decimal(low, Context(prec=digits))
+    if low <= Fraction(nearest) <= high:
+        low, high = x.bounds(_SAME)
+        if low <= Fraction(nearest) <= high and (high - low) * 2 ** (_SAME - 10) <= abs(low):
+            return _readable(nearest, digits, Fraction(nearest))
+    return _readable(_decimal(low if way is Way.DOWN else high, Context(prec=digits, rounding=way.value)), digits)
+
+
+def _readable(x: Decimal, digits: int, exact: Fraction | None = None) -> str:
+    """Positional where that is readable; zeros at the end only where digits were cut off."""
+    if x.is_zero():
+        return "0"
+    if exact == Fraction(x) and _SMALLEST <= x.adjusted() < max(_LARGEST, digits):
+        return f"{x.normalize():f}"
+    x = x.quantize(Decimal(1).scaleb(x.adjusted() - digits + 1), context=Context(prec=digits + 2))
+    if _SMALLEST <= x.adjusted() < max(_LARGEST, digits):
+        return f"{x:f}"
+    mantissa = x.scaleb(-x.adjusted()).normalize() if exact == Fraction(x) else x.scaleb(-x.adjusted())
+    return f"{mantissa:f}e{x.adjusted()}"
+
+
+_SAME = 200
+"""Bits to which a number that lies on a short decimal is taken for it: a maximum at 3.6 is not printed as "above 3.601"."""
+_SMALLEST, _LARGEST = -4, 7  # powers of ten of numbers that are printed without an exponent
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Scaled(RealNumber):
+    """A number in another unit, as certain as the number.
+
+    >>> Scaled(SquareRoot(ExactNumber(Integer(2))), Rational(1, 1000)).digits(4)
+    '1414'
+    """
+
+    number: RealNumber
+    unit: Expr
+    """Its size."""
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return self.number.ball(bits) / expression_ball(self.unit)
+
+
+def in_unit(x: Printable, unit: Expr) -> Printable:
+    """A number of SI in a unit of that size: a float stays one, what is exact stays exact."""
+    if unit == 1:
+        return x
+    if isinstance(x, ExactNumber | Expr):
+        return ExactNumber((x if isinstance(x, Expr) else x.value) / unit)
+    if isinstance(x, RealNumber):
+        return Scaled(x, unit)
+    size = float(unit)
+    if isinstance(x, float):
+        return x / size
+    return x / Fraction(int(unit.p), int(unit.q)) if unit.is_Rational else float(x) / size
 
 
 def bounds(ball: Ball) -> tuple[Fraction, Fraction]:

@@ -15,7 +15,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.model.catalogue import Environment
 from haptisym.model.jnd import Threshold
-from haptisym.model.quantities import MotionKind
+from haptisym.model.quantities import MotionKind, Unit
 from haptisym.model.scene import Scene
 
 if TYPE_CHECKING:
@@ -69,6 +69,11 @@ class MeasuredScene(Shown):
         }
         if len(motions) > 1:
             raise SceneError("translation and rotation cannot be mixed: environment and perceived have units of both")
+
+    @property
+    def frequency(self) -> Unit:
+        """The unit of frequency in which pages print: the band's, as it was given."""
+        return self.frame.frequency
 
     def _line(self) -> str:
         own = self.environment

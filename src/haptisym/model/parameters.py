@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import chain, count
 from typing import Annotated, Any, TypeAlias
@@ -29,6 +29,7 @@ from haptisym.model.quantities import (
     MotionKind,
     Number,
     Quantity,
+    Unit,
     decimal,
     expected,
     fits,
@@ -231,6 +232,8 @@ class Parameter(Shown):
     """Where the value may lie, if the scene gives a range; ``value`` is then the nominal one."""
     tie: str = ""
     """The environment's parameter that it is ("environment.k"), with its symbol, value and range; empty for one of its own."""
+    written: Unit | None = field(default=None, compare=False)
+    """The unit in which it was given, where that is no SI unit."""
 
     def _line(self) -> str:
         return self.stated()
@@ -238,6 +241,11 @@ class Parameter(Shown):
     def unit_in(self, motion: MotionKind | None) -> str:
         """Its unit; what the given one tells where the model knows no dimension, and empty where nothing does."""
         return self.dimension.unit(motion) or si_unit(self.exponents or ())
+
+    def shown_unit(self, motion: MotionKind | None) -> Unit:
+        """The unit in which pages print it: as it was written, else that of SI; without a name where none is known."""
+        own = self.unit_in(motion or MotionKind.TRANSLATION)
+        return self.written or Unit("" if own == "1" else own)
 
     def stated(self) -> str:
         """``m = 9/5 kg``, and between which values it may lie."""
@@ -250,7 +258,7 @@ class Parameter(Shown):
         """The same parameter with another value (in place of a range, too), checked like the first one."""
         read = read_parameter(self.key, given, Slot(self.dimension, self.rule), self.symbol.name)
         if read.exponents is None:  # a bare number is one in the unit that was there
-            read = replace(read, motion=self.motion, exponents=self.exponents)
+            read = replace(read, motion=self.motion, exponents=self.exponents, written=self.written)
         return replace(read, symbol=self.symbol, tie=self.tie)
 
 
@@ -296,7 +304,9 @@ def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
     if not all(slot.rule.allows(x) for x in (read.value, *(found.interval or ()))):
         kind = SignError if slot.rule in (Rule.POSITIVE, Rule.NONNEGATIVE) else SceneError
         raise kind(f"{key}: {quoted(given)} {slot.rule.value}")
-    return Parameter(symbol, read.value, slot.dimension, read.motion, key, read.exponents, slot.rule, found.interval)
+    return Parameter(
+        symbol, read.value, slot.dimension, read.motion, key, read.exponents, slot.rule, found.interval, written=read.unit
+    )  # fmt: skip
 
 
 def chosen(key: str, given: object, choices: Sequence[str]) -> str:

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
@@ -435,6 +435,22 @@ def unit_text(unit: str) -> str:
 
 
 @dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit by its name, and its size in SI (rad/s of a frequency)."""
+
+    name: str
+    size: Expr = Integer(1)
+
+    @property
+    def text(self) -> str:
+        """As it is printed."""
+        return unit_text(self.name)
+
+
+RADIANS = Unit("rad/s")
+
+
+@dataclass(frozen=True, slots=True)
 class Quantity:
     """An exact SI value (rational times a power of pi, or a symbolic expression) and the motion its unit implies."""
 
@@ -442,6 +458,8 @@ class Quantity:
     motion: MotionKind | None = None
     exponents: Exponents | None = None
     """Of the base dimensions, as far as the unit tells: ``(("mass", 1), ("time", -2))`` for N/m."""
+    unit: Unit | None = field(default=None, repr=False, compare=False)
+    """As it was written, where that is no SI unit: what pages print it in."""
 
 
 def quantity(given: Number, dimension: Dimension) -> Quantity:
@@ -528,7 +546,8 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
         return Quantity(value)
     factor, exponents = read_unit(unit, text, expected(dimension))
     motion = _motion(exponents, text, dimension)
-    return Quantity(_sized(value * factor, text), motion, tuple(sorted(exponents.items())))
+    written = None if factor == 1 else Unit(_JUXTAPOSED.sub("*", unit.translate(_PLAIN)), factor)
+    return Quantity(_sized(value * factor, text), motion, tuple(sorted(exponents.items())), written)
 
 
 def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> MotionKind | None:

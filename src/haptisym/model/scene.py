@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, reduce
 from typing import Any, Protocol
@@ -46,7 +47,7 @@ from haptisym.model.parameters import (
     refuse_references,
     spread,
 )
-from haptisym.model.quantities import Dimension, MotionKind, Number, number
+from haptisym.model.quantities import RADIANS, Dimension, MotionKind, Number, Unit, number
 
 THRESHOLD = "evaluation.jnd"
 """The path of both thresholds as one."""
@@ -335,6 +336,8 @@ class Scene(Shown):
     """When friction is noticed, a FrictionThreshold or its table; None where the scene does not say."""
     text: str = field(default="", repr=False, compare=False)
     """Of the file that it was read from, as it was then."""
+    frequency: Unit = field(default=RADIANS, repr=False, compare=False)
+    """The unit of frequency in which pages print: that in which the band is given."""
 
     def _line(self) -> str:
         between = ", ".join(effect.name for effect in self.effects) or "no effects"
@@ -353,6 +356,7 @@ class Scene(Shown):
         object.__setattr__(self, "hands", given_hands(self.hands))
         object.__setattr__(self, "band", given_band(self.band))
         shown = [f'"{x}"' if isinstance(x, str) else f"{x} rad/s" for x in self.band]
+        object.__setattr__(self, "frequency", next(filter(None, map(frequency_unit, self.band)), self.frequency))
         low, high = (frequency("band", x) for x in self.band)
         object.__setattr__(self, "band", (low, high))
         if self.confidence is not None:
@@ -572,13 +576,27 @@ class Scene(Shown):
 
     def with_band(self, low: Number, high: Number) -> Scene:
         """The same scene on another band, rad/s or with a unit."""
-        return replace(self, band=(frequency("band", low), frequency("band", high)))
+        return replace(self, band=(low, high))
 
 
 def frequency(key: str, given: Number) -> Expr:
     """An exact frequency, rad/s."""
     with within(key):
         return number(given, Dimension.FREQUENCY).value
+
+
+def frequency_unit(given: Any) -> Unit | None:
+    """The unit that a frequency is given in; None of a bare number, and of what is no frequency.
+
+    >>> frequency_unit("15 Hz"), frequency_unit(15) is None
+    (Unit(name='Hz', size=2*pi), True)
+    """
+    if not isinstance(given, str):
+        return None
+    with suppress(SceneError):
+        read = number(given, Dimension.FREQUENCY)
+        return read.unit or (RADIANS if read.exponents else None)
+    return None
 
 
 def _different(hands: Iterable[Hand]) -> None:

@@ -24,7 +24,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Threshold, read_threshold
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.parameters import free_name, read_confidence
-from haptisym.model.quantities import Dimension, Number, number
+from haptisym.model.quantities import Dimension, Number, Unit, number
 from haptisym.model.scene import Scene, frequency, read_friction
 
 if TYPE_CHECKING:
@@ -87,6 +87,11 @@ class SceneFamily(Shown):
     def band(self) -> tuple[Expr, Expr]:
         """Lowest and highest frequency, rad/s."""
         return self.first.band
+
+    @property
+    def frequency(self) -> Unit:
+        """The unit of frequency in which pages print."""
+        return self.first.frequency
 
     @property
     def threshold(self) -> Threshold:

@@ -7,7 +7,7 @@ from math import isinf
 from statistics import median
 
 from haptisym.model.jnd import Part
-from haptisym.pages.words import RATIOS, lead, title
+from haptisym.pages.words import RATIOS
 from haptisym.verbs.cost.entry import Cost, Measurement, duration
 from haptisym.verbs.cost.hardcosts import FAMILIES, HardCosts, HardRow, worst_verdict
 from haptisym.writing.document import Block, Column, Document, Figure, Notes, Number, Paragraph, Phrase, Section, Table
@@ -26,15 +26,15 @@ def page(found: Cost) -> Document:
     """The whole page."""
     tables = (_table(found, task) for task in _TASKS if found.task(task))
     proof = (
-        "Right digits are those of the worst number, held against a certified reference of higher precision. Times are medians "
-        "of repeats in turns, with half of the range that the middle half of them spans; the equations are given to all. Ratios "
-        "of times travel between machines, times do not."
+        "Measured: correct digits of the worst number, against a proven reference of higher precision; times are "
+        "medians of repeats "
+        "in turns, with half their interquartile range. Ratios of times carry over to other machines, times do not."
     )
     omitted = (f"Left out: {x.method} ({x.reason})." for x in found.left_out)
     notes = Notes((proof, *omitted, _measured_on(found.machine)))
-    shown = "Right digits against time for each question; filled marks are proven."
+    shown = "Correct digits against time for each question; filled marks are proven."
     blocks = Paragraph(found.summary), *tables, Figure("cost", shown, found.figure, wide=True), notes
-    return Document(f"{title(found.scene)}: what accuracy costs", lead(found.scene, found.asides()), blocks)
+    return Document(f"{found.scene.title or 'Untitled scene'}: what accuracy costs", (), blocks)
 
 
 def _measured_on(machine: Mapping[str, str]) -> str:
@@ -47,7 +47,7 @@ def _table(found: Cost, task: str) -> Block:
     condition = "" if size is None else f" (condition number {'infinite: a touch' if isinf(size) else f'{size:.2g}'})"
     columns = (
         Column("method"),
-        Column("right digits", number=True),
+        Column("correct digits", number=True),
         Column("time"),
         Column("spread"),
         Column("proven"),
@@ -65,10 +65,10 @@ def _row(row: Measurement) -> tuple[Phrase, ...]:
     return row.method, digits, duration(row.seconds), spread, proven, row.wrong
 
 
-_TOLD = (
-    "Right: to the digits that the method's numbers hold but for one, and no crossing missed or invented. Digits are "
-    "those of the worst case, times medians over the cases. The condition number says how much an answer changes, "
-    "relatively, with the frequency or the threshold; what a method loses beyond its logarithm is the method's own loss."
+_LEGEND = (
+    "Right: to the digits that the numbers of the method hold but for one, and no crossing missed or invented. Digits are "
+    "those of the worst case, times medians over the cases. The condition number: by how much a result changes, "
+    "relatively, with the frequency or the threshold; what a method loses beyond its logarithm is its fault."
 )
 
 
@@ -78,7 +78,7 @@ def hard_page(found: HardCosts) -> Document:
     families = (_family(name, rows) for name, rows in groups.items() if rows)
     shown = "How many questions of each family each method answers right; the darker the fewer. Filled marks: proven."
     figure = Figure("hard-cases", shown, found.figure, wide=True)
-    blocks = Paragraph(found.summary), *families, figure, Paragraph(_TOLD), Paragraph(_measured_on(found.machine))
+    blocks = Paragraph(found.summary), *families, figure, Paragraph(_LEGEND), Paragraph(_measured_on(found.machine))
     return Document("The hard cases", (), blocks)
 
 

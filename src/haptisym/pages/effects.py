@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from haptisym.kernel.reals import Way
 from haptisym.model.jnd import Part
-from haptisym.pages.words import H_ENV, OMEGA, RATIOS, bounds, certainty, compared, page_about, rounded, rounded_up
+from haptisym.pages.words import H_ENV, RATIOS, at_most, bounds, cell, compared, near, page_about, proof
 from haptisym.verbs.effects.relevance import CrossingEnclosure, Relevance
 from haptisym.writing.document import (
+    FREQUENCY,
+    FREQUENCY_UNIT,
     Block,
     Column,
     Document,
     Figure,
     Notes,
-    Number,
     Paragraph,
     Phrase,
     Section,
@@ -24,21 +26,18 @@ from haptisym.writing.document import (
 
 def page(r: Relevance) -> Document:
     """What matters, by how much each changes the ratios, where, and what is certain."""
-    blocks = [Paragraph(_verdict(r)), *_effects(r), *_dominance(r), _crossings(r), Paragraph(_certain(r))]
-    return page_about(r.scene, blocks, "Which effects matter")
+    blocks = [*_effects(r), *_dominance(r), _crossings(r)]
+    return page_about(r.scene, _answer(r), blocks, _proven(r), "Which effects matter")
 
 
-def _verdict(r: Relevance) -> Phrase:
+def _answer(r: Relevance) -> Iterator[tuple[Phrase, Phrase]]:
     kept, dropped = ([e.name for e in effects] for effects in (r.pruned.effects, r.dropped))
-    of = f"{len(kept)} of {len(r.scene.effects)} effects matter: ", listed(kept) if kept else "none", "."
-    if not dropped:
-        return of
-    full, few = r.operations
-    return (
-        of, f" Leaving out all{' others' if kept else ' of them'} together changes ", bounds(r.bound), " anywhere on the band ",
-        f"(tolerance {float(r.tolerance):g}). ",
-        f"The distortion then takes {few} operations, written in steps, where it took {full}.",
-    )  # fmt: skip
+    yield "Matter", (listed(kept) if kept else "none", f" ({len(kept)} of {len(r.scene.effects)} effects)")
+    if dropped:
+        full, few = r.operations
+        changes = "changes ", bounds(r.bound), " on the band (tolerance ", near(float(r.tolerance)), ")"
+        yield "Left out", (listed(dropped), ": ", changes)
+        yield "Operations", f"{few} in the distortion, written in steps, in place of {full}"
 
 
 def _effects(r: Relevance) -> Iterator[Block]:
@@ -51,29 +50,30 @@ def _effects(r: Relevance) -> Iterator[Block]:
         for x in ranked
     ]
     columns = Column("effect"), Column("model"), *(Column(RATIOS[part], number=True) for part in Part), Column("")
-    caption = "Largest change of each ratio on the band by leaving out that effect alone"
+    caption = "Largest change of each ratio on the band without that effect"
     told: list[Block] = [Table(columns, tuple(rows), "Upper bounds, proven.")]
     if any(not change.is_finite for x in r.effects for change in x.change.values()):
         zero = compared(H_ENV, "=")
         told.append(
             Notes((("Unbounded: near a frequency where ", zero, " or a dynamics is infinite, no bound exists."),))
         )
-    shown = (
-        "Change of both ratios by leaving out each effect alone; in the strip above, the one that changes them most."
-    )
+    shown = "Change of both ratios without each effect; in the strip above, the effect that changes them most."
     yield Section(caption, (*told, Figure("influences", shown, r.figure, wide=True)))
 
 
 def _most(change: float) -> Phrase:
-    return Number(rounded_up(change), change)
+    return at_most(change)
 
 
 def _dominance(r: Relevance) -> Iterator[Block]:
     if len(r.effects) < 2 or not r.dominance:
         return
-    rows = [(_span(float(x.low), float(x.high), 4), x.effect.name) for x in r.dominance]
-    table = Table((Column("band (rad/s)"), Column("effect")), tuple(rows), "The effect that changes the ratios most.")
-    yield Section("Which one changes the ratios most", (table,))
+    rows = [((cell(x.low), " to ", cell(x.high)), x.effect.name) for x in r.dominance]
+    columns = Column((FREQUENCY, " (", FREQUENCY_UNIT, ")")), Column("effect")
+    yield Section(
+        "Which effect changes the ratios most",
+        (Table(columns, tuple(rows), "The effect that changes the ratios most."),),
+    )
 
 
 def _crossings(r: Relevance) -> Block:
@@ -82,7 +82,7 @@ def _crossings(r: Relevance) -> Block:
     rows = [
         (x.criterion.name, _interval(x), "at least one" if x.certain else "none, one or several") for x in r.crossings
     ]
-    columns = Column("part"), Column((OMEGA, " (rad/s)")), Column("crossings")
+    columns = Column("part"), Column((FREQUENCY, " (", FREQUENCY_UNIT, ")")), Column("crossings")
     table = Table(
         columns, tuple(rows), "Where crossings of the full scene are; outside of these intervals it has none."
     )
@@ -91,21 +91,14 @@ def _crossings(r: Relevance) -> Block:
 
 def _interval(x: CrossingEnclosure) -> Phrase:
     low, high = x.bounds
-    return rounded(low, 6) if high - low < 1e-6 * high else _span(low, high, 6)
+    return cell(low) if high - low < 1e-6 * high else (cell(low, Way.DOWN), " to ", cell(high, Way.UP))
 
 
-def _span(low: float, high: float, digits: int) -> Phrase:
-    return rounded(low, digits), " to ", rounded(high, digits)
-
-
-def _certain(r: Relevance) -> Phrase:
-    smallest = (
-        f"No smaller set of effects stays within the tolerance, {float(r.tolerance):g}."
-        if r.smallest
-        else "This is the smallest set found; that no smaller one does is not proven."
+def _proven(r: Relevance) -> Iterator[Phrase]:
+    yield proof(
+        r.scene, "bounds on the whole band, for all effects left out together; no crossing of the full scene elsewhere"
     )
-    return certainty(
-        r.scene,
-        "Certain: bounds are proven on the whole band by ball arithmetic, for all left-out effects together; outside the "
-        f"intervals above the full scene has no crossing. {smallest}",
-    )
+    if r.smallest:
+        yield "Proven: no smaller set of effects stays within the tolerance."
+    else:
+        yield "This is the smallest set found; that no smaller one exists is not proven."

@@ -1,4 +1,4 @@
-"""The page of an identification: whether the model holds, what the lines tell of each parameter, and what that residuals on."""
+"""The page of an identification: the parameters with their intervals, whether the model fits, and what that rests on."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from haptisym.kernel.rings import s
 from haptisym.model.distortion import distort
 from haptisym.model.quantities import unit_text
 from haptisym.pages.measured import linearity, measured_words
-from haptisym.pages.words import noted, rounded
+from haptisym.pages.words import near, noted, undecided
 from haptisym.verbs.identify.entry import Estimate, Identification, correlation
 from haptisym.writing.document import (
     Block,
@@ -34,31 +34,48 @@ from haptisym.writing.equations import equation
 from haptisym.writing.layout import named
 from haptisym.writing.mathml import readable
 
-_ALIKE = 0.95
-"""A correlation from which on two parameters are told together rather than apart."""
+_CORRELATED = 0.95
+"""A correlation above which two parameters are called correlated."""
 
 
 def page(a: Identification) -> Document:
     """The whole page."""
-    shown = "The model over what was measured, with discs, and the residuals in units of their standard error."
-    figure = Figure("model", shown, a.figure)
+    shown = "The model over the measured points, with discs, and the residuals in units of their standard error."
     blocks: tuple[Block, ...] = (
-        Facts(tuple(_about(a))),
-        Section("Does the model hold?", (Paragraph(_verdict(a)), *noted(_tests(a)), figure), "verdict"),
-        Section("Parameters", (_table(a), Notes(tuple(_told(a)))), "parameters"),
-        Paragraph(_certain(a)),
+        Facts(tuple(_answer(a)), "findings"),
+        Section("Parameters", (_table(a), Notes(tuple(_remarks(a)))), "parameters"),
+        Section(
+            "Does the model fit?",
+            (Facts(tuple(_about(a))), *noted(_tests(a)), Figure("model", shown, a.figure)),
+            "verdict",
+        ),
+        Paragraph(_how_sure(a)),
     )
     return Document(a.title, (), blocks, "A model fitted to a measured response")
+
+
+def _answer(a: Identification) -> Iterator[tuple[Phrase, Phrase]]:
+    yield "Fitted", _response(a)
+    if a.verdict.fits is None:
+        yield "Fit", "not tested: the uncertainty of the points is unknown"
+    elif a.verdict.fits:
+        yield "Fit", "good: neither size nor order of the residuals contradicts the model, which does not prove it"
+    else:
+        yield (
+            "Fit",
+            (Strong("rejected"), ": the model does not fit; its parameters are only those nearest to the points"),
+        )
+    if a.fit.others:
+        yield "Unique", (Strong("no"), ": other values give the same response (below)")
 
 
 def _about(a: Identification) -> Iterator[tuple[str, Phrase]]:
     yield "measured", measured_words(a.measurement)
     if left := len(a.measurement) - len(a.fit.lines):
-        yield "left out", f"{counted(left, 'line')}, off the band, at 0 rad/s or with no coherence at all"
+        yield "left out", f"{counted(left, 'point')}, off the band, at 0 rad/s or without coherence"
     yield "model", a.wanted.words
-    yield "fitted", _response(a)
     same = f"{a.fit.agreeing} of {counted(a.fit.starts, 'start')} ended in the same least sum"
-    yield "search", f"least squares weighted by the discs; {same}; another may be lower"
+    yield "search", f"weighted least squares; {same}; a lower one may exist"
 
 
 def _response(a: Identification) -> Phrase:
@@ -67,8 +84,7 @@ def _response(a: Identification) -> Phrase:
     values = {x.parameter: f"{x.value:.{digits + 2}g}" for x in a.estimates}
     own, effects = a.wanted.elements(values.__getitem__)
     form, _ = readable(distort(own, *effects).perc, s, _digits(a))
-    limits = "  as far as the errors let one write it; the scene file has every digit"
-    return equation("H_perc", form, relation="≈"), limits
+    return equation("H_perc", form, relation="≈")
 
 
 def _digits(a: Identification) -> int:
@@ -87,48 +103,38 @@ def _certain_digits(x: Estimate, value: float, way: str = ROUND_HALF_EVEN) -> Nu
     )
 
 
-def _verdict(a: Identification) -> Phrase:
-    if a.verdict.fits is None:
-        unknown = ": no discs of the lines are known, so that nothing tells how large the residuals may be."
-        return Strong("UNTESTED"), unknown
-    if a.verdict.fits:
-        return "The model fits: neither the size of the residuals nor their order speaks against it. That does not prove it."
-    nearest = " fit what was measured. Its parameters are those nearest to it, and no more."
-    return "The model does ", Strong("NOT"), nearest
-
-
 def _tests(a: Identification) -> Iterator[Phrase]:
     v = a.verdict
     if v.square is not None and v.chance is not None:
         yield (
-            "Size of the residuals: chi^2 = ", rounded(v.square), f" of {v.freedom} degrees of freedom; one as large or larger ",
-            "has a chance ", *_chance(v.chance), " if the model holds.",
+            "Size of the residuals: chi^2 = ", near(v.square), f", {v.freedom} degrees of freedom; as large or larger with a ",
+            "probability ", *_chance(v.chance), " if the model holds.",
         )  # fmt: skip
     if v.neighbours is not None and v.neighbours_chance is not None:
         yield (
-            "Order: residuals of neighbouring lines correlate by ", rounded(v.neighbours, 2), "; so much or more has a chance ",
-            *_chance(v.neighbours_chance), " if they are independent.",
+            "Order: residuals of neighbouring points correlate by ", near(v.neighbours, most=2), "; as much or more with a ",
+            "probability ", *_chance(v.neighbours_chance), " if they are independent.",
         )  # fmt: skip
         if v.neighbours_chance < (1 - a.fit.lines.confidence) / 3 < (v.chance or 1):
-            yield "Lines of a Hann window overlap: if these do, keep every second one; that loses next to nothing."
+            yield "Points of a Hann window overlap: if these do, keep every second one."
     if a.measurement.welch and (told := linearity(a.measurement.welch)):
         yield "Linearity: ", told, "."
 
 
 def _chance(x: float) -> tuple[Phrase, ...]:
     """``of 0.003``; a double has none below some 1e-308."""
-    return ("of ", rounded(x, 3)) if x else ("below ", Number("1e-300", x))
+    return ("of ", near(x, most=3)) if x else ("below ", Number("1e-300", x))
 
 
 def _table(a: Identification) -> Block:
     share = f"{100 * a.fit.lines.confidence:g}\xa0%"
     columns = (
         Column("parameter"), Column("value", number=True), Column("± error", number=True), Column(f"{share} interval"),
-        Column("box"), Column(""),
+        Column("joint range"), Column(""),
     )  # fmt: skip
     caption = (
-        "Each parameter: its standard error, its confidence interval by itself, and its side of the box that holds all "
-        "parameters together."
+        "Each parameter: its standard error, its confidence interval by itself, and its range where all parameters are estimated "
+        "together."
     )
     return Table(columns, tuple(_row(a, x) for x in a.estimates), caption)
 
@@ -136,7 +142,13 @@ def _table(a: Identification) -> Block:
 def _row(a: Identification, x: Estimate) -> tuple[Phrase, ...]:
     unit = a.unit(x)
     sides = (_ends(x, x.low, x.high), _ends(x, x.least, x.most))
-    return _name(a, x), _certain_digits(x, x.value), rounded(x.error, 2), *sides, "" if unit == "1" else unit_text(unit)
+    return (
+        _name(a, x),
+        _certain_digits(x, x.value),
+        near(x.error, most=2),
+        *sides,
+        "" if unit == "1" else unit_text(unit),
+    )
 
 
 def _ends(x: Estimate, low: float, high: float) -> Phrase:
@@ -149,42 +161,56 @@ def _name(a: Identification, x: Estimate) -> Phrase:
     return named(x.parameter.name) if names.count(x.parameter.name) == 1 else Code(x.parameter.path)
 
 
-def _told(a: Identification) -> Iterator[Phrase]:
+def _remarks(a: Identification) -> Iterator[Phrase]:
     if a.fit.others is None:
-        yield "Whether other values give the same response was not decided."
+        yield undecided("whether other values give the same response")
     elif not a.fit.others:
         yield (
-            "No other positive values give the same response: by equal coefficients, solved at these values to three digits, "
-            "delays as they are."
+            "No other positive values give the same response: equal coefficients, solved at these values to three "
+            "digits, delays kept."
         )
     else:
         for values in a.fit.others:
-            yield Strong("THE SAME RESPONSE"), f" at every frequency: {a.moved(values)}."
+            yield Strong("The same response"), f" at every frequency: {a.moved(values)}."
         paths = " or ".join(a.ambiguous)
-        apart = f"No line of this response tells these answers apart. A value of {paths} from elsewhere does (as in "
-        yield apart, Code("model:key=value"), "), or a response of the environment without the effects."
+        fix = Code("model:key=value"), "), or measure the response of the environment without the effects."
+        yield f"No point of this response distinguishes them. Fix {paths} (", *fix
     if a.fit.period is not None:
-        apart = f"Lines {2 * np.pi / a.fit.period:.4g} rad/s apart do not tell a delay from one that is"
-        yield f"{apart} {a.fit.period:.4g} s longer, which a start found; the shortest is kept."
+        step, more = near(2 * np.pi / a.fit.period), near(a.fit.period)
+        yield (
+            "Points ",
+            step,
+            " rad/s apart do not distinguish a delay from one that is ",
+            more,
+            " s longer; the shortest is kept.",
+        )
     for x in a.estimates:
         if not x.told:
-            yield "The lines do not tell ", _name(a, x), ": leave it out, or give it a value."
+            yield "The data do not identify ", _name(a, x), ". Leave it out, or fix it: ", Code("model:key=value"), "."
     shares = np.triu(np.abs(correlation(a.fit)), 1)
-    for i, j in np.argwhere(shares > _ALIKE).tolist():
+    for i, j in np.argwhere(shares > _CORRELATED).tolist():
         one, other = (_name(a, a.estimates[k]) for k in (i, j))
-        yield one, " and ", other, f" are told together more than apart: correlation {correlation(a.fit)[i, j]:.3g}."
+        yield (
+            one,
+            " and ",
+            other,
+            f" are correlated ({correlation(a.fit)[i, j]:.3g}): the data hardly identify them separately.",
+        )
     if a.has_ranges:
-        takes = Code("haptisym tolerances"), " takes."
-        yield "The scene file (", Code("--scene FILE"), ") has the box as its ranges, which ", takes
+        yield "The scene file (", Code("--scene FILE"), ") has the joint ranges, for ", Code("haptisym tolerances"), "."
     else:
         yield "The scene file (", Code("--scene FILE"), ") has values and no ranges: here a range would mean nothing."
 
 
-def _certain(a: Identification) -> Phrase:
-    start = "Estimated, not proven. Errors are those of the curvature at the least sum of squares, and hold if the model is right"
+def _how_sure(a: Identification) -> Phrase:
+    start = (
+        f"Estimated ({100 * a.fit.lines.confidence:g} %): errors from the curvature at the least sum of squares, "
+        f"if the model is right"
+    )
     if a.verdict.square is None:
-        return start, "; their size is that of the residuals themselves. Nothing is said of other frequencies."
+        return start, "; their size is that of the residuals. Nothing follows for other frequencies."
     return (
-        start, ", if the discs are, and if neighbouring lines are independent; then the box holds the true values with a ",
-        f"confidence of {a.confidence_words}. Nothing is said of frequencies beyond the lines.",
+        start, (f", the discs are, and neighbouring points are independent; confidence of the joint ranges: "
+        f"{a.confidence_words}. "),
+        "Nothing follows for other frequencies.",
     )  # fmt: skip

@@ -12,7 +12,7 @@ from statistics import NormalDist
 import numpy as np
 
 from haptisym.model.jnd import Published
-from haptisym.pages.words import noted, rounded
+from haptisym.pages.words import near, noted
 from haptisym.verbs.jnd.entry import METHODS, Estimate, Psychometric, PublishedThresholds
 from haptisym.writing.boxes import Applied, Box, Fenced, Fraction, Numeral, Product, Sum
 from haptisym.writing.document import (
@@ -38,23 +38,18 @@ def page(p: Psychometric) -> Document:
     """The whole page."""
     caption = "Shares of the answers at each level (the larger a dot, the more answers) and the fitted curve."
     blocks: tuple[Block, ...] = (
-        Facts(tuple(_found(p))),
-        *_warned(p),
-        *_for_a_scene(p),
+        Facts(tuple(_found(p)), "findings"), *_warned(p), *_for_a_scene(p),
         Section("The curve", (Equations((_equation(p),)), Facts(tuple(_facts(p)))), "curve"),
-        Figure("answers", caption, p.figure),
-        Section("The answers", (_answers(p),), "answers"),
-        *noted(p.notes),
-        Paragraph(_ESTIMATED),
-    )
-    return Document(
-        p.answers.name, (f"Fitted by {METHODS[p.method]}.",), blocks, "A just-noticeable difference, measured"
-    )
+        Figure("answers", caption, p.figure), Section("The responses", (_answers(p),), "answers"), *noted(p.notes),
+        Notes((_ESTIMATED, f"Method: {METHODS[p.method]}.")),
+    )  # fmt: skip
+    return Document(p.answers.name, (), blocks, "A just-noticeable difference, measured")
 
 
 _ESTIMATED = (
-    "Estimated from answers, not proven: another person, or the same one on another day, gives other answers. The interval says "
-    "how far chance alone moves them, if the curve is the right one."
+    "Estimated from these responses: another person, or another day, gives others. The interval is what chance alone "
+    "makes of them, "
+    "if the curve is the right one."
 )
 
 
@@ -63,10 +58,10 @@ def _percent(share: float) -> str:
 
 
 def _estimate(p: Psychometric, x: Estimate) -> Phrase:
-    ends = tuple("unbounded" if end is None else rounded(end, 4) for end in (x.low, x.high))
+    ends = tuple("unbounded" if end is None else near(end) for end in (x.low, x.high))
     if ends == ("unbounded", "unbounded"):
-        return rounded(x.value)
-    return rounded(x.value), f" ({_percent(p.confidence)}: ", ends[0], " to ", ends[1], ")"
+        return near(x.value)
+    return near(x.value), f" ({_percent(p.confidence)}: ", ends[0], " to ", ends[1], ")"
 
 
 def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
@@ -76,21 +71,21 @@ def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
     where = f", of {choices} alternatives" if choices else ", beyond the point of subjective equality"
     curve, chance = p.fit.curve, p.asked.chance if choices else 0.0
     if curve.guess == chance and not curve.lapse:
-        yield "JND", (_estimate(p, p.jnd), f", where {share} of the answers are {of}{where}")
+        yield "JND", (_estimate(p, p.jnd), f", where {share} of the responses are {of}{where}")
     else:
         level = p.jnd.value if choices else curve.mu + p.jnd.value
         without = "lapses" if choices else "guesses and lapses"
         seen = _percent(float(curve(np.array([level]))[0]))
-        yield "JND", (_estimate(p, p.jnd), f", where without {without} {share} of the answers would be {of}{where}")
+        yield "JND", (_estimate(p, p.jnd), f", where without {without} {share} of the responses would be {of}{where}")
         reached = (
             NormalDist().inv_cdf(inner)
             if 0 < (inner := (p.asked.proportion - curve.guess) / (1 - curve.guess - curve.lapse)) < 1
             else None
         )
-        there = "at no level" if reached is None else rounded(curve.mu * bool(choices) + reached * curve.sigma)
-        yield "with them", (f"{seen} of all answers are {of} there; {share} of all: ", there)
+        there = "at no level" if reached is None else near(curve.mu * bool(choices) + reached * curve.sigma)
+        yield "with lapses", (f"{seen} of all responses are {of} there; {share} of all: ", there)
     if p.fraction and p.reference:
-        yield "fraction", (_estimate(p, p.fraction), " of the standard, ", rounded(p.reference))
+        yield "fraction", (_estimate(p, p.fraction), " of the standard, ", near(p.reference))
     yield "fit", _fit(p)
     if not p.table:
         how = "a threshold is a fraction of the standard: give its level with "
@@ -108,20 +103,26 @@ def _fit(p: Psychometric) -> Phrase:
     tested = p.deviance
     if tested.p is None:
         return "cannot be tested: no more levels with enough answers than numbers that are fitted"
-    told = "deviance ", rounded(tested.value, 4), f", {tested.degrees} degrees of freedom, p = ", rounded(tested.p, 2)
-    return (*told, ": within chance") if tested.fits else (*told, ": ", Strong("NOT"), " within chance")
+    found = (
+        "deviance ",
+        near(tested.value),
+        f", {tested.degrees} degrees of freedom, p = ",
+        near(tested.p, most=2),
+    )
+    return (*found, ": within chance") if tested.fits else (*found, ": ", Strong("not"), " within chance")
 
 
 def _warned(p: Psychometric) -> Iterator[Block]:
     if p.deviance.fits is False:
         yield Paragraph((
-            "The curve does ", Strong("NOT"), " fit these answers: neither the JND nor its interval can be relied on. Look at ",
-            "the figure, and for lapses, learning, or answers of several people put together.",
+            "The curve does ", Strong("not"), " fit these responses: neither the JND nor its interval can be relied on. See the ",
+            "figure; causes are lapses, learning, or responses of several people put together.",
         ))  # fmt: skip
     if p.jnd.high is None:
         yield Paragraph((
-            "The interval has ", Strong("NO"), " upper end: these answers do not tell how large the JND is at most, and its ",
-            "value alone means little. It takes more answers, or levels farther from the standard.",
+            "The interval has ", Strong("no"), (" upper end: these responses do not bound the JND. It takes more of "
+            "them, or levels "),
+            "farther from the standard.",
         ))  # fmt: skip
 
 
@@ -139,10 +140,10 @@ def _facts(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
     curve = p.fit.curve
     middle = "middle of the curve" if p.asked.alternatives else "point of subjective equality"
     yield named("mu"), (_estimate(p, p.middle), f", the {middle}")
-    yield named("sigma"), rounded(curve.sigma)
+    yield named("sigma"), near(curve.sigma)
     if curve.guess or curve.lapse:
-        yield named("gamma"), (rounded(curve.guess), ", guesses")
-        yield named("lambda"), (rounded(curve.lapse), ", lapses")
+        yield named("gamma"), (near(curve.guess), ", guesses")
+        yield named("lambda"), (near(curve.lapse), ", lapses")
     if p.answers.earlier:
         yield "in the file", p.answers.earlier
 
@@ -154,15 +155,15 @@ def _answers(p: Psychometric) -> Block:
     rows = p.answers.rows
     if len(rows) > _MOST_ROWS:
         trials = sum(x.trials for x in rows)
-        return Paragraph(f"{trials} answers at {len(rows)} levels, from {rows[0].level:g} to {rows[-1].level:g}.")
+        return Paragraph(f"{trials} responses at {len(rows)} levels, from {rows[0].level:g} to {rows[-1].level:g}.")
     curve = p.fit.curve(np.array([x.level for x in rows]))
     columns = tuple(Column(x, number=True) for x in ("level", "k", "n", "share", "curve"))
     told = tuple(
-        (rounded(x.level, 6), str(x.count), str(x.trials), f"{x.share:.3f}", f"{y:.3f}")
+        (near(x.level), str(x.count), str(x.trials), f"{x.share:.3f}", f"{y:.3f}")
         for x, y in zip(rows, curve, strict=True)
     )
     return Table(
-        columns, told, "The answers: how many (k) of how many (n) counted at each level, and what the curve has there."
+        columns, told, "The responses: how many (k) of how many (n) counted at each level, and the curve there."
     )
 
 
@@ -182,7 +183,7 @@ def published_page(found: PublishedThresholds) -> Document:
     return Document("Published thresholds", (lead,), blocks, "Just-noticeable differences")
 
 
-_DIFFER = "They differ by what was felt, by whom, by movement and criterion. None of them was measured on your display."
+_DIFFER = "They differ in what was felt, by whom, in movement and criterion. None was measured on your display."
 
 
 def _criterion(x: Published) -> str:

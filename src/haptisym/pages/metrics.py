@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import RationalFunction, omega, s
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import caveats, certainty, noted, page_about, percent, region, short, spans
+from haptisym.pages.words import both, caveats, near, noted, page_about, percent, proof, region, spans, undecided
 from haptisym.verbs.metrics.metric import Form, Metric, Metrics, Value
 from haptisym.writing.boxes import (
     Absolute,
@@ -31,14 +31,13 @@ from haptisym.writing.document import (
     Equations,
     Facts,
     Figure,
+    Formulas,
     Line,
     Notes,
-    Paragraph,
     Phrase,
     Section,
     Strong,
     Table,
-    Versions,
 )
 from haptisym.writing.equations import meaning, quantity
 from haptisym.writing.latex import tex
@@ -51,14 +50,16 @@ _MOST_LETTERS = 180  # of a formula in symbols; a longer one is told in numbers
 
 def page(m: Metrics) -> Document:
     """The whole page."""
-    shown = "Distance of each measure from transparency over the band, and below where each measure is content."
+    shown = "Distance of each measure from transparency over the band, and below where each measure is satisfied."
     told = (x for x in m.notes if m.tell_absolute or "absolutely stable" not in x)
     notes = Section("Where they disagree", noted(map(formulated, told)))
     blocks: tuple[Block, ...] = (
-        Versions((Facts((("JND", jnd_verdict(m)),)),), lambda: (_overview(m),)), *map(_measure, m.told),
-        Figure("metrics", shown, m.figure), notes, *caveats(m.evaluation.caveats), Paragraph(_certain(m)),
+        _overview(m), notes, Formulas(lambda: map(_measure, m.told)), Figure("metrics", shown, m.figure),
+        *caveats(m.evaluation.caveats),
     )  # fmt: skip
-    return page_about(m.scene, blocks, "Measures of transparency", m.asides())
+    return page_about(
+        m.scene, (("JND", jnd_verdict(m)),), blocks, _proven(m), "Measures of transparency", m.asides(), ("--all",)
+    )
 
 
 def jnd_verdict(m: Metrics) -> Phrase:
@@ -72,16 +73,15 @@ def jnd_verdict(m: Metrics) -> Phrase:
 
 
 def _overview(m: Metrics) -> Table:
-    rows = [("JND", jnd_verdict(m), ""), *((x.name, formulated(x.verdict), x.evidence) for x in m.told)]
-    columns = Column("measure"), Column("verdict"), Column("source known")
-    return Table(columns, tuple(rows), "What each measure says, and how far its source was read.")
+    rows = [(x.name, formulated(x.verdict)) for x in m.told]
+    return Table((Column("measure"), Column("verdict")), tuple(rows), "The verdict of each measure.")
 
 
 def _measure(x: Metric) -> Section:
     lines, values = tuple(written(x)), tuple((formulated(v.what), _value(v)) for v in x.values)
     parts: tuple[Block | None, ...] = (
         Equations(lines) if lines else None, Facts(values) if values else None,
-        Notes((formulated(x.verdict), f"Source: {x.source} [{x.evidence}]")),
+        Notes((f"Source: {x.source} [{x.evidence}]",)),
     )  # fmt: skip
     return Section(f"{x.name[0].upper()}{x.name[1:]}", tuple(part for part in parts if part))
 
@@ -91,16 +91,22 @@ def _value(x: Value) -> Phrase:
         return "infinite"
     if isinstance(x.value, tuple):
         return spans(x.value) if x.value else "nowhere"
-    unit = f" {unit_text(x.unit)}" if x.unit else ""
     if x.reference is None:
-        return _number(x.value), unit
-    verdict: Phrase = "kept" if x.kept else Strong("NOT KEPT")
-    values = _number(x.value), f"{unit}, environment ", _number(x.reference)
-    return *values, f"{unit}; tolerance {x.tolerance}: ", verdict
+        return _number(x.value, x.unit)
+    verdict: Phrase = "satisfied" if x.kept else Strong("not satisfied")
+    return (
+        _number(x.value, x.unit),
+        ", environment ",
+        _number(x.reference, x.unit),
+        f"; tolerance {x.tolerance}: ",
+        verdict,
+    )
 
 
-def _number(x: RealNumber | int | str) -> Phrase:
-    return short(x) if isinstance(x, RealNumber) else str(x)
+def _number(x: RealNumber | int | str, unit: str) -> Phrase:
+    if isinstance(x, RealNumber) and unit == "rad/s":
+        return both(x)
+    return (near(x) if isinstance(x, RealNumber) else str(x)), f" {unit_text(unit)}" if unit else ""
 
 
 _SYMBOL = re.compile(r"\b((?:H|Z|r|P|A)_(?:env|perc|min|max|width|r|i|d|\d+))\b")
@@ -111,15 +117,14 @@ def formulated(words: str) -> Phrase:
     return tuple(named(x) if i % 2 else x for i, x in enumerate(_SYMBOL.split(words.replace(">=", "≥"))) if x)
 
 
-def _certain(m: Metrics) -> Phrase:
+def _proven(m: Metrics) -> Iterator[Phrase]:
     if not m.certified:
-        undecided = ": whether some function touches its limit, crosses it twice or stays clear of it."
-        return Strong("UNDECIDED"), " at the precision limit", undecided
-    return certainty(
-        m.scene,
-        "Certain: every edge, band and number is proven by exact polynomials and ball arithmetic, not sampled. How far a source "
-        "was read is said beside it.",
-    )
+        yield undecided(
+            "whether some function is tangent to its limit, crosses it twice or stays clear of it, at the precision limit"
+        )
+        yield "Proven: all else."
+    else:
+        yield proof(m.scene, "every limit, band and number")
 
 
 # Formulas.

@@ -15,7 +15,7 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Crossing, Judged
 from haptisym.judge.peaks import Peak
 from haptisym.judge.percepts import Percept, felt
-from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.reals import ExactNumber, RealNumber, Way, printed
 from haptisym.kernel.rings import s
 from haptisym.kernel.roots import Interval, Point
 from haptisym.model.catalogue import Effect, Environment
@@ -27,9 +27,9 @@ from haptisym.model.scene import Scene
 from haptisym.pages import scene as scene_page
 from haptisym.pages.closedforms import ClosedForms
 from haptisym.pages.evaluation import VERBS, event, sense
-from haptisym.pages.words import PART_NAMES, ends, exactly, region, short
+from haptisym.pages.words import PART_NAMES, both, ends, near, region
 from haptisym.writing.boxes import Box, Equation, Grid
-from haptisym.writing.document import Line
+from haptisym.writing.document import DIGITS, Line
 from haptisym.writing.equations import function
 from haptisym.writing.html import display, element, fragment, phrase
 from haptisym.writing.latex import align, is_long, tex
@@ -131,7 +131,8 @@ def _decimal(digits: str) -> str:
 
 
 def _short(x: RealNumber) -> str:
-    return _decimal(short(x).digits)
+    mantissa, _, exponent = printed(x, DIGITS, Way.NEAREST).partition("e")
+    return rf"{mantissa} \times 10^{{{int(exponent)}}}" if exponent else mantissa
 
 
 def _crossing(x: Crossing) -> str:
@@ -180,19 +181,15 @@ def _distortion_html(x: Distortion) -> str:
 
 
 def _crossing_html(x: Crossing) -> str:
-    """``r_r rises above its threshold at 7.97891679017471 rad/s (Re dH > 0)``."""
+    """``r_r exceeds its threshold at 7.979 rad/s (1.270 Hz) (Re dH > 0)``."""
     if x.criterion.joint:
-        return str(phrase((event(x), " at ", exactly(x.omega, 15), " rad/s")))
-    where = exactly(x.omega, 15), " rad/s (", sense(x), ")"
+        return str(phrase((event(x), " at ", both(x.omega))))
+    where = both(x.omega), " (", sense(x), ")"
     return str(phrase((named(x.criterion.symbol), f" {VERBS[x.kind]} its threshold at ", where)))
 
 
 def _peak_html(x: Peak) -> str:
-    return str(
-        phrase(
-            (named(x.criterion.symbol), " has a local maximum of ", short(x.ratio), " at ", short(x.omega), " rad/s")
-        )
-    )
+    return str(phrase((named(x.criterion.symbol), " has a local maximum of ", near(x.ratio), " at ", both(x.omega))))
 
 
 def _percept_html(x: Percept) -> str:

@@ -21,7 +21,7 @@ from haptisym.figures.kinds import checked_report
 from haptisym.figures.sheet import save_as
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import NothingToDrawError, SceneError
-from haptisym.writing.document import Document, Figure, figures_of
+from haptisym.writing.document import Document, Figure
 from haptisym.writing.html import Html, element, html, phrase
 from haptisym.writing.latex import latex
 from haptisym.writing.plain import said
@@ -129,7 +129,7 @@ def pdf(document: Document) -> bytes:
 def _figures(document: Document, folder: Path) -> dict[str, str]:
     """The files of the document's figures, by their names."""
     found = {}
-    for figure in figures_of(document.blocks):
+    for figure in document.figures():
         with suppress(NothingToDrawError):
             found[figure.name] = save_as(figure.draw(), folder / f"{figure.name}.pdf").name
     return found

@@ -1,25 +1,19 @@
-"""The pages of requirements.
-
-The pages of requirements: the answer in a sentence, what binds at each end, what is certain; and of a map of two.
-
-The designer's questions in a report: which values of each parameter would keep the display transparent on its band.
-"""
+"""The pages of requirements: which values satisfy what is required, what limits them; of a report those of each parameter."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
-from math import floor, log10
-
-from sympy import Expr
+from collections.abc import Iterator
+from dataclasses import replace
 
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, outward
-from haptisym.model.quantities import unit_text
+from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, Way
+from haptisym.model.jnd import Part
+from haptisym.model.quantities import Unit
 from haptisym.model.scene import THRESHOLD, Knob, clocks
-from haptisym.pages.late import proof
-from haptisym.pages.words import both, certainty, exactly, page_about, rounded, rule, short, symbol
-from haptisym.verbs.require.feasible import Binding, Domain, End, Kind, Span
+from haptisym.pages.late import proof as certificate
+from haptisym.pages.words import PART_NAMES, at_least, both, near, page_about, proof, symbol, undecided, value_of
+from haptisym.verbs.require.feasible import Binding, End, Kind, Span
 from haptisym.verbs.require.freeparameter import searched
 from haptisym.verbs.require.required import Requirement, is_quick, require
 from haptisym.writing.document import (
@@ -27,192 +21,167 @@ from haptisym.writing.document import (
     Column,
     Document,
     Equations,
-    Facts,
     Figure,
     Line,
-    Number,
     Paragraph,
     Phrase,
+    Real,
     Section,
-    Strong,
     Table,
     listed,
 )
 from haptisym.writing.layout import layout, named
 from haptisym.writing.layout import rounded as in_digits
+from haptisym.writing.plain import said
 
 _PLACES = {
-    Kind.EDGE: "the band's high end", Kind.START: "the band's low end", Kind.TOUCH: "a touch inside the band",
-    Kind.AXIS: "roots on the imaginary axis", Kind.FAR: "far out",
+    Kind.EDGE: "the high end of the band", Kind.START: "the low end of the band", Kind.TOUCH: "a tangency inside the band",
+    Kind.AXIS: "poles on the imaginary axis", Kind.FAR: "high frequency",
 }  # fmt: skip
-_OF_ALL = {Kind.START: "at low frequencies", Kind.TOUCH: "a touch", Kind.FAR: "at high frequencies", Kind.AXIS: "poles"}
-"""Where every passive hand binds, which is not about the band."""
+_OF_ALL = {Kind.START: "low frequency", Kind.TOUCH: "a tangency", Kind.FAR: "high frequency", Kind.AXIS: "poles"}
+"""Where passivity limits, which is not about the band."""
+_MOST_LIMITS = 2  # that the answer has; more are a table
 
 
 def page(r: Requirement) -> Document:
     """The page of one parameter."""
-    kept = listed(dict.fromkeys(x.kept for x in r.criteria))
-    worst = "The worst case over the band against the parameter, with the threshold; grey: " if _judged(r) else "Grey: "
-    caption = (worst, kept, "; hatched: undecided." if r.undecided else ".")
+    judged = any(x.name not in ("stable", "passive") for x in r.criteria)
+    worst = "The worst case over the band against the parameter, with the threshold; grey: " if judged else "Grey: "
+    caption = (worst, required(r.criteria), "; hatched: undecided." if r.undecided else ".")
     blocks = (
-        Facts(tuple(_question(r))), Paragraph(_answer(r)), *_nearest(r), *_ends(r), *_formulas(r),
-        Figure("requirement", caption, r.figure), Paragraph(_certain(r)), proof(r, r.scene),
+        *_nearest(r), *_ends(r), *_formulas(r), Figure("requirement", caption, r.figure), certificate(r, r.scene),
     )  # fmt: skip
-    return page_about(r.scene, blocks, "Which values will do", r.asides())
+    return page_about(r.scene, _answer(r), blocks, _proven(r), "Which values satisfy it", r.asides())
 
 
-def _question(r: Requirement) -> Iterator[tuple[str, Phrase]]:
-    low, high = (both(ExactNumber(x)) for x in r.scene.band)
-    unit = "a plain number" if r.free.unit == "1" else f"in {unit_text(r.free.unit)}"
-    yield "free", (r.free.path, " (", named(r.free.symbol.name), f"), {unit}")
-    yield "range searched", _searched(r)
-    yield "band", (low, " to ", high)
-    yield "condition", _condition(r)
+def required(criteria: tuple[Criterion, ...]) -> str:
+    """What is required, as an adjective: ``transparent and stable in light-touch``."""
+    return said(listed(dict.fromkeys(map(kept, criteria))))
 
 
-def _condition(r: Requirement) -> Phrase:
-    judged = _judged(r)
-    others = [x.rule for x in r.criteria if x not in judged]
-    first = (listed(map(rule, judged)), " on the whole band") if judged else ""
-    return first, "; " if judged and others else "", "; ".join(others)
+def kept(x: Criterion) -> str:
+    """What a display is that satisfies a criterion."""
+    return "passive" if x.name == "passive" else x.kept.replace(" on the whole band", "")
 
 
-def _judged(r: Requirement) -> list[Criterion]:
-    """What is asked of each frequency of the band."""
-    return [x for x in r.criteria if x.name not in ("stable", "passive")]
+def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
+    now = (" (is ", value_of(r.free, ExactNumber(r.free.value), Way.NEAREST), ")") if r.free.value.is_number else ()
+    what = required(r.criteria)
+    known: Phrase = (
+        ("for ", sets(r))
+        if r.feasible
+        else "for no value in the range"
+        if r.certified
+        else "for no value that is proven"
+    )
+    yield what[0].upper() + what[1:], (known, now)
+    limits = list(dict.fromkeys(x for end in r.ends if end.value for x in _bindings(end, r)))
+    if limits:
+        yield "Limited by", listed(limits) if len(limits) <= _MOST_LIMITS else "see the table"
+    yield "Range searched", _range(r)
 
 
-def _searched(r: Requirement) -> str:
+def _range(r: Requirement) -> Phrase:
     """From where to where values are searched, with 0 where the model allows it."""
     low, high = searched(r.free, r.domain)
     zero = "0, " if r.domain.low == 0 and r.domain.holds_low else ""
-    return f"{zero}{_engineering(low)} to {_engineering(high)}{unit_of(r.free)}"
+    return zero, _bare(value_of(r.free, low, Way.NEAREST)), " to ", value_of(r.free, high, Way.NEAREST)
 
 
-def _engineering(x: Expr) -> str:
-    """Digits with a power of ten that is a multiple of 3, where there must be one: ``80e-6``."""
-    value = float(x)
-    power = 0 if value == 0 or 1e-3 <= abs(value) < 1e5 else 3 * floor(log10(abs(value)) / 3 + 1e-12)
-    return f"{value / 10**power:.6g}" + (f"e{power}" if power else "")
+def _bare(x: Real) -> Real:
+    """A number without the name of its unit, which follows."""
+    return replace(x, unit=Unit("", x.unit.size))
 
 
-def _answer(r: Requirement) -> Phrase:
-    kept = listed(dict.fromkeys(x.kept for x in r.criteria))
-    if not r.feasible:
-        known = "No value that was asked about makes" if r.certified else "No value is proven to make"
-        return f"{known} the display ", kept, "."
-    return "The display is ", kept, " exactly for " if r.certified else ", proven, for ", sets(r), "."
+def _bindings(end: End, r: Requirement) -> Iterator[Phrase]:
+    for b in end.bindings:
+        yield _part(b), ", ", _where(b, r)
 
 
 def sets(r: Requirement) -> Phrase:
-    """The values, as in a sentence: ``omega_n ≥ 122.36 rad/s``; ``no value`` for none.
-
-    An end behind which nothing is proven is rounded inward.
-    """
-    doubtful = {x for pair in r.undecided for x in pair if x is not None}
-    return listed((_span(x, r.free, doubtful) for x in r.feasible), "or") if r.feasible else "no value"
+    """The values, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none. Ends are rounded inward."""
+    return listed((_span(x, r.free) for x in r.feasible), "or") if r.feasible else "no value"
 
 
-def _span(x: Span, free: Knob, doubtful: Collection[RealNumber]) -> Phrase:
-    name, unit = named(free.symbol.name), unit_of(free)
+def _span(x: Span, free: Knob) -> Phrase:
+    name = named(free.symbol.name)
     low, high = x.low.value, x.high.value
     if low is None and high is None:
         return "every value of ", name
     if low is not None and low is high:
-        return name, " = ", short(low), unit, " alone"
-
-    def end(y: RealNumber) -> Number:
-        return _directed(y, 5, up=y is low) if y in doubtful else short(y)
-
-    if low is not None and high is None:
-        return name, " ≥ " if x.low.closed else " > ", end(low), unit
-    left = () if low is None else (end(low), _below(x.low))
-    right = () if high is None else (_below(x.high), end(high))
-    return left, name, right, unit
-
-
-def _directed(x: RealNumber, digits: int, *, up: bool) -> Number:
-    """So many digits of a number that is not less, or not larger."""
-    low, high = (float(y) for y in outward(*x.bounds(64), digits))
-    return Number(f"{high if up else low:.{digits}g}", float(x))
+        return name, " = ", value_of(free, low, Way.NEAREST), " alone"
+    least = None if low is None else value_of(free, low, Way.UP)
+    most = None if high is None else value_of(free, high, Way.DOWN)
+    if least is not None and most is None:
+        return name, " ≥ " if x.low.closed else " > ", least
+    left = () if least is None else (_bare(least), _below(x.low))
+    return left, name, _below(x.high), most or ""
 
 
 def _below(end: End) -> str:
     return " ≤ " if end.closed else " < "
 
 
-def unit_of(free: Knob) -> str:
-    """Its unit behind a number; nothing for a plain one."""
-    return "" if free.unit == "1" else f" {unit_text(free.unit)}"
-
-
-def _by_itself(r: Requirement) -> Phrase:
-    kept = listed(dict.fromkeys(x.kept for x in r.criteria))
-    return kept, " for ", sets(r), ", while some others are undecided" if r.undecided else ""
-
-
 def _nearest(r: Requirement) -> Iterator[Block]:
-    """Where no value will do: the nearest one found, what binds there, and what was proven about all others."""
+    """Where no value satisfies it: the nearest one found, what limits it, and what was proven about all others."""
     if r.alone:
-        yield Paragraph(("By itself: ", listed(map(_by_itself, r.alone)), "."))
+        alone = (
+            (required(x.criteria), " for ", sets(x), ", some others undecided" if x.undecided else "") for x in r.alone
+        )
+        yield Paragraph(("Each by itself: ", listed(alone), "."))
     x = next((y.nearest for y in r.alone if y.nearest), r.nearest)
     if x is None:
         return
-    least = (
-        f"Proven: no value that was asked about keeps all ratios below {x.at_least:.4g} times their thresholds."
-        if x.at_least > 1
-        else "How near other values come was not proven."
-    )
+    least: Phrase = "How near other values come is not proven."
+    if x.at_least > 1:
+        least = (
+            "Proven: no value in the range keeps all ratios below ",
+            at_least(x.at_least),
+            " times their thresholds.",
+        )
     yield Paragraph((
-        "Nearest of those that were tried is ", named(r.free.symbol.name), " = ", rounded(float(x.value), 6),
-        unit_of(r.free), ": ", _part(x.binding), f" reaches {100 * float(x.ratio):.4g}\xa0% there (", _where(x.binding, r),
-        f"), {x.times:.4g} times its threshold. {least}",
+        "Nearest of those tried: ", named(r.free.symbol.name), " = ", value_of(r.free, float(x.value), Way.NEAREST), ", where ",
+        _part(x.binding), " reaches ", near(100 * float(x.ratio)), "\xa0% at ", _where(x.binding, r), ", ", near(x.times),
+        " times its threshold. ", least,
     ))  # fmt: skip
 
 
 def _ends(r: Requirement) -> Iterator[Block]:
+    """What limits at each end, where that is more than the answer has room for."""
     rows = dict.fromkeys(
-        (exactly(x.value, r.digits), _part(b), _where(b, r)) for x in r.ends for b in x.bindings if x.value
+        (value_of(r.free, x.value, Way.NEAREST), _part(b), _where(b, r)) for x in r.ends for b in x.bindings if x.value
     )
-    if rows:
-        columns = Column(heading(r.free), number=True), Column("binds"), Column("where")
-        yield Table(columns, tuple(rows), "What binds at each end, proven.")
-    elif r.feasible and all(_is_asked(x, y) for span in r.feasible for x, y in _beside(span, r.domain)):
-        yield Paragraph("Nothing binds at an end.")
-
-
-def _beside(x: Span, of: Domain) -> tuple[tuple[End, Expr | None], ...]:
-    """Both ends with those of what was asked about."""
-    return (x.low, of.low), (x.high, of.high)
-
-
-def _is_asked(x: End, asked: Expr | None) -> bool:
-    """Whether values end there because no others were asked about."""
-    return x.value is None if asked is None else x.value is not None and float(x.value) == float(asked)
+    if len(rows) > _MOST_LIMITS:
+        columns = Column(named(r.free.symbol.name), number=True), Column("limited by"), Column("at")
+        yield Table(columns, tuple(rows), "What limits the values at each end, proven.")
 
 
 def heading(free: Knob) -> Phrase:
     """A parameter and its unit, over a column."""
-    return named(free.symbol.name), "" if free.unit == "1" else f" ({unit_text(free.unit)})"
+    unit = free.shown_unit(free.motion).text
+    return named(free.symbol.name), f" ({unit})" if unit else ""
 
 
 def _part(b: Binding) -> Phrase:
-    if b.criterion.name in ("stable", "passive"):
-        return b.criterion.words
-    return symbol(b.criterion.symbol), f" ({b.criterion.name})" if b.part else ""
+    if b.criterion.name == "passive":
+        return "passivity"
+    if b.criterion.name == "stable":
+        return "stability" if " in " not in b.criterion.kept else f"stability{b.criterion.kept.removeprefix('stable')}"
+    return f"the {PART_NAMES[b.part]} part" if isinstance(b.part, Part) else symbol(b.criterion.symbol)
 
 
 def _where(b: Binding, r: Requirement) -> Phrase:
     place = _OF_ALL[b.kind] if b.criterion.name == "passive" else _PLACES[b.kind]
     if b.kind is Kind.AXIS and b.criterion.name == "stable" and clocks(r.scene):
-        place = "roots on the unit circle"
-    return place, "" if b.omega is None else (", ", both(b.omega))
+        place = "poles on the unit circle"
+    joined = " at " if b.kind is Kind.AXIS else ", "
+    return place, "" if b.omega is None else (joined, both(b.omega))
 
 
 def _formulas(r: Requirement) -> Iterator[Block]:
     forms = tuple(Line(named(r.free.symbol.name), form) for form in r.forms if form is not None)
     if forms:
-        yield Section("Closed form, from the condition at the end of the band:", (Equations(forms),))
+        yield Section("Closed form, from the condition at the end of the band", (Equations(forms),))
 
 
 def _is_all(r: Requirement) -> bool:
@@ -222,32 +191,27 @@ def _is_all(r: Requirement) -> bool:
     return not others and ends[:2] == ends[2:]
 
 
-def _certain(r: Requirement) -> Phrase:
+def _proven(r: Requirement) -> Iterator[Phrase]:
+    what = required(r.criteria)
     if r.undecided:
-        where = listed(("from ", _limit(a, up=False), " to ", _limit(b, up=True)) for a, b in r.undecided)
-        why = "" if r.limit is None else f" within the limit of {r.limit:g} s"
-        why += f": {r.reason}" if r.reason else ""
-        return (
-            Strong("UNDECIDED"), ": for the values ", where, f" neither was proven{why}.",
-            "" if _is_all(r) else " About all others everything is.",
-        )  # fmt: skip
-    if not r.feasible:
-        return certainty(
-            r.scene, "Certain: of the range searched none that will do was missed; that is proven, not sampled."
-        )
-    if any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high)):
-        narrow = "Certain: each end lies within the enclosure that is given; of some no more digits are known."
-        return certainty(r.scene, narrow)
-    return certainty(
-        r.scene,
-        "Certain: of the range searched these are all such values, none is missed and none invented; every digit is proven.",
-    )
+        where = listed((_limit(r.free, a, Way.DOWN), " to ", _limit(r.free, b, Way.UP)) for a, b in r.undecided)
+        why = f"; stopped after {r.limit:g} s" if r.limit is not None else ""
+        yield undecided((named(r.free.symbol.name), " from ", where, why, f": {r.reason}" if r.reason else ""))
+        if not _is_all(r):
+            yield "Proven: all other values in the range."
+        return
+    exact = any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high))
+    bounds = "; each end lies within the enclosure in --json" if exact else ""
+    if r.feasible:
+        yield proof(r.scene, (what, " for every value in this set and for no other in the range", bounds))
+    else:
+        yield proof(r.scene, ("no value in the range is ", what))
 
 
-def _limit(x: RealNumber | None, *, up: bool) -> Phrase:
+def _limit(free: Knob, x: RealNumber | None, way: Way) -> Phrase:
     if x is None:
-        return "infinity" if up else "minus infinity"
-    return _directed(x, 6, up=up)
+        return "infinity" if way is Way.UP else "minus infinity"
+    return value_of(free, x, way)
 
 
 _MOST_PARAMETERS = 8  # for more, ``haptisym require`` has the time
@@ -258,13 +222,12 @@ def design(e: Evaluation) -> Iterator[Block]:
     found = requirements(e)
     if not found:
         return
-    yield Paragraph((
-        "All values of one parameter for which neither ratio exceeds its threshold anywhere on the band, the others ",
-        "being as they are in the scene: proven, from a millionth to a million times each value.",
-    ))  # fmt: skip
+    yield Paragraph(
+        "All values of one parameter for which neither ratio exceeds its threshold on the band, the others as in the scene."
+    )
     if e.scene.untied():
         yield Paragraph(e.scene.untied_note())
-    columns = tuple(map(Column, ("parameter", "in the scene", "transparent for", "what binds")))
+    columns = tuple(map(Column, ("parameter", "in the scene", "transparent for", "limited by")))
     how = "proven" if e.scene.level is None else "of the fitted model"
     yield Table(
         columns, tuple(map(_row, found)), f"Values for which the display is transparent on its whole band, {how}."
@@ -280,11 +243,10 @@ def requirements(e: Evaluation) -> list[Requirement]:
 
 def _row(r: Requirement) -> tuple[Phrase, ...]:
     value = r.free.value if r.free.value.free_symbols else in_digits(r.free.value)  # a limit may be a formula in omega
-    return layout(r.free.symbol), (layout(value), _unit(r.free)), sets(r), _binding(r)
-
-
-def _unit(free: Knob) -> str:
-    return "" if free.unit == "1" else f" {free.unit.replace('*', '·')}"
+    shown: Phrase = (
+        layout(value) if r.free.value.free_symbols else value_of(r.free, ExactNumber(r.free.value), Way.NEAREST)
+    )
+    return layout(r.free.symbol), shown, sets(r), _binding(r)
 
 
 def _binding(r: Requirement) -> Phrase:

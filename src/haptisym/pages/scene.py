@@ -43,7 +43,7 @@ _AS_THEY_ARE: Mapping[Symbol, Symbol] = MappingProxyType({})
 
 def page(scene: Scene) -> Document:
     """A scene as a notebook shows it."""
-    return page_about(scene, scene_blocks(scene))
+    return page_about(scene, (), scene_blocks(scene), ())
 
 
 def scene_blocks(scene: Scene, short_names: Mapping[Symbol, Symbol] = _AS_THEY_ARE) -> Iterator[Block]:

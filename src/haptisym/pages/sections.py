@@ -1,13 +1,4 @@
-"""A derivation as a person reads it: sections of equations with a word between them.
-
-Sections of equations as they are put together; solutions of one as formulas, when these hold, or that there is none.
-
-When a region is left, as formulas: the functions of omega that must not all be positive.
-
-A derivation as a person reads it: sections of equations with a word between them, the same for text, LaTeX and MathML.
-
-The page of a derivation, and its document of JSON.
-"""
+"""A derivation: sections of equations with a sentence between them, for text, LaTeX and MathML; its page and document."""
 
 from __future__ import annotations
 
@@ -85,7 +76,7 @@ def answers(left: Box, solutions: Iterable[Solution]) -> tuple[list[Line], list[
     for x in solutions:
         if x.omega is None:
             what = "a solution is a root of a factor ", *_degree(x.equation)
-            notes.append((*what, ": it has no readable formula, the equation is the answer."))
+            notes.append((*what, ": no readable formula; the equation is the result."))
             continue
         rows.append(Line(left, x.omega))
         notes += _in_force(x)
@@ -99,9 +90,9 @@ def _in_force(x: Solution) -> list[Phrase]:
     if not x.conditions:
         return []
     if max(map(count_ops, x.conditions)) > 4:
-        return [("a formula is in force where nothing under its roots is negative.",)]
+        return [("a formula holds where nothing under its roots is negative.",)]
     bounds = (Equation((layout(y), layout(Integer(0))), ("≥",)) for y in x.conditions)
-    return [("in force where ", listed((x,) for x in bounds), ".")]
+    return [("holds where ", listed((x,) for x in bounds), ".")]
 
 
 def _degree(equation: Expr) -> tuple[Phrase, ...]:
@@ -158,9 +149,9 @@ def when_of_region(d: Derivation) -> Section:
         out.lines += solved
         out.notes += told
     if not is_short:
-        out.notes.append("Closed forms of this chain are long: which functions of ω decide it is not written out.")
+        out.notes.append("Closed forms of this chain are long and not expanded here.")
     if long:
-        out.notes.append(("Too long to be written out unasked: ", listed(long), ". Fewer symbols make them shorter."))
+        out.notes.append(("Too long to be expanded here: ", listed(long), "; fewer symbols make them shorter."))
     out.notes.append("Its crossings, as numbers: `haptisym evaluate`.")
     return out.section("When it is noticed")
 
@@ -322,7 +313,7 @@ def _named(name: str, value: Expr, relation: str = "=") -> Line:
 
 def _dynamics(d: Derivation) -> Section:
     chain = " then ".join(e.name for e in d.scene.effects)
-    note = f"From the environment to the hand: {chain}." if chain else "Nothing stands between environment and hand."
+    note = f"From the environment to the hand: {chain}." if chain else "No effects between environment and hand."
     rows = [_named("H_env", d["H_env"])]
     perceived = d["H_perc"] if d.steps.operations <= MOST_STEPS else None
     if perceived is not None and count_ops(perceived) <= LONGEST:
@@ -331,7 +322,7 @@ def _dynamics(d: Derivation) -> Section:
 
 
 def _in_steps(d: Derivation) -> Section:
-    return _section(f"In steps ({d.steps.operations} operations in all)", _steps(d.steps))
+    return _section(f"Intermediate steps ({d.steps.operations} operations)", _steps(d.steps))
 
 
 def _steps(steps: Steps) -> Iterator[Line]:
@@ -345,11 +336,11 @@ def _steps(steps: Steps) -> Iterator[Line]:
 def _written_out(d: Derivation) -> Section:
     """Re dH and Im dH as quotients of polynomials in lowest terms, if they are short."""
     if d.steps.operations > MOST_STEPS:
-        note = f"Closed forms of this chain are long. Ask for one by its name: {', '.join(QUANTITIES)}."
-        return _section("Written out", notes=[note])
+        note = f"Closed forms of this chain are long. --of prints one of: {', '.join(QUANTITIES)}."
+        return _section("Expanded", notes=[note])
     names = ("Re dH", "Im dH", "|H_env|^2")
     short = [name for name in names if d.operations(name) <= LONGEST]
-    return _section("Written out, in lowest terms", (_named(name, d[name]) for name in short))
+    return _section("Expanded, common factors cancelled", (_named(name, d[name]) for name in short))
 
 
 def _when(d: Derivation) -> Section:
@@ -361,13 +352,13 @@ def _when(d: Derivation) -> Section:
         letter = _RATIOS[part][-1]
         terms = len(d.excess(part).function.numerator)
         if terms > MOST_TERMS:
-            found.notes.append((named(f"p_{letter}"), f" has {terms} terms; ask for it by its name."))
+            found.notes.append((named(f"p_{letter}"), f" has {terms} terms; --of prints it."))
             continue
         polynomial = d[f"p_{letter}"]
         if count_ops(polynomial) <= LONGEST:
             found.lines.append(_named(f"p_{letter}", polynomial))
         else:
-            long = f" takes {count_ops(polynomial)} operations; ask for it by its name."
+            long = f" takes {count_ops(polynomial)} operations; --of prints it."
             found.notes.append((named(f"p_{letter}"), long))
         found.solve(quantity(f"omega_{letter}"), d.crossings(part), named(_RATIOS[part]))
     return found.section(title)
@@ -387,11 +378,11 @@ def _changeovers(d: Derivation) -> Section:
     found = Written()
     for system in ("env", "perc") if d.steps.operations <= MOST_STEPS else ("env",):
         found.solve(quantity(f"omega_{system}"), d.changeovers(system), named(f"H_{system}"))
-    return found.section("Where spring and inertia change over")
+    return found.section("Changeover frequencies")
 
 
 def _dimensionless(d: Derivation) -> Iterator[Section]:
-    title = "Without dimensions"
+    title = "Dimensionless"
     if len(d.scene.parameters) > _MOST_PARAMETERS:
         return
     try:
@@ -439,9 +430,9 @@ def _fast(d: Derivation) -> Iterator[Section]:
     low, high = (layout(x) for x in d.scene.band)
     errors = [(f"{x.enclosure(1)[1]} in ", named(_RATIOS[part])) for part, x in found.bounds.items() if x is not None]
     on = " on ", low, " to ", high, " rad/s with the scene's numbers: proven."
-    said: Phrase = ("What is left out makes at most ", listed(errors), *on)
+    said: Phrase = ("The terms left out change at most ", listed(errors), *on)
     fast = listed((named(x.name), f" {_direction(d, x)}") for x in found.fast)
-    yield _section(("Fast devices: ", fast), rows, [said] if errors else ())
+    yield _section(("High-bandwidth approximation: ", fast), rows, [said] if errors else ())
 
 
 def _slow(d: Derivation) -> Iterator[Section]:
@@ -455,8 +446,8 @@ def _slow(d: Derivation) -> Iterator[Section]:
     rows = [
         Line(named(name), x) for name, x in zip(("k_0", "b_0", "m_0"), found, strict=True) if count_ops(x) <= LONGEST
     ]
-    said = ("What a slow hand feels, stiffness, damping and mass of ", named("H_perc"), " at rest:")
-    yield _section("Slow motion", rows, [said])
+    said = ("Stiffness, damping and mass at low frequency, of ", named("H_perc"), ":")
+    yield _section("Low frequency", rows, [said])
 
 
 def _direction(d: Derivation, fast: Symbol) -> str:
@@ -464,11 +455,14 @@ def _direction(d: Derivation, fast: Symbol) -> str:
     return "small" if dimension is Dimension.TIME else "large"
 
 
+_HOW_SURE = "Proven: all equations, by exact algebra; haptisym.verify compares them with independent evaluations."
+
+
 def page(d: Derivation) -> Document:
     """The parameters, and the sections."""
     rows = tuple((named(p.symbol.name), _meaning(p, d.scene.motion), _state(d, p)) for p in d.scene.parameters)
-    table = Table((Column("symbol"), Column("what it is"), Column("value")), rows, "The parameters, in SI units.")
-    return page_about(d.scene, ((table,) if rows else ()) + sections(d), "Derivation", _asides(d))
+    table = Table((Column("symbol"), Column("quantity"), Column("value")), rows, "The parameters, in SI units.")
+    return page_about(d.scene, (), ((table,) if rows else ()) + sections(d), (_HOW_SURE,), "Derivation", _asides(d))
 
 
 def latex(d: Derivation) -> str:

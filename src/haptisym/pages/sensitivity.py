@@ -6,37 +6,59 @@ from collections.abc import Iterator
 
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import OMEGA, both, certainty, noted, page_about
+from haptisym.pages.words import OMEGA, both, near, noted, page_about, proof, undecided
 from haptisym.verbs.sensitivity.entry import Sensitive, Sensitivities, Sensitivity
 from haptisym.writing.document import (
     Block,
-    Code,
     Column,
     Document,
     Figure,
-    Number,
     Paragraph,
     Phrase,
     Section,
-    Strong,
     Table,
     listed,
 )
 from haptisym.writing.layout import named
 
-_DIGITS = 5
+_FEW = 3
 
 
 def page(found: Sensitivities) -> Document:
     """The whole page."""
-    frequencies = [*_crossings(found), *_changeovers(found)]
-    blocks = [*frequencies, Paragraph(_bandwidth(found)), Paragraph(_certain(found))]
-    return page_about(found.scene, blocks, "Sensitivity to each parameter", found.asides())
+    blocks = [*_crossings(found), *_changeovers(found)]
+    further = ('haptisym derive SCENE --of "d omega_r/d NAME"',) if found.scene.threshold.is_plain else ()
+    kind = "Sensitivity to each parameter"
+    return page_about(found.scene, _answer(found), blocks, _proven(found), kind, found.asides(), further)
+
+
+def _answer(found: Sensitivities) -> Iterator[tuple[Phrase, Phrase]]:
+    """The bandwidth, and what moves it most."""
+    x = found.bandwidth
+    if x is None:
+        yield "Bandwidth", "none: noticed from the low end of the band on"
+    elif x.reason:
+        yield "Bandwidth", (both(x.omega), f"; its derivative is {x.reason}")
+    elif x.criterion is None:
+        yield "Bandwidth", (both(x.omega), ", the whole band: small changes of parameters leave it as it is")
+    else:
+        yield "Bandwidth", (both(x.omega), ", limited by ", named(x.criterion.symbol))
+    crossing = x and next(
+        (y for y in found.crossings if y.omega is x.omega or (x.criterion and y.criterion == x.criterion)), None
+    )
+    most = [p for p in crossing.ranked if p.elasticity is not None][:_FEW] if crossing else []
+    if most:
+        yield (
+            "Moved most by",
+            listed(
+                (named(p.name), " (", _signed(p.elasticity), "\xa0% per %)") for p in most if p.elasticity is not None
+            ),
+        )
 
 
 def _crossings(found: Sensitivities) -> Iterator[Block]:
     if not found.crossings:
-        yield Paragraph("No ratio meets its threshold on the band: there is no crossing to move.")
+        yield Paragraph("No ratio crosses its threshold on the band.")
     yield from (_moved(("Crossing of ", named(x.criterion.symbol)), x) for x in found.crossings if x.criterion)
 
 
@@ -45,20 +67,8 @@ def _changeovers(found: Sensitivities) -> Iterator[Block]:
     moved = [_moved(("Changeover of ", named(name)), x) for name, listed in systems for x in listed]
     yield from moved
     if found.crossings or moved:
-        words = "Elasticities: per cent by which each frequency moves when a parameter grows by 1 per cent."
+        words = "Elasticities: per cent by which each frequency moves as a parameter increases by 1 per cent."
         yield Figure("elasticities", words, found.figure)
-
-
-def _bandwidth(found: Sensitivities) -> Phrase:
-    x = found.bandwidth
-    if x is None:
-        return "No transparent band starts at the low end of the band: there is no bandwidth to move."
-    width = "Bandwidth: ", both(x.omega)
-    if x.criterion is not None:
-        return width, ", the first crossing of ", named(x.criterion.symbol), "; it moves as that one does."
-    if x.reason:
-        return width, f"; its derivative is {x.reason}."
-    return width, ", the whole band, which small changes of parameters leave as it is."
 
 
 def _moved(what: Phrase, x: Sensitive) -> Section:
@@ -66,14 +76,14 @@ def _moved(what: Phrase, x: Sensitive) -> Section:
     if x.reason:
         return Section(heading, (Paragraph(f"{x.reason[0].upper()}{x.reason[1:]}."),))
     columns = (
-        Column("parameter"), Column("where"), Column("elasticity", number=True),
+        Column("parameter"), Column("path"), Column("elasticity", number=True),
         Column(("d", OMEGA, "/d", named("p")), number=True), Column("rad/s per"),
     )  # fmt: skip
     caption = "How it moves with each parameter, the one that moves it most first."
-    alike = {
+    reasons = {
         p.reason: [q.name for q in x.ranked if q.reason == p.reason] for p in x.ranked if p.derivative and p.reason
     }
-    told = tuple((listed(map(named, names)), f": {reason}.") for reason, names in alike.items())
+    told = tuple((listed(map(named, names)), f": {reason}.") for reason, names in reasons.items())
     return Section(heading, (Table(columns, tuple(map(_row, x.ranked)), caption), *noted(told)))
 
 
@@ -85,17 +95,14 @@ def _row(p: Sensitivity) -> tuple[Phrase, ...]:
     return name, p.path, _signed(p.elasticity), derivative, unit or "unit"
 
 
-def _signed(x: RealNumber) -> Number:
-    digits = x.digits(_DIGITS)
-    return Number(digits if digits.startswith("-") or digits == "0" else f"+{digits}", float(x))
+def _signed(x: RealNumber) -> Phrase:
+    return "+" if float(x) > 0 else "", near(x)
 
 
-def _certain(found: Sensitivities) -> Phrase:
-    if not found.certified:
-        return Strong("UNDECIDED"), " at the precision limit where it says so. Everything else is proven."
-    formulas = " Their formulas: ", Code('haptisym derive SCENE --of "d omega_r/d NAME"'), "."
-    proven = "Certain: derivatives by implicit differentiation of the threshold equation, every digit proven."
-    return (
-        "Elasticity: per cent of frequency per per cent of the parameter. ", certainty(found.scene, proven),
-        formulas if found.scene.threshold.is_plain else (),
-    )  # fmt: skip
+def _proven(found: Sensitivities) -> Iterator[Phrase]:
+    yield "Elasticity: per cent of the frequency per per cent of the parameter."
+    if found.certified:
+        yield proof(found.scene, "derivatives by implicit differentiation of the threshold equation, all digits")
+    else:
+        yield undecided("what is marked so, at the precision limit")
+        yield "Proven: all else."

@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import pi
 
 from haptisym.model.quantities import Dimension
 from haptisym.pages.late import drawing
-from haptisym.pages.words import H_PERC, noted, page_about, rounded, stiffness_unit, unit
+from haptisym.pages.words import H_PERC, at_most, cell, near, noted, page_about, stiffness_unit, unit
 from haptisym.verbs.simulate.entry import Estimate, Simulation, Simulations
-from haptisym.writing.document import Block, Column, Document, Facts, Paragraph, Phrase, Section, Strong, Table, listed
+from haptisym.writing.document import (
+    FREQUENCY,
+    FREQUENCY_UNIT,
+    Block,
+    Column,
+    Document,
+    Facts,
+    Phrase,
+    Section,
+    Strong,
+    Table,
+    listed,
+)
 
-_AGREES: dict[bool | None, Phrase] = {True: "yes", False: Strong("NO"), None: "-"}
+_AGREES: dict[bool | None, Phrase] = {True: "yes", False: Strong("no"), None: "-"}
 _CAPTIONS = {
     "simulated-time": "Motion and force at the hand in time.",
     "simulated-loop": "Force over displacement, as felt and of the environment alone.",
@@ -28,8 +39,12 @@ def page(found: Simulation | Simulations) -> Document:
         for name, caption in _CAPTIONS.items()
         if name.startswith("simulated") or any(run.estimates for run in runs)
     )
-    blocks = Facts(tuple(_simulated(runs))), *_table(runs), *drawn, *noted(runs[0].notes), Paragraph(_verdict(runs))
-    return page_about(found.scene, blocks, "Simulation in time", found.asides())
+    blocks = *_table(runs), Facts(tuple(_simulated(runs))), *drawn, *noted(runs[0].notes)
+    answer = (("Closed form", _verdict(runs)),)
+    return page_about(found.scene, answer, blocks, (_HOW_SURE,), "Simulation in time", found.asides())
+
+
+_HOW_SURE = "Computed: a simulation in floating point; its error is estimated from runs of different accuracy."
 
 
 def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
@@ -38,37 +53,40 @@ def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
     kind = first.motion.name + (f", {len(runs)} runs" if len(runs) > 1 else "")
     most = max(float(abs(run.force).max()) for run in runs)
     yield "simulated", ", ".join(first.built)
-    yield "motion", f"{kind}, up to {first.motion.amplitude:.4g} {length}"
-    yield "time", f"0 to {max(float(run.time[-1]) for run in runs):.4g} s"
-    yield "force", f"up to {most:.4g} {force} at the hand"
+    yield "motion", (f"{kind}, up to ", near(first.motion.amplitude), f" {length}")
+    yield "time", ("0 to ", near(max(float(run.time[-1]) for run in runs)), " s")
+    yield "force", ("up to ", near(most), f" {force} at the hand")
 
 
 def _table(runs: Sequence[Simulation]) -> Iterator[Block]:
     rows = tuple(_row(x) for run in runs for x in run.estimates)
     if rows:
-        numbers = "rad/s", "Hz", "Re simulated", "Im simulated", "from closed", "error up to"
-        columns = *(Column(x, number=True) for x in numbers), Column("agrees")
+        numbers = "Re simulated", "Im simulated", "difference", "error"
+        columns = (
+            Column(FREQUENCY, number=True, hertz=True),
+            *(Column(x, number=True) for x in numbers),
+            Column("agrees"),
+        )
         heading = H_PERC, f" recovered from the force, {stiffness_unit(runs[0].scene)}"
         caption = (*heading, "; its distance from the closed form, and the error of the simulation, estimated.")
         yield Section(heading, (Table(columns, rows, caption),))
 
 
 def _row(x: Estimate) -> tuple[Phrase, ...]:
-    frequency = rounded(x.omega, 4), rounded(x.omega / (2 * pi), 4)
-    found = rounded(x.simulated.real, 9), rounded(x.simulated.imag, 9)
-    return *frequency, *found, rounded(x.difference, 2), rounded(x.error, 2), _AGREES[x.agrees]
+    found = near(x.simulated.real), near(x.simulated.imag)
+    return cell(x.omega), *found, near(x.difference, most=2), near(x.error, most=2), _AGREES[x.agrees]
 
 
 def _verdict(runs: Sequence[Simulation]) -> Phrase:
     rows = [x for run in runs for x in run.estimates]
     if not rows:
-        return "No ratio is recovered from this motion or from so short a run."
+        return "not compared: no ratio is recovered from this motion, or from so short a run"
     reasons = dict.fromkeys(x.approximate for x in rows if x.approximate)
     if reasons:
         sizes = [x.difference / abs(x.closed) for x in rows if x.approximate and x.closed]
-        worst = f"; it differs by up to {100 * max(sizes):.2g}\xa0%" if sizes else ""
-        return f"The closed form is not exact here: {'; '.join(reasons)}{worst}."
-    wrong = [f"{x.omega:.4g}" for x in rows if not x.agrees]
+        worst: Phrase = ("; it differs by up to ", at_most(100 * max(sizes)), "\xa0%") if sizes else ""
+        return f"not exact here: {'; '.join(reasons)}", worst
+    wrong = [cell(x.omega) for x in rows if not x.agrees]
     if wrong:
-        return "Simulation and closed form ", Strong("DISAGREE"), " at ", listed(wrong), " rad/s."
-    return "Simulation and closed form agree within the estimated error of the simulation at every frequency."
+        return Strong("disagrees"), " with the simulation at ", listed(wrong), "\xa0", FREQUENCY_UNIT
+    return "agrees with the simulation at every frequency, within its estimated error"

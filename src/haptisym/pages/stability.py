@@ -1,55 +1,50 @@
-"""The page of stability, and what an evaluation says of it.
-
-What the page of stability says of a display with a clock.
-
-The page of stability: imposed, held, every passive hand, a section each.
-"""
+"""The page of stability: each hand, any passive operator, and prescribed motion, which are three statements; the limits."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-from sympy import Rational
-
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity
-from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.reals import ExactNumber, Printable, Way, in_unit
 from haptisym.kernel.rootcount import RootChain
 from haptisym.model.catalogue import Hand, hands
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import Dimension, unit_text
-from haptisym.model.scene import clocks
-from haptisym.pages.held import not_looked_at
-from haptisym.pages.late import proof
+from haptisym.model.quantities import Dimension
+from haptisym.model.scene import Knob, clocks
+from haptisym.pages.evaluation import not_looked_at
+from haptisym.pages.late import proof as certificate
 from haptisym.pages.words import (
     H_PERC,
     OMEGA,
     OPERATORS,
+    at_least,
+    at_most,
     both,
-    certainty,
+    cell,
     compared,
-    exactly,
+    near,
     noted,
     page_about,
-    rounded,
-    short,
+    proof,
     span,
+    undecided,
     unit,
+    value_of,
 )
 from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.entry import Stability, has_plane
-from haptisym.verbs.stability.held import Box, EveryPassiveHand, Held, Share
+from haptisym.verbs.stability.held import Box, Held, Share
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import (
+    FREQUENCY_UNIT,
     Block,
-    Code,
     Column,
     Document,
     Figure,
-    Notes,
-    Paragraph,
     Phrase,
+    Real,
     Section,
     Strong,
     Table,
@@ -57,190 +52,129 @@ from haptisym.writing.document import (
 )
 from haptisym.writing.layout import named
 
-_CONDITION = "Colgate and Schenkel's condition"
-
-
-def looked_at(rows: Sequence[Nearest]) -> list[Phrase]:
-    """As far as numbers of a loop with a clock were looked at, where no value was found on a side, and that has an end."""
-    told: list[Phrase] = []
-    for x in rows:
-        low, high = (None if end is None else short(ExactNumber(_rational(end))) for end in _left(x))
-        ends = (*((" from ", low) if low else ()), *((" to " if low else " up to ", high) if high else ()))
-        if ends:
-            told.append((x.path, *ends, "" if high else " on"))
-    return [("Looked at: ", listed(told), "; what lies beyond was not.")] if told else []
-
-
-def _left(x: Nearest) -> tuple[Fraction | None, Fraction | None]:
-    """The ends of what was looked at that are not beside a value that was found."""
-    low, high = (None, None) if len(x.found) == 2 else (x.low, x.high)
-    for value in (Fraction(float(y.value)) for y in x.found):
-        if x.high is None or (x.low is not None and abs(value - x.low) < abs(value - x.high)):
-            low = None
-        else:
-            high = None
-    return low, high
-
-
-def _rational(x: Fraction) -> Rational:
-    return Rational(x.numerator, x.denominator)
-
-
-def sampled_condition(found: EveryPassiveHand, damping: str, stiffness: str) -> Iterator[Block]:
-    """Whether every passive hand holds a sampled loop, and what the device needs for it; the units of damping and stiffness."""
-    x = found.sampled
-    assert x is not None
-    if found.holds is None:
-        yield Paragraph((Strong("UNDECIDED"), f": {_CONDITION} does not apply, as {x.reason}."))
-    elif found.holds is False and x.passive is not False:
-        words = ": there is a passive hand in which a motion grows, as the display gives energy to imposed motion."
-        yield Paragraph((Strong("Does NOT hold"), words))
-    elif x.passive:
-        yield Paragraph((f"Holds: {_CONDITION} is met on all of 0 < ", named("theta"), " = ", *_ANGLE, " ≤ π."))
-    elif x.pushes:
-        words = ": a passive hand that is softer is pushed away, as the display's stiffness at rest is negative."
-        yield Paragraph((Strong("Does NOT hold"), words))
-    else:
-        words = f": {_CONDITION} is not met, so that there is a passive hand in which a motion grows."
-        yield Paragraph((Strong("Does NOT hold"), words))
-    if x.pushes:
-        value = short(ExactNumber(x.at_rest)), f" {stiffness}"
-        yield Notes((("Whatever a hand damps: the display's stiffness at rest is ", *value, "."),))
-    elif x.sides is not None:
-        yield Notes(tuple(_notes(x, damping)))
-
-
-_ANGLE: tuple[Phrase, ...] = (named("omega"), " ", named("T"))
-
-
-def _notes(x: SampledPassivity, unit: str) -> Iterator[Phrase]:
-    best = x.needed
-    if best is None:
-        yield "No damping of the device is enough: what the controller asks for grows without bound."
-        return
-    assert best.omega is not None
-    place = ("at ", named("theta"), " = ", short(best.omega))
-    has = " it has ", short(ExactNumber(x.damping)), f" {unit}"
-    if x.asks_nothing:
-        yield "The device's damping must not be negative;", has, "."
-    else:
-        needs = short(best.value), f" {unit};", *has
-        yield "The device's damping must exceed ", needs, " (the largest right-hand side is ", place, ")."
-    if x.passive is False and x.hand_needed is not None:
-        lacking = short(x.hand_needed), f" {unit}"
-        yield "In a hand that damps more than ", *lacking, " no motion grows, whatever its mass and stiffness."
-
-
 _IM = Prefixed(OPERATORS[Part.IMAG], H_PERC)
 _REAL = Prefixed(OPERATORS[Part.REAL], named("s"))
 _LEFT, _RIGHT = compared(_REAL, "<"), compared(_REAL, "≥")
-_PLANE = "Hands of one mass: where the display is stable in them, and the number of roots on the right where it is not."
-_WALLS = "Walls on the clock: where the display is stable with them, and the number of roots with |z|\xa0≥\xa01 where it is not."
-_MOST = 6  # active intervals that are told
+_PLANE = "Hands of one mass: where the display is stable in them, and the number of unstable poles where it is not."
+_WALLS = "Sampled walls: where the display is stable with them, and the number of unstable poles (|z|\xa0≥\xa01) where it is not."
+_MOST = 6  # active intervals that are printed
+_FEW = 2  # limits that the answer has of a hand
 _CHAINS = {
-    RootChain.RIGHT: "infinitely many roots lie to the right of the imaginary axis: the highest power of s comes late too "
-    "(the system is neutral), or late alone (advanced)",
-    RootChain.NEAR: "infinitely many roots come as near to the imaginary axis as one likes: the system is neutral",
+    RootChain.RIGHT: "infinitely many poles lie to the right of the imaginary axis: the highest power of s is delayed (the "
+    "system is neutral, or advanced)",
+    RootChain.NEAR: "infinitely many poles come arbitrarily near to the imaginary axis: the system is neutral",
 }
 
 
 def page(found: Stability) -> Document:
     """The whole page."""
-    drawn = (
-        (Figure("plane", _WALLS if clocks(found.scene) else _PLANE, found.figure),) if has_plane(found.scene) else ()
-    )
+    is_sampled = bool(clocks(found.scene))
+    drawn = (Figure("plane", _WALLS if is_sampled else _PLANE, found.figure),) if has_plane(found.scene) else ()
     blocks = (
-        Section("Imposed: the force under imposed motion", (Paragraph(_imposed(found)),)),
-        Section("Held: the display in a hand", (*_held(found), *drawn)),
-        Section("Every passive hand", tuple(_every(found.every_passive_hand, *_units(found)[1:]))),
-        Paragraph(_certain(found)),
-        proof(found, found.scene),
-    )
-    return page_about(found.scene, blocks, "Stability", found.asides())
+        *_hands(found), *_limits(found), *drawn,
+        *noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))), certificate(found, found.scene),
+    )  # fmt: skip
+    return page_about(found.scene, _answer(found), blocks, _proven(found), "Stability", found.asides())
 
 
-def _imposed(found: Stability) -> Phrase:
-    x = found.imposed
-    if x.stable is None:
-        return Strong("UNDECIDED"), ": whether all poles of ", H_PERC, " lie in ", _LEFT, "."
-    if x.stable:
-        near = "; infinitely many come as near to the imaginary axis as one likes" if x.chain else ""
-        return "Stable: all poles of ", H_PERC, " lie in ", _LEFT, near, "."
-    count = "" if x.unstable is None else f" {x.unstable}"
-    if x.chain is RootChain.NEAR:
-        return Strong("NOT"), " stable: ", H_PERC, " has poles on the imaginary axis."
-    if x.chain:
-        return Strong("NOT"), " stable: of the poles of ", H_PERC, f", {_CHAINS[x.chain]}."
-    return Strong("NOT"), " stable: poles of ", H_PERC, " in ", _RIGHT, f":{count or ' at least one'}."
+# The answer.
 
 
-def _held(found: Stability) -> Iterator[Block]:
+def _answer(found: Stability) -> Iterator[tuple[Phrase, Phrase]]:
     if not found.held:
-        ask = "No hand was given: write ", Code("[hand]"), " in the scene, or ask with ", Code("--hand NAME"), "."
-        yield Paragraph((*ask, " The package ships ", listed(hands), "."))
+        yield "Hand", ("none given: --hand NAME; the package ships ", ", ".join(hands))
+    for x, rows in zip(found.held, found.critical, strict=True):
+        yield x.hand.name, (_verdict(x), _nearest_limits(found, x, rows))
+    yield "Any operator", _any_operator(found)
+
+
+def _verdict(x: Held) -> Phrase:
+    if x.roots is None:
+        return Strong("undecided"), ": ", x.reason
+    if x.stable:
+        return Strong("stable"), ""
+    if x.shakes is False and x.drifts:
+        return "does not shake; drifts: nothing holds it in place"
+    if x.roots.chain is not None:
+        return Strong("unstable"), ": ", _CHAINS[x.roots.chain]
+    on_axis = x.on_axis[bool(x.drifts) :]
+    if on_axis and len(on_axis) * 2 >= (x.unstable or 0):
+        return Strong("unstable"), " (poles on the imaginary axis at ", listed(map(both, on_axis)), ")"
+    return Strong("unstable"), f" ({x.unstable} unstable pole{'' if x.unstable == 1 else 's'})"
+
+
+def _nearest_limits(found: Stability, x: Held, rows: Sequence[Nearest]) -> Phrase:
+    """Of a stable display how far the nearest parameters may go; of an unstable one what makes it stable."""
+    told: list[tuple[float, Phrase]] = []
+    for critical in (y for row in rows for y in row.found if y.stable_side):
+        knob, is_above = found.scene.knobs[critical.path], critical.stable_side == "above"
+        now, value = float(knob.value), float(critical.value)
+        if (value < now) != is_above if x.stable else (value > now) != is_above:
+            continue
+        reach = abs(value - now) / (abs(now) or 1)
+        limit = value_of(knob, critical.value, Way.UP if is_above else Way.DOWN)
+        if x.stable:
+            told.append((reach, ("down to " if is_above else "up to ", _name(knob), " = ", limit)))
+        else:
+            now_ = value_of(knob, ExactNumber(knob.value), Way.NEAREST)
+            told.append((reach, (_name(knob), " > " if is_above else " < ", limit, " (is ", now_, ")")))
+    few = [words for _, words in sorted(told, key=lambda y: y[0])[:_FEW]]
+    return (": " if x.stable else ": needs ", listed(few, "and" if x.stable else "or")) if few else ""
+
+
+def _name(knob: Knob) -> Phrase:
+    """A parameter by its symbol; a hand's by its path."""
+    return f"hand.{knob.key}" if knob.is_of_hand else named(knob.symbol.name)
+
+
+def _any_operator(found: Stability) -> Phrase:
+    x = found.every_passive_hand
+    if x.holds:
+        return Strong("passive"), ": stable in the hand of any passive operator"
+    if x.holds is None:
+        p = x.passivity
+        why: Phrase = x.reason if p is None or x.sampled is not None else _why_open(p)
+        return Strong("undecided"), " whether it is passive", (": ", why) if why else ""
+    return Strong("not passive"), _needs(x.sampled, unit(Dimension.DAMPING, found.scene.motion)) if x.sampled else ""
+
+
+def _needs(x: SampledPassivity, damping: str) -> Phrase:
+    """What Colgate and Schenkel's condition asks of the device's damping."""
+    if x.sides is None:
+        return ""
+    has = " (is ", near(ExactNumber(x.damping)), ")"
+    if x.needed is None:
+        return ": no damping of the device is enough"
+    if x.asks_nothing:
+        return ": needs device damping ≥ 0", *has
+    return (": needs device damping > ", at_most(x.needed.value), f" {damping}", *has) if x.passive is False else ""
+
+
+def _why_open(p: Passivity) -> Phrase:
+    if p.beyond is Beyond.NEVER:
+        return _IM, " ≥ 0 at all frequencies, but where poles lie is undecided"
+    return "above ", both(ExactNumber(p.high)), " the sign of ", _IM, f" is {p.beyond.value}"
+
+
+# Each hand, and the limits.
+
+
+def _hands(found: Stability) -> Iterator[Block]:
+    if not found.held:
         return
-    keys = (Column((named(key), f" ({unit})"), number=True) for key, unit in zip("mbk", _units(found), strict=True))
-    where = ("roots in ", _RIGHT) if found.sampled is None else "roots with |z|\xa0≥\xa01"
+    keys = (Column((named(key), f" ({unit_})"), number=True) for key, unit_ in zip("mbk", _units(found), strict=True))
+    where = "unstable poles (|z|\xa0≥\xa01)" if found.sampled is not None else ("unstable poles (", _RIGHT, ")")
     columns = (Column("hand"), *keys, Column("stable"), Column(where, number=True))
-    yield Table(columns, tuple(map(_row, found.held)), "The display in each hand.")
-    notes: list[Phrase] = [
-        (x.hand.name, ": ", _reason(x), _none_grows(found, x), ".") for x in found.held if _reason(x)
-    ]
-    notes += [_box(x.hand, box) for x, box in zip(found.held, found.boxes, strict=True) if box]
-    yield from noted(notes)
-    yield from (_going(found, x, rows) for x, rows in zip(found.held, found.critical, strict=True) if rows)
+    notes = [_box(x.hand, box) for x, box in zip(found.held, found.boxes, strict=True) if box]
+    notes += [f"{x.hand.name}: no motion grows, as all parts are passive." for x in found.held if _only_near(found, x)]
+    table = Table(columns, tuple(map(_row, found.held)), "The display in each hand.")
+    yield Section("Does it shake?", (table, *noted(notes)))
 
 
-def _none_grows(found: Stability, x: Held) -> str:
-    """Of a chain of roots that comes to the axis: whether it is known to stay on its left."""
-    p, near = found.every_passive_hand.passivity, x.roots is not None and x.roots.chain is RootChain.NEAR
-    return "; none of them grows, as all parts only take energy" if near and p and p.has_passive_parts else ""
-
-
-def _box(hand: Hand, box: Box) -> Phrase:
-    """In which hands of a box it is stable."""
-    ranges = listed(
-        (named(p.key), f" from {float(p.interval[0]):.6g} to {float(p.interval[1]):.6g}")
-        for p in hand.parameters
-        if p.interval
-    )
-    if box.share is None:
-        return Strong("UNDECIDED"), f": {hand.name} with ", ranges, f": {box.reason}."
-    verdict: dict[Share, Phrase] = {
-        Share.ALL: "stable in all of these hands",
-        Share.SOME: (Strong("NOT"), " stable in all of these hands, but in some"),
-        Share.NONE: (Strong("NOT"), " stable in any of these hands"),
-    }
-    return f"{hand.name} with ", ranges, ": ", verdict[box.share], "."
-
-
-def _going(found: Stability, x: Held, rows: tuple[Nearest, ...]) -> Section:
-    """How far each number may go."""
-    heads = ("number", False), ("critical at", True), ("in", False), ("stable", False), ((OMEGA, " (rad/s)"), True)
-    columns = tuple(Column(words, number=is_number) for words, is_number in heads)
-    lines = tuple(_critical(found, one) for near in rows for one in near.found)
-    caption = (
-        "The nearest values, either way, at which the number of roots that shake changes, and where it then oscillates."
-    )
-    blocks: list[Block] = [Table(columns, lines, caption)] if lines else []
-    never = [x.path for x in rows if not x.found and not x.reason and x.low is x.high is None]
-    notes: list[Phrase] = (
-        [(listed(never), ": the number of roots that shake is the same for all values.")] if never else []
-    )
-    notes += [(Strong("UNDECIDED"), f": {near.path}: {near.reason}.") for near in rows if near.reason]
-    notes += looked_at(rows)
-    if lines and notes:
-        blocks.append(Notes(tuple(notes)))
-    else:
-        blocks += map(Paragraph, notes)
-    return Section(f"How far a number may go in the hand {x.hand.name}", tuple(blocks))
-
-
-def _critical(found: Stability, x: Critical) -> tuple[Phrase, ...]:
-    unit = unit_text(found.scene.knobs[x.path].unit)
-    place: Phrase = "from infinity" if x.omega is None else short(x.omega)
-    side = x.stable_side or (f"not {x.chain_side}" if x.is_crowded else "on neither side")
-    return x.path, exactly(x.value, 8), "" if unit == "1" else unit, side, place
+def _only_near(found: Stability, x: Held) -> bool:
+    """Whether a chain of poles that comes to the axis is known to stay on its left."""
+    p = found.every_passive_hand.passivity
+    return bool(x.roots is not None and x.roots.chain is RootChain.NEAR and p and p.has_passive_parts)
 
 
 def _units(found: Stability) -> list[str]:
@@ -251,95 +185,178 @@ def _units(found: Stability) -> list[str]:
 def _row(x: Held) -> tuple[Phrase, ...]:
     drifts = x.shakes is False and x.drifts
     verdict: Phrase = (
-        Strong("UNDECIDED") if x.stable is None else "yes" if x.stable else "drifts" if drifts else Strong("NO")
+        Strong("undecided") if x.stable is None else "yes" if x.stable else "drifts" if drifts else Strong("no")
     )
-    return x.hand.name, *(rounded(float(p.value), 6) for p in x.hand.parameters), verdict, _count(x)
+    return x.hand.name, *(near(ExactNumber(p.value)) for p in x.hand.parameters), verdict, _count(x)
 
 
 def _count(x: Held) -> str:
-    """How many roots lie in Re s >= 0, as far as that is known."""
+    """How many poles are unstable, where that is known."""
     if x.roots is None or x.roots.chain is RootChain.NEAR:  # of a chain that only comes near, none need lie there
-        return "" if x.roots is None else "a chain near it"
+        return "" if x.roots is None else "a chain near the axis"
     return "infinite" if x.unstable is None else str(x.unstable)
 
 
-def _reason(x: Held) -> Phrase:
-    if x.roots is None:
-        return "not decided: ", x.reason
-    if x.roots.chain:
-        return _CHAINS[x.roots.chain]
-    on_axis = x.on_axis[bool(x.drifts) :]
-    if x.shakes is False and x.drifts:
-        return "does not shake; drifts: nothing holds it in place"
-    if on_axis:
-        where = listed(map(short, on_axis))
-        return "on the imaginary axis, at ", where, " rad/s, lie roots that neither grow nor decay"
-    return ""
+def _box(hand: Hand, box: Box) -> Phrase:
+    """In which hands of given ranges it is stable."""
+    ranges = listed(
+        (named(p.key), " from ", near(ExactNumber(p.interval[0])), " to ", near(ExactNumber(p.interval[1])))
+        for p in hand.parameters
+        if p.interval
+    )
+    if box.share is None:
+        return undecided((f"{hand.name} with ", ranges, f": {box.reason}"))
+    verdict: dict[Share, Phrase] = {
+        Share.ALL: "stable in all of these hands",
+        Share.SOME: (Strong("not"), " stable in all of these hands, but in some"),
+        Share.NONE: (Strong("not"), " stable in any of these hands"),
+    }
+    return f"{hand.name} with ", ranges, ": ", verdict[box.share], "."
 
 
-def _every(x: EveryPassiveHand, damping: str, stiffness: str) -> Iterator[Block]:
-    p = x.passivity
-    if x.sampled is not None:
-        yield from sampled_condition(x, damping, stiffness)
-        if x.holds is False and p is not None and p.active:
-            yield Notes((_active(p),))
+def _limits(found: Stability) -> Iterator[Block]:
+    """The limits of each parameter, one varied at a time; those that change nothing in a line."""
+    pairs = [(x, row) for x, rows in zip(found.held, found.critical, strict=True) for row in rows]
+    shown = [(x, row, own) for x, row in pairs if (own := _stable_for(found, row))]
+    lines: list[tuple[Phrase, ...]] = []
+    last = ""
+    for x, row, (stable_for, places) in shown:
+        knob = found.scene.knobs[row.path]
+        now, shown_unit = _number(knob, ExactNumber(knob.value), Way.NEAREST), knob.shown_unit(knob.motion).text
+        name = _name(knob), f" ({shown_unit})" if shown_unit else ""
+        lines.append(("" if last == x.hand.name else x.hand.name, name, now, stable_for, places))
+        last = x.hand.name
+    heads = "hand", "parameter", "is", "stable for", ("pole at limit (", FREQUENCY_UNIT, ")")
+    columns = tuple(Column(x) for x in heads)
+    caption = "The nearest values, either way, at which stability changes, and the frequency of the pole there."
+    notes: list[Phrase] = []
+    for x in found.held:
+        none = [row for y, row in pairs if y is x and not row.reason and not _stable_for(found, row)]
+        kept = "stable" if x.stable or x.shakes is False else "unstable"
+        for rows, words in (
+            ([row for row in none if not row.found], f"{kept} for all values searched of "),
+            ([row for row in none if row.found], "unstable on both sides of the nearest change of "),
+        ):
+            names = listed(_name(found.scene.knobs[row.path]) for row in rows)
+            notes += [(f"{x.hand.name}: {words}", names, _searched(found, rows), ".")] if rows else []
+    notes += [undecided((f"{row.path}: {row.reason}",)) for _, row in pairs if row.reason]
+    blocks: list[Block] = [Table(columns, tuple(lines), caption)] if lines else []
+    if blocks or notes:
+        yield Section("Stability limits, one parameter varied at a time", (*blocks, *noted(notes)))
+
+
+def _searched(found: Stability, rows: Sequence[Nearest]) -> Phrase:
+    ends = [
+        (_name(knob), _range(knob, x.low, x.high))
+        for x in rows
+        if (knob := found.scene.knobs[x.path]) and x.high is not None
+    ]
+    return (" (", listed(ends), ")") if ends else ""
+
+
+def _range(knob: Knob, low: Fraction | None, high: Fraction | None) -> Phrase:
+    first: Phrase = (" from ", value_of(knob, low, Way.UP)) if low else ""
+    return (first, " up to ", value_of(knob, high, Way.DOWN)) if high is not None else (first, "")
+
+
+def _stable_for(found: Stability, row: Nearest) -> tuple[Phrase, Phrase] | None:
+    """The values next to the present one for which it is stable, and the frequencies of the poles at their ends."""
+    knob = found.scene.knobs[row.path]
+    sides = {side: y for y in row.found if (side := y.stable_side)}
+    low, high = sides.get("above"), sides.get("below")
+    if low is None and high is None:
+        return None
+    least = low and _number(knob, low.value, Way.UP)
+    most = high and _number(knob, high.value, Way.DOWN)
+    places = listed(_place(y) for y in (low, high) if y)
+    if low and high:
+        if float(low.value) < float(high.value):
+            return (least or "", " to ", most or ""), places
+        return ("< ", most or "", " or > ", least or ""), listed((_place(high), _place(low)))
+    return ("> ", least or "") if low else ("< ", most or ""), places
+
+
+def _number(knob: Knob, x: Printable, way: Way) -> Real:
+    """A value without the name of its unit, which the heading has."""
+    return Real(in_unit(x, knob.shown_unit(knob.motion).size), way)
+
+
+def _place(x: Critical) -> Phrase:
+    return "from infinity" if x.omega is None else cell(x.omega)
+
+
+# Prescribed motion, and passivity.
+
+
+def _prescribed(found: Stability) -> Phrase:
+    x = found.imposed
+    if x.stable is None:
+        return Strong("undecided"), ", whether all poles of ", H_PERC, " lie in ", _LEFT, "."
+    if x.stable:
+        return "stable", "; infinitely many poles come arbitrarily near to the imaginary axis." if x.chain else "."
+    if x.chain is RootChain.NEAR:
+        return Strong("unstable"), ": ", H_PERC, " has poles on the imaginary axis."
+    if x.chain:
+        return Strong("unstable"), ": of the poles of ", H_PERC, f", {_CHAINS[x.chain]}."
+    count = "at least one pole" if x.unstable is None else f"{x.unstable} pole{'' if x.unstable == 1 else 's'}"
+    return Strong("unstable"), f": {count} of ", H_PERC, " in ", _RIGHT, "."
+
+
+def _passivity(found: Stability) -> Iterator[Phrase]:
+    """Where the display is active, and what compensates it."""
+    x, damping = found.every_passive_hand, unit(Dimension.DAMPING, found.scene.motion)
+    p, sampled = x.passivity, x.sampled
+    if p is not None and p.active:
+        yield "Active (", _IM, " < 0) ", _bands(p), "."
+    if sampled is not None:
+        yield from _sampled(sampled, damping, unit(Dimension.STIFFNESS, found.scene.motion))
         return
-    if p is None or p.holds is None:
-        yield Paragraph((Strong("UNDECIDED"), (": ", x.reason) if p is None else _open(p), "."))
-    elif p.has_passive_parts:
-        yield Paragraph("Holds: all parts only take energy, the environment and each two-port between it and the hand.")
-    elif p.holds:
-        yield Paragraph(("Holds: ", _IM, " ≥ 0 on all of [0, ∞), and no pole of ", H_PERC, "/s forbids it."))
-    else:
-        yield Paragraph((Strong("Does NOT hold"), ": there is a passive hand in which a motion grows."))
-    if p is not None:
-        yield from noted(_notes_in_stability(p, damping))
-
-
-def _open(p: Passivity) -> Phrase:
-    if p.beyond is Beyond.NEVER:
-        return ": ", _IM, " ≥ 0 on all of [0, ∞), but where poles lie stayed open"
-    return ": beyond ", both(ExactNumber(p.high)), " the sign of ", _IM, f" is {p.beyond.value}"
-
-
-def _notes_in_stability(p: Passivity, unit: str) -> Iterator[Phrase]:
-    if p.active:
-        yield _active(p)
+    if p is None:
+        return
     if p.holds is False and p.poles_allow is False:
-        yield "Whatever a hand damps: a pole of ", H_PERC, "/s to the right, on the axis, at 0 or at ∞ forbids it."
+        yield (
+            "A pole of ",
+            H_PERC,
+            "/s to the right, on the axis, at 0 or at ∞ prevents passivity, for any damping of the hand.",
+        )
     if p.is_unbounded:
-        none = "No damping of a hand is enough for all its masses and stiffnesses: −"
-        yield none, _IM, "/", OMEGA, " grows without bound."
+        yield "No damping of a hand is enough for all masses and stiffnesses: −", _IM, "/", OMEGA, " is unbounded."
     elif p.is_active and p.damping:
-        place: Phrase = ", approached as ω grows" if p.damping.omega is None else (", at ", both(p.damping.omega))
-        value = "b* = sup(−", _IM, "/", OMEGA, ") = ", short(p.damping.value), f" {unit}", place
-        enough = "; in a hand that damps more no motion grows, whatever its mass and stiffness" if p.poles_allow else ""
-        yield (*value, enough, ".")
+        if p.poles_allow:
+            yield (
+                "Stable in any hand with damping above ",
+                at_most(p.damping.value),
+                f" {damping}, for any mass and stiffness.",
+            )
+        else:
+            yield "b* = sup(−", _IM, "/", OMEGA, ") = ", near(p.damping.value), f" {damping}."
     elif p.is_active and p.beyond is not Beyond.CLOCK:
-        yield Strong("UNDECIDED"), ": how large −", _IM, "/", OMEGA, " becomes."
+        yield undecided(("how large −", _IM, "/", OMEGA, " becomes"))
 
 
-def _active(p: Passivity) -> Phrase:
-    energy = ": there a motion of amplitude A draws the energy −π A² "
-    return "Active (", _IM, " < 0) ", _bands(p), energy, _IM, " per cycle."
+def _sampled(x: SampledPassivity, damping: str, stiffness: str) -> Iterator[Phrase]:
+    if x.pushes:
+        value = at_least(ExactNumber(x.at_rest)), f" {stiffness}"
+        yield "The stiffness of the display at rest is negative (", *value, "): no damping compensates it."
+    elif x.passive is False and x.hand_needed is not None:
+        lacking = at_most(x.hand_needed), f" {damping}"
+        yield "Stable in any hand with damping above ", *lacking, ", for any mass and stiffness."
 
 
 def _bands(p: Passivity) -> Phrase:
     shown = [span(x) for x in p.active[:_MOST]]
     if p.beyond is Beyond.ALWAYS and len(p.active) <= _MOST:
-        shown[-1] = ("from ", short(p.active[-1].low.omega), " rad/s on")
+        shown[-1] = ("above ", both(p.active[-1].low.omega))
     more = [f"{len(p.active) - _MOST} more intervals"] if len(p.active) > _MOST else []
-    again = [("again and again beyond ", short(ExactNumber(p.high)), " rad/s")] if p.beyond is Beyond.AGAIN else []
+    again = [("at infinitely many frequencies above ", both(ExactNumber(p.high)))] if p.beyond is Beyond.AGAIN else []
     return listed([*shown, *more, *again]), not_looked_at(p) if p.beyond is Beyond.LATE else ""
 
 
-def _certain(found: Stability) -> Phrase:
+def _proven(found: Stability) -> Iterator[Phrase]:
+    parts = ["pole counts", *(["limits"] if any(found.critical) else []), "passivity"]
+    what = f"{', '.join(parts[:-1])} and {parts[-1]}"
+    of = "for the exact sampled loop" if found.sampled is not None else "with every delay exact"
     if not found.certified:
-        return Strong("UNDECIDED"), " where it says so. Everything else is proven."
-    p = found.every_passive_hand.passivity
-    signs = "where they were looked at" if p is not None and p.beyond is Beyond.LATE else "on [0, ∞)"
-    proven = f"Certain: roots are counted, and signs {signs} decided, with every delay as it is. "
-    if found.sampled is not None:
-        proven = "Certain: roots are counted on the exact polynomial of the loop with its clock, and signs decided on 0 < θ ≤ π. "
-    apart = "Imposed, held and every passive hand are three statements; each is proven by itself."
-    return certainty(found.scene, (proven, apart))
+        yield f"Proven: {what}, but for what is marked undecided."
+        return
+    yield proof(found.scene, f"{what}, {of}")

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import pi
 from typing import Any
 
-from haptisym.model.quantities import unit_text
-from haptisym.pages.words import certainty, page_about, rounded
+from haptisym.kernel.reals import Way
+from haptisym.pages.words import at_least, at_most, both, cell, page_about, proof, undecided, value_of
 from haptisym.verbs.sweep.entry import Swept
-from haptisym.writing.document import Block, Column, Document, Facts, Figure, Notes, Paragraph, Phrase, Strong, Table
+from haptisym.writing.document import FREQUENCY_UNIT, Block, Column, Document, Facts, Figure, Phrase, Table
 
 _FREQUENCIES: dict[str, Phrase] = {
     "bandwidth": "bandwidth",
     "first_crossing_real": "first crossing, real part",
     "first_crossing_imag": "first crossing, imaginary part",
     "first_crossing_joint": "first crossing, both parts at once",
-    "changeover_environment": "changeover of the environment",
-    "changeover_perceived": "changeover as felt",
+    "changeover_environment": "changeover, environment",
+    "changeover_perceived": "changeover, perceived",
 }
 _CROSSINGS = {
     "crossings_real": "crossings, real part",
@@ -34,26 +33,44 @@ def page(found: Swept) -> Document:
     is_drawn = len(told["vary"]) <= _MOST_DRAWN and all(x["values"] > 1 for x in told["vary"])
     figure = (Figure("sweep", shown, found.figure),) if is_drawn else ()
     counts = Facts((*_counts(told), *_held(told)))
-    blocks = Facts(tuple(_varied(told))), _frequencies(told), counts, *figure, *_certain(found, told)
-    return page_about(found.scene, blocks, "Sweep of parameters", found.asides())
+    blocks = _frequencies(told), counts, Facts(tuple(_varied(found, told))), *figure
+    return page_about(found.scene, _answer(told), blocks, _how_sure(found, told), "Sweep of parameters", found.asides())
 
 
-def _varied(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
+def _answer(told: Mapping[str, Any]) -> Iterator[tuple[Phrase, Phrase]]:
+    yield "Bandwidth", _frequency(told["ranges"].get("bandwidth"))
+    yield "Sets", f"{told['sets']:,}"
+
+
+def _varied(found: Swept, told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
     for x in told["vary"]:
-        unit = "" if x["unit"] in ("", "1") else f" {unit_text(x['unit'])}"
-        yield x["path"], (_span([x["low"], x["high"]], digits=6), f"{unit}, {x['values']:,} values")
-    yield "band", (_span(told["band"], digits=6), " rad/s")
+        knob = found.scene.knobs[x["path"]]
+        low, high = (value_of(knob, end, Way.NEAREST) for end in (x["low"], x["high"]))
+        yield x["path"], (low, " to ", high, f", {x['values']:,} values")
+    yield "band", _frequency(told["band"])
+
+
+def _frequency(span: list[float] | None) -> Phrase:
+    """Of all sets the least and the largest."""
+    if span is None:
+        return "none"
+    low, high = cell(span[0], Way.DOWN), cell(span[1], Way.UP)
+    return (low, " to ", high, "\xa0", FREQUENCY_UNIT) if span[0] != span[1] else both(span[0])
 
 
 def _frequencies(told: Mapping[str, Any]) -> Block:
     spans = {name: told["ranges"][key] for key, name in _FREQUENCIES.items() if key in told["ranges"]}
-    rows = tuple((name, _span(span), _span(span, 2 * pi) if span else "") for name, span in spans.items())
-    return Table((Column(""), Column("rad/s"), Column("Hz")), rows, "Least and largest of all sets, proven.")
+    rows = tuple(
+        (name, *((cell(x[0], Way.DOWN), cell(x[1], Way.UP)) if x else ("none", "none"))) for name, x in spans.items()
+    )
+    columns = Column(FREQUENCY_UNIT), Column("least", number=True), Column("largest", number=True)
+    return Table(columns, rows, "Least and largest of all sets, proven.")
 
 
 def _counts(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
     clear = told["ranges"]["transparent"]
-    yield "transparent part of the band", (_span(clear, 0.01), "\xa0%" if clear else "")
+    share: Phrase = (at_least(100 * clear[0]), " to ", at_most(100 * clear[1]), "\xa0%") if clear else "none"
+    yield "transparent part of the band", share
     for key, name in _CROSSINGS.items():
         if key in told["counts"]:
             counts = ", ".join(f"{n}: {sets:,}" for n, sets in told["counts"][key].items())
@@ -65,30 +82,19 @@ def _held(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
         yield f"stable in {x['hand']}", f"{x['stable']:,} of {told['sets']:,} sets"
         counts = [f"{n}: {sets:,}" for n, sets in x["unstable"].items()]
         counts += [f"{name}: {x[key]:,}" for key, name in _ENDLESS.items() if x[key]]
-        yield f"roots that do not decay in {x['hand']}", f"{', '.join(counts)} sets"
+        yield f"unstable poles in {x['hand']}", f"{', '.join(counts)} sets"
 
 
-_ENDLESS = {"infinite": "a chain of infinitely many", "undecided": "not decided"}
+_ENDLESS = {"infinite": "infinitely many", "undecided": "undecided"}
 
 
-def _span(span: list[float] | None, unit: float = 1.0, digits: int = 5) -> Phrase:
-    if span is None:
-        return "none"
-    low, high = (rounded(x / unit, digits) for x in span)
-    return (low, " to ", high) if low != high else low
-
-
-def _certain(found: Swept, told: Mapping[str, Any]) -> Iterator[Block]:
-    proven = (
-        f"Certain: {told['sets']:,} sets, {told['certified_in_floats']:,} certified in floats, {told['exact']:,} exact. All "
-        "counts are proven, and all frequencies to a relative 1e-10, for parameters that are exactly the binary numbers stored "
-        "with the results."
+def _how_sure(found: Swept, told: Mapping[str, Any]) -> Iterator[Phrase]:
+    yield proof(
+        found.scene, f"all counts, and all frequencies to a relative 1e-10, for {told['sets']:,} sets of binary numbers"
     )
-    yield Paragraph(certainty(found.scene, proven))
     if told["open"]:
         part = ", or not in all" if "held" in told else ""
         first = ", ".join(f"{name} = {x:.17g}" for name, x in told["open_at"][0].items())
-        sets = f": {told['open']:,} sets (undecided, or no dynamics){part}, the first at {first}."
-        yield Notes(((Strong("NOT ANSWERED"), sets),))
+        yield undecided(f"{told['open']:,} sets{part}, the first at {first}")
     if told["out"]:
-        yield Paragraph(f"Written to {told['out']}.")
+        yield f"Written to {told['out']}."

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from decimal import ROUND_CEILING, Context
 from itertools import pairwise
-from math import inf
 from typing import TYPE_CHECKING
 
 from sympy import Expr
@@ -14,16 +12,33 @@ from sympy import Expr
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import reals
-from haptisym.kernel.reals import Hertz, RealNumber
+from haptisym.kernel.reals import Printable, RealNumber, Way
 from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import Interval, Point
-from haptisym.model.jnd import DIGITS, Part, Shape, Threshold
-from haptisym.model.quantities import Dimension, MotionKind, unit_text
-from haptisym.model.scene import Scene
+from haptisym.model.jnd import Part, Shape, Threshold
+from haptisym.model.quantities import Dimension, MotionKind, Unit, unit_text
+from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import SceneFamily
 from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled
-from haptisym.writing.document import Block, Code, Document, Notes, Number, Phrase, Strong, coded, listed
-from haptisym.writing.layout import layout, named
+from haptisym.writing.document import (
+    DIGITS,
+    FREQUENCY_UNIT,
+    Block,
+    Code,
+    Document,
+    Facts,
+    Frequency,
+    Notes,
+    Phrase,
+    Real,
+    Strong,
+    Versions,
+    coded,
+    listed,
+)
+from haptisym.writing.equations import equation
+from haptisym.writing.layout import approximate, layout, named
+from haptisym.writing.mathtext import text
 
 if TYPE_CHECKING:
     from haptisym.model.measuredscene import MeasuredScene
@@ -34,92 +49,128 @@ PART_NAMES = {Part.REAL: "real", Part.IMAG: "imaginary"}
 OPERATORS = {Part.REAL: Operator("Re"), Part.IMAG: Operator("Im")}
 OMEGA, H_ENV, H_PERC = named("omega"), named("H_env"), named("H_perc")
 CHANGE = Titled("dH", Prefixed(named("Delta"), named("H")))
-NOT_HELD = "Whether the display is stable in a hand was not looked at."
-"""Said beside every word about imposed motion, which is easily taken for more."""
 
 
 def page_about(
     scene: Scene | SceneFamily | MeasuredScene,
+    answer: Iterable[tuple[Phrase, Phrase]],
     blocks: Iterable[Block],
+    proof: Iterable[Phrase],
     kind: str = "",
     asides: Iterable[str] | None = None,
+    further: Iterable[str] = (),
 ) -> Document:
-    """A page about a scene: its title and where it comes from, what it says, and what a report calls itself."""
-    return Document(title(scene), lead(scene, asides), tuple(blocks), kind)
+    """A page about a scene: the answer in a few lines, what there is besides, how sure it is, then model and source.
+
+    ``kind`` : what a report calls itself. ``asides`` : remarks about the scene, by default its own. ``further`` : commands that
+    lead on.
+    """
+    found = tuple(answer)
+    notes = [coded(x) for x in (scene.asides() if asides is None else asides)]
+    end: list[Phrase] = [("Model: ", x) for x in model_words(scene)]
+    end += [f"Source: {scene.source}"] if scene.source else []
+    told: list[Block] = [Facts(found, "findings")] if found else []
+    told += [*blocks, Notes((*proof, *notes))]
+    steps = tuple(y for x in further for y in ("; ", Code(x)))[1:]
+    brief = (Notes((*end, *((("Next: ", *steps),) if steps else ()))),)
+    return Document(
+        scene.title or "Untitled scene",
+        (),
+        (*told, Versions(brief, lambda: [Notes(tuple(end))])),
+        kind,
+        scene.frequency,
+    )
 
 
-def title(scene: Scene | SceneFamily | MeasuredScene) -> str:
-    """The title of a page about a scene."""
-    return scene.title or "Untitled scene"
+_LONGEST = 110  # characters of an environment's formula in the line of the model
 
 
-def lead(scene: Scene | SceneFamily | MeasuredScene, asides: Iterable[str] | None = None) -> tuple[Phrase, ...]:
-    """Where a scene comes from, and what holds of it besides: by default its own asides."""
-    return tuple(x for x in (scene.source, *map(coded, scene.asides() if asides is None else asides)) if x)
+def model_words(scene: Scene | SceneFamily | MeasuredScene) -> Iterator[Phrase]:
+    """Environment and effects in a line: ``H_env = 1.8 s^2 + 15 s + 100 N/m; filter (second-order-lowpass)``."""
+    if isinstance(scene, SceneFamily):
+        yield f"{len(scene)} environments; ", _effects(scene.first)
+    elif isinstance(scene, Scene):
+        environment = scene.environment
+        rounded_ = approximate(environment.H, digits=DIGITS)
+        form = equation("H_env", rounded_, relation="=" if rounded_ == environment.H else "≈")
+        is_long = len(text(form)) > _LONGEST
+        rendered = f"; rendered: {scene.rendered.model}" if scene.rendered else ""
+        yield (environment.model if is_long else (form, f" {stiffness_unit(scene)}")), f"{rendered}; ", _effects(scene)
+
+
+def _effects(scene: Scene) -> str:
+    named_ = (x.name if x.name == x.model else f"{x.name} ({x.model})" for x in scene.effects)
+    return ", ".join(named_) or "no effects"
 
 
 def region_of_fit(scene: Scene | SceneFamily) -> str:
     """What the ranges of a scene are that was fitted; empty for one that was not."""
-    return "" if scene.level is None else f"the {float(100 * scene.level):g} % region of the fit"
+    return "" if scene.level is None else f"{float(100 * scene.level):g} % region of the fit"
 
 
-def certainty(scene: Scene | SceneFamily, words: Phrase) -> Phrase:
-    """What is proven of a display; of a fitted one nothing is."""
+def proof(scene: Scene | SceneFamily, what: Phrase) -> Phrase:
+    """What is proven, as the last line of a page; of a fitted scene for the fitted model alone."""
     region = region_of_fit(scene)
-    told = "Exact for the fitted model, not sampled; of the device it is an estimate. For all values in ", region, ": "
-    return (*told, Code("haptisym tolerances"), ".") if region else words
+    if region:
+        fitted = f". The model is estimated; for all values in the {region}: "
+        return "Proven for the fitted model: ", what, fitted, Code("haptisym tolerances"), "."
+    return "Proven: ", what, "."
 
 
-def short(x: RealNumber) -> Number:
-    """A number with the digits that a sentence takes."""
-    return Number(reals.short(x), float(x))
+def undecided(what: Phrase) -> Phrase:
+    """What was examined and not settled."""
+    return Strong("Undecided"), ": ", what, "."
 
 
-def unlike(values: Sequence[RealNumber], digits: int = 5) -> list[Number]:
-    """Numbers in order as a sentence takes them, those that would look like the one before or behind with digits that differ."""
-    need = [digits] * len(values)
+def near(x: Printable, *, unit: Unit | None = None, most: int = 1000) -> Real:
+    """A number to the nearest: of a place, a value, an estimate with so many digits at most."""
+    return Real(x, Way.NEAREST, unit=unit or Unit(""), most=most)
+
+
+def at_least(x: Printable, *, unit: Unit | None = None) -> Real:
+    """A lower bound: rounded down."""
+    return Real(x, Way.DOWN, unit=unit or Unit(""))
+
+
+def at_most(x: Printable, *, unit: Unit | None = None) -> Real:
+    """An upper bound: rounded up."""
+    return Real(x, Way.UP, unit=unit or Unit(""))
+
+
+def cell(x: Printable, way: Way = Way.NEAREST) -> Frequency:
+    """A frequency in a table whose heading has the unit."""
+    return Frequency(x, way, alone=True)
+
+
+def both(x: Printable, way: Way = Way.NEAREST) -> Frequency:
+    """A frequency with its unit; of rad/s in Hz, too."""
+    return Frequency(x, way)
+
+
+def apart(values: Sequence[RealNumber]) -> list[Frequency]:
+    """Frequencies in order, without their unit: those that would look the same with more digits."""
+    need = [1] * len(values)
     for i, (low, high) in enumerate(pairwise(values)):
-        if reals.short(low, digits) == reals.short(high, digits):
-            count = next((n for n in _MORE_DIGITS if reals.short(low, n) != reals.short(high, n)), digits)
-            need[i], need[i + 1] = max(need[i], count), max(need[i + 1], count)
-    return [Number(reals.short(x, n), float(x)) for x, n in zip(values, need, strict=True)]
+        count = next((n for n in _DIGITS if reals.short(low, n) != reals.short(high, n)), 1)
+        need[i], need[i + 1] = max(need[i], count), max(need[i + 1], count)
+    return [Frequency(x, Way.NEAREST, n, alone=True) for x, n in zip(values, need, strict=True)]
 
 
-_MORE_DIGITS = range(6, 51)
-
-
-def rounded(x: float, digits: int = 5) -> Number:
-    """A float with a few digits."""
-    return Number(f"{x:.{digits}g}", x)
-
-
-def exactly(x: RealNumber, digits: int) -> Number:
-    """A number with so many digits."""
-    return Number(x.digits(digits), float(x))
-
-
-def hertz(x: RealNumber) -> str:
-    """A frequency given in rad/s, in Hz."""
-    return reals.short(Hertz(x))
-
-
-def both(x: RealNumber) -> Phrase:
-    """A frequency in rad/s and Hz."""
-    return short(x), f" rad/s ({hertz(x)} Hz)"
+_DIGITS = range(1, 51)
 
 
 def span(x: Interval) -> Phrase:
-    """``from 2 to 3 rad/s``, ``at 2 rad/s (0.31831 Hz) alone``."""
+    """``from 2 to 3 rad/s``, ``at 2 rad/s (0.3183 Hz) alone``."""
     if x.low is x.high:
         return "at ", both(x.low.omega), " alone"
-    return "from ", ends(x), " rad/s"
+    return "from ", ends(x), "\xa0", FREQUENCY_UNIT
 
 
 def ends(x: Interval) -> Phrase:
     """``2 to 3``."""
     if x.low is x.high:
-        return short(x.low.omega)
-    low, high = unlike((x.low.omega, x.high.omega))
+        return cell(x.low.omega)
+    low, high = apart((x.low.omega, x.high.omega))
     return low, " to ", high
 
 
@@ -130,7 +181,12 @@ def spans(bands: Iterable[Interval]) -> Phrase:
 
 def places(points: Iterable[Point]) -> Phrase:
     """``2, 3 and 4 rad/s``."""
-    return listed(unlike([p.omega for p in points])), " rad/s"
+    return listed(apart([p.omega for p in points])), "\xa0", FREQUENCY_UNIT
+
+
+def value_of(knob: Knob, x: Printable, way: Way) -> Real:
+    """A value of a parameter in the unit that the scene wrote."""
+    return Real(x, way, unit=knob.shown_unit(knob.motion))
 
 
 _SYMBOLS = {"|G - 1|": Absolute(Sum(((1, named("G")), (-1, Numeral("1")))))}
@@ -156,10 +212,8 @@ def limits(c: Threshold) -> Phrase:
     """The threshold of both parts, or of each where they differ; the region, where it is none of that."""
     if c.conversion:
         f, (p, q) = c.conversion, (percent(x) for x in (c.conversion.start, c.conversion.end))
-        factor = short(f.exact)
         own = limits(replace(c, conversion=None))
-        said = f", brought from {p} to {q} right answers by a cumulative Gaussian: times "
-        return own, said, factor, f" (rounded to {DIGITS} digits, all proven)"
+        return own, f", converted from {p} to {q} correct answers by a cumulative Gaussian: times ", near(f.exact)
     if not c.is_plain:
         return region(c)
     said = percent(c.real) if c.real == c.imag else f"{percent(c.real)} (real) and {percent(c.imag)} (imaginary)"
@@ -195,14 +249,7 @@ def _width(c: Threshold, part: Part) -> Phrase:
 
 def bounds(found: Mapping[Part, Supremum]) -> Phrase:
     """``r_r by at most 0.01 and r_i by at most 0.02``."""
-    return listed((RATIOS[part], f" by at most {rounded_up(found[part].most)}") for part in Part)
-
-
-def rounded_up(value: float) -> str:
-    """Three digits, rounded up, so that a bound stays one."""
-    if value == inf:
-        return "unbounded"
-    return f"{Context(prec=3, rounding=ROUND_CEILING).create_decimal_from_float(value):.3g}"
+    return listed((RATIOS[part], " by at most ", at_most(found[part].most)) for part in Part)
 
 
 def compared(left: Box, relation: str) -> Box:
@@ -227,8 +274,8 @@ def noted(remarks: Iterable[Phrase]) -> tuple[Notes, ...]:
 
 
 def caveats(found: Iterable[str]) -> tuple[Notes, ...]:
-    """What the answers do not say, a remark each."""
-    return noted((Strong("But:"), f" {caveat}") for caveat in found)
+    """Limits of the results, a remark each."""
+    return noted((Strong("Note:"), f" {caveat}") for caveat in found)
 
 
 def is_transparent_throughout(e: Evaluation) -> bool:

@@ -1,7 +1,10 @@
-"""What a page says, before anyone decides how it is set: words with formulas and numbers among them, tables, figures.
+"""A page before anyone decides how it is set: words with formulas and numbers among them, tables, figures.
 
-A page is written once, as a ``Document``; the writers ``plain``, ``latex`` and ``html`` set it. Each has two lengths: *brief*
-(a terminal, a notebook) and *in full* (a report), and a block may say different things in the two (``Versions``).
+A page is written once, as a ``Document``; the writers ``plain``, ``latex`` and ``html`` set it. Each has two lengths, *brief*
+(a terminal, a notebook) and *in full* (a report), and a block may be different in the two (``Versions``).
+
+A page holds numbers, not digits: a ``Real`` is exact and has the direction in which it may be rounded, a ``Frequency`` has no
+unit yet. ``Document.prepared`` rounds each once, to the digits that were asked for, and puts frequencies into the scene's unit.
 """
 
 from __future__ import annotations
@@ -10,10 +13,12 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeGuard
 
-from sympy import Expr
+from sympy import Expr, pi
 
+from haptisym.kernel.reals import Printable, Way, in_unit, printed
+from haptisym.model.quantities import RADIANS, Unit
 from haptisym.writing.boxes import Box, Equation
-from haptisym.writing.layout import layout
+from haptisym.writing.layout import layout, named
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
@@ -25,6 +30,44 @@ class Number:
 
     digits: str
     value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Real:
+    """A number that is rounded where the page is written; ``least`` : digits that it needs, as others would look the same.
+
+    ``most`` : digits that it has, of an estimate. ``unit`` : in which it is printed, and which is printed behind it.
+    """
+
+    value: Printable
+    way: Way
+    least: int = 1
+    unit: Unit = Unit("")
+    most: int = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Frequency:
+    """A frequency, given in rad/s: printed in the page's unit, in rad/s with Hz in brackets.
+
+    ``alone`` : the number without its unit, which stands in the heading or behind it.
+    """
+
+    value: Printable
+    way: Way
+    least: int = 1
+    alone: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class OfFrequency:
+    """What depends on the page's unit of frequency: ``unit``, its name; ``symbol``, omega or f."""
+
+    of: str
+
+
+FREQUENCY_UNIT, FREQUENCY = OfFrequency("unit"), OfFrequency("symbol")
+"""The name of the page's unit of frequency, and the symbol of what is measured in it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +84,9 @@ class Code:
     text: str
 
 
-Phrase: TypeAlias = "str | Box | Number | Strong | Code | tuple[Phrase, ...]"
+DIGITS = 4
+"""Of the numbers of a page, where no others are asked for."""
+Phrase: TypeAlias = "str | Box | Number | Real | Frequency | OfFrequency | Strong | Code | tuple[Phrase, ...]"
 """Words with formulas, numbers and emphasis among them; phrases are joined by putting them into a tuple."""
 
 
@@ -76,23 +121,27 @@ class Flow:
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table: its heading; whether it holds numbers; whether it is told in full only."""
+    """A column of a table: its heading; whether it holds numbers; whether it is there in full only.
+
+    ``hertz`` : of frequencies, whose heading ends with the page's unit; where that is rad/s a column in Hz follows.
+    """
 
     heading: Phrase
     number: bool = False
     full: bool = False
+    hertz: bool = False
 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows below headings. ``caption`` : what a table is called in a report; text tells that in the section's title."""
+    """Rows below headings. ``caption`` : what a table is called in a report; in text the section's title has it."""
 
     columns: tuple[Column, ...]
     rows: tuple[tuple[Phrase, ...], ...]
     caption: Phrase = ""
 
     def cut(self, *, full: bool) -> Table:
-        """Without the columns that are told in full only, unless it is ``full``, and without those that say nothing."""
+        """Without the columns that are there in full only, unless it is ``full``, and without empty ones."""
         kept = [i for i, column in enumerate(self.columns) if (full or not column.full) and not self._is_blank(i)]
         rows = tuple(tuple(row[i] for i in kept) for row in self.rows)
         return Table(tuple(self.columns[i] for i in kept), rows, self.caption)
@@ -150,10 +199,17 @@ class Live:
 
 @dataclass(frozen=True)
 class Versions:
-    """What is said in brief, and what is said in full instead; that is made only when it is wanted."""
+    """What a page has in brief, and what it has in full instead; that is made only when it is wanted."""
 
     brief: tuple[Block, ...] = ()
     full: Callable[[], Iterable[Block]] = tuple
+
+
+@dataclass(frozen=True)
+class Formulas:
+    """What a page in brief has only where formulas are asked for."""
+
+    blocks: Callable[[], Iterable[Block]]
 
 
 @dataclass(frozen=True)
@@ -168,45 +224,128 @@ class Section:
     """Whether it stands behind the text in a document of LaTeX."""
 
 
-Block: TypeAlias = Paragraph | Notes | Facts | Flow | Table | Equations | Figure | Live | Versions | Section
+Block: TypeAlias = Paragraph | Notes | Facts | Flow | Table | Equations | Figure | Live | Versions | Formulas | Section
 
 
 @dataclass(frozen=True)
 class Document:
-    """A page: its title, lines below it that say where that comes from, and what it says."""
+    """A page: its title, lines below it, and what it has."""
 
     title: str
     lead: tuple[Phrase, ...]
     blocks: tuple[Block, ...]
     kind: str = ""
     """What a report calls itself, above its title."""
+    frequency: Unit = RADIANS
+    """The unit in which frequencies are printed."""
+
+    def prepared(self, *, full: bool, live: bool = False, digits: int = DIGITS, formulas: bool = False) -> Document:
+        """The page as it is written, in full or in brief: its numbers rounded; ``live`` : with what works on a page of HTML."""
+        style = Style(full, live, digits, formulas, self.frequency)
+        return replace(self, lead=tuple(map(style.phrase, self.lead)), blocks=tuple(style.chosen(self.blocks)))
+
+    def figures(self) -> Iterator[Figure]:
+        """All figures that a report has."""
+        return _figures(self.prepared(full=True).blocks)
 
 
-def chosen(blocks: Iterable[Block], *, full: bool, live: bool = False) -> Iterator[Block]:
-    """The blocks as they are told in full, or in brief; ``live`` : with what works on a page. What holds nothing is left out."""
+def _figures(blocks: Iterable[Block]) -> Iterator[Figure]:
     for block in blocks:
-        if isinstance(block, Versions):
-            yield from chosen(block.full() if full else block.brief, full=full, live=live)
-        elif isinstance(block, Section):
-            if inside := tuple(chosen(block.blocks, full=full, live=live)):
-                yield replace(block, blocks=inside)
-        elif isinstance(block, Table):
-            yield block.cut(full=full)
-        elif live if isinstance(block, Live) else full or not isinstance(block, Figure):
-            yield block
-
-
-def figures_of(blocks: Iterable[Block]) -> Iterator[Figure]:
-    """All figures that a report shows."""
-    for block in chosen(blocks, full=True):
         if isinstance(block, Section):
-            yield from figures_of(block.blocks)
+            yield from _figures(block.blocks)
         elif isinstance(block, Figure):
             yield block
 
 
+@dataclass(frozen=True)
+class Style:
+    """How a page is prepared: see ``Document.prepared``."""
+
+    full: bool = False
+    live: bool = False
+    digits: int = DIGITS
+    formulas: bool = False
+    frequency: Unit = RADIANS
+
+    def chosen(self, blocks: Iterable[Block]) -> Iterator[Block]:
+        """The blocks that the page has, their numbers rounded; what holds nothing is left out."""
+        for block in blocks:
+            if isinstance(block, Versions):
+                yield from self.chosen(block.full() if self.full else block.brief)
+            elif isinstance(block, Formulas):
+                yield from self.chosen(block.blocks()) if self.full or self.formulas else ()
+            elif isinstance(block, Section):
+                if inside := tuple(self.chosen(block.blocks)):
+                    yield replace(block, title=self.phrase(block.title), blocks=inside)
+            elif self.live if isinstance(block, Live) else self.full or not isinstance(block, Figure):
+                yield self._settled(block)
+
+    def _settled(self, block: Block) -> Block:
+        if isinstance(block, Table):
+            return self._table(block)
+        if isinstance(block, Paragraph):
+            return Paragraph(self.phrase(block.words))
+        if isinstance(block, Notes):
+            return Notes(tuple(map(self.phrase, block.entries)))
+        if isinstance(block, Facts):
+            return replace(block, rows=tuple((self.phrase(x), self.phrase(y)) for x, y in block.rows))
+        if isinstance(block, Flow):
+            return Flow(tuple(map(self.phrase, block.links)))
+        return replace(block, caption=self.phrase(block.caption)) if isinstance(block, Figure) else block
+
+    def _table(self, table: Table) -> Table:
+        """Its numbers rounded, frequencies of rad/s in two columns."""
+        columns: list[Column] = []
+        rows: list[list[Phrase]] = [[] for _ in table.rows]
+        two = self.frequency == RADIANS
+        for i, column in enumerate(table.columns):
+            heading = (column.heading, " (", FREQUENCY_UNIT, ")") if column.hertz else column.heading
+            columns.append(replace(column, heading=self.phrase(heading)))
+            columns += [Column("Hz", number=True, full=column.full)] * (column.hertz and two)
+            for row, cells in zip(table.rows, rows, strict=True):
+                cells.append(self.phrase(row[i]))
+                if column.hertz and two:
+                    cells.append(self._hertz(row[i]))
+        return Table(tuple(columns), tuple(map(tuple, rows)), self.phrase(table.caption)).cut(full=self.full)
+
+    def _hertz(self, cell: Phrase) -> Phrase:
+        """The frequency of a cell in Hz."""
+        return (
+            self._real(Real(in_unit(cell.value, _HERTZ), cell.way, cell.least)) if isinstance(cell, Frequency) else ""
+        )
+
+    def phrase(self, words: Phrase) -> Phrase:
+        """With its numbers rounded."""
+        if isinstance(words, tuple):
+            return tuple(map(self.phrase, words))
+        if isinstance(words, Real):
+            return self._real(words)
+        if isinstance(words, Frequency):
+            return self._frequency(words)
+        if isinstance(words, OfFrequency):
+            is_omega = self.frequency == RADIANS
+            return self.frequency.text if words.of == "unit" else named("omega" if is_omega else "f")
+        return Strong(self.phrase(words.words)) if isinstance(words, Strong) else words
+
+    def _real(self, x: Real) -> Phrase:
+        value = in_unit(x.value, x.unit.size)
+        number = Number(printed(value, min(max(self.digits, x.least), x.most), x.way), float(x.value))
+        return (number, f"\xa0{x.unit.text}") if x.unit.text else number
+
+    def _frequency(self, x: Frequency) -> Phrase:
+        shown = self._real(Real(in_unit(x.value, self.frequency.size), x.way, x.least))
+        if x.alone:
+            return shown
+        if self.frequency != RADIANS or not x.value:
+            return shown, f"\xa0{self.frequency.text}"
+        return shown, f"\xa0{self.frequency.text} (", self._hertz(x), "\xa0Hz)"
+
+
+_HERTZ = 2 * pi
+
+
 def is_empty(phrase: Phrase) -> TypeGuard[Any]:
-    """Whether a phrase says nothing."""
+    """Whether a phrase holds nothing."""
     return phrase == "" or (isinstance(phrase, tuple) and all(map(is_empty, phrase)))
 
 

@@ -32,16 +32,19 @@ from haptisym.writing.document import (
     Facts,
     Figure,
     Flow,
+    Frequency,
     Line,
     Live,
     Notes,
     Number,
+    OfFrequency,
     Paragraph,
     Phrase,
+    Real,
     Section,
     Strong,
+    Style,
     Table,
-    chosen,
 )
 from haptisym.writing.latex import is_long, tex, width
 from haptisym.writing.mathml import markup, mathml
@@ -289,10 +292,11 @@ def html(document: Document, drawn: Callable[[Figure], Html], record: tuple[str,
         element("meta", given={"name": "color-scheme", "content": "light dark"}),
         element("title", document.title), element("style", style),
     )  # fmt: skip
+    document = document.prepared(full=True, live=True)
     kind = [element("p", document.kind, given={"class": "kind"})] if document.kind else []
     lead = [element("p", phrase(x), given={"class": "source"}) for x in document.lead]
     above = element("header", *kind, element("h1", document.title), *lead)
-    inside = _Writer(drawn).joined(list(chosen(document.blocks, full=True, live=True)))
+    inside = _Writer(drawn).joined(document.blocks)
     below = element("p", made, given={"class": "source"})
     body = element("body", element("main", above, inside, below, data(record[1], record[0])))
     return f"<!DOCTYPE html>\n{element('html', head, body, given={'lang': 'en'})}\n"
@@ -300,9 +304,10 @@ def html(document: Document, drawn: Callable[[Figure], Html], record: tuple[str,
 
 def fragment(document: Document) -> str:
     """The page in brief, as one element for a notebook."""
+    document = document.prepared(full=False)
     title = element("p", element("strong", document.title))
     lead = [element("p", phrase(x)) for x in document.lead]
-    inside = _Writer(_nothing).joined(list(chosen(document.blocks, full=False)))
+    inside = _Writer(_nothing).joined(document.blocks)
     return str(element("div", title, *lead, inside, given={"class": "haptisym"}))
 
 
@@ -320,6 +325,8 @@ def phrase(words: Phrase) -> Html:
         return joined(map(phrase, words))
     if isinstance(words, str):
         return joined([words])
+    if isinstance(words, Real | Frequency | OfFrequency):
+        return phrase(Style().phrase(words))
     if isinstance(words, Number):
         return element("data", _wrapped(words.digits), given={"value": repr(words.value)})
     if isinstance(words, Strong):

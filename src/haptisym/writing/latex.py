@@ -51,15 +51,18 @@ from haptisym.writing.document import (
     Facts,
     Figure,
     Flow,
+    Frequency,
     Line,
     Notes,
     Number,
+    OfFrequency,
     Paragraph,
     Phrase,
+    Real,
     Section,
     Strong,
+    Style,
     Table,
-    chosen,
 )
 from haptisym.writing.layout import CAPITALS, GREEK, greek, layout, named
 from haptisym.writing.plain import NUMBER, said, widths_of
@@ -536,6 +539,7 @@ def latex(document: Document, figures: Mapping[str, str] = _NONE) -> str:
     >>> latex(Document("A title", (), (Paragraph("5 % more"),))).count("5 \\\\% more")
     1
     """
+    document = document.prepared(full=True)
     kind, title = escape(document.kind), escape(document.title)
     graphics = "\\usepackage{graphicx}\n" if figures else ""
     information = _information(f"{document.kind}: {document.title}" if kind else document.title)
@@ -544,19 +548,20 @@ def latex(document: Document, figures: Mapping[str, str] = _NONE) -> str:
 
 
 def fragment(blocks: Iterable[Block], figures: Mapping[str, str] = _NONE, *, depth: int = 0) -> str:
-    """Blocks as a piece of a document; ``depth`` : of their headings, 2 for paragraphs."""
-    return _Writer(figures, depth=depth).joined(list(chosen(blocks, full=True)))
+    """Blocks as a piece of a document, in full; ``depth`` : of their headings, 2 for paragraphs."""
+    return _Writer(figures, depth=depth).joined(list(Style(full=True).chosen(blocks)))
 
 
 def piece(document: Document) -> str:
-    """A document as a piece of another one, without title and source: what it says of its scene, and its blocks."""
+    """A document as a piece of another one, without title and source: remarks about its scene, and its blocks."""
+    document = document.prepared(full=True)
     return fragment([*_asides(document), *document.blocks], depth=2)
 
 
 def tables(document: Document) -> str:
-    """The tables of a document in brief, and what it says below its title but for the source, which is a string."""
-    found = chosen(document.blocks, full=False)
-    return fragment([*_tables(found), *_asides(document)])
+    """The tables of a document in brief, and the lines below its title but for the source, which is a string."""
+    document = document.prepared(full=False)
+    return fragment([*_tables(document.blocks), *_asides(document)])
 
 
 def _asides(document: Document) -> list[Block]:
@@ -590,6 +595,8 @@ def phrase(words: Phrase) -> str:
         return "".join(map(phrase, words))
     if isinstance(words, str):
         return "~".join(map(spaced, words.split("\xa0")))
+    if isinstance(words, Real | Frequency | OfFrequency):
+        return phrase(Style().phrase(words))
     if isinstance(words, Number):
         return _digits(words.digits)
     if isinstance(words, Strong):

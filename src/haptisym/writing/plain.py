@@ -10,26 +10,32 @@ from textwrap import wrap
 
 from haptisym.writing.boxes import Box
 from haptisym.writing.document import (
+    DIGITS,
     Block,
     Code,
     Document,
     Equations,
     Facts,
     Flow,
+    Frequency,
     Notes,
     Number,
+    OfFrequency,
     Paragraph,
     Phrase,
+    Real,
     Section,
     Strong,
+    Style,
     Table,
-    chosen,
 )
 from haptisym.writing.layout import letter
 from haptisym.writing.mathtext import text
 
-PAGE = 96
-"""Columns of a page that goes to no terminal, so that it can be compared; no terminal gets a wider one."""
+PAGE = 80
+"""Columns of a page that goes to no terminal, so that it can be compared."""
+WIDEST = 96
+"""Columns of a page at most, however wide the terminal."""
 NARROWEST = 40
 _ROOM = 22
 """Columns that must be left beside a key; with fewer, what it says stands below it."""
@@ -40,10 +46,18 @@ NUMBER = re.compile(r"[=+-]?[\d,]+")
 """What stands before the point of a number; = marks an end that is reached."""
 
 
-def plain(document: Document, columns: int = PAGE, spell: Callable[[str], str] = str) -> str:
+def plain(
+    document: Document,
+    columns: int = PAGE,
+    spell: Callable[[str], str] = str,
+    *,
+    digits: int = DIGITS,
+    formulas: bool = False,
+) -> str:
     """The page in brief, in lines of at most so many columns (but of 40 at least; a single word or number is never broken).
 
-    ``spell`` : how words are spelt in the characters that there are.
+    ``spell`` : how words are spelt in the characters that there are. ``digits`` : of its
+    numbers. ``formulas`` : whether it has them.
 
     >>> print(plain(Document("A title", (), (Section("When?", (Paragraph("Never on this band."),)),)), 40))
     A title
@@ -54,8 +68,9 @@ def plain(document: Document, columns: int = PAGE, spell: Callable[[str], str] =
     <BLANKLINE>
     """
     writer = _Writer(max(columns, NARROWEST), spell)
+    document = document.prepared(full=False, digits=digits, formulas=formulas)
     head = [line for x in (document.title, *document.lead) if x for line in writer.filled(x)]
-    blocks = list(chosen(document.blocks, full=False))
+    blocks = document.blocks
     return "\n".join([*head, "", *writer.blocks(blocks, "")]) + "\n"
 
 
@@ -70,6 +85,8 @@ def said(phrase: Phrase) -> str:
         return "".join(map(said, phrase))
     if isinstance(phrase, str):
         return phrase
+    if isinstance(phrase, Real | Frequency | OfFrequency):
+        return said(Style().phrase(phrase))
     if isinstance(phrase, Number):
         return phrase.digits
     if isinstance(phrase, Strong):
@@ -101,10 +118,11 @@ class _Writer:
         return [line.replace("\xa0", " ") for line in lines]
 
     def blocks(self, blocks: Sequence[Block], indent: str) -> Iterator[str]:
-        """Blank lines stand between them, except before lists that follow lists."""
+        """Blank lines stand between them, except between lists that belong together."""
         for before, block in zip((None, *blocks), blocks, strict=False):
-            is_list = isinstance(before, Notes | Equations | Facts) and isinstance(block, Notes | Equations | Facts)
-            if before is not None and not is_list:
+            belongs = isinstance(before, Notes) and isinstance(block, Equations | Facts)
+            belongs |= type(before) is type(block) and isinstance(block, Equations | Facts) and not _is_answer(before)
+            if before is not None and not belongs:
                 yield ""
             yield from self.block(block, indent)
 
@@ -136,13 +154,14 @@ class _Writer:
     @block.register
     def _(self, block: Facts, indent: str) -> Iterable[str]:
         keys = [self.spell(said(key)) for key, _ in block.rows]
-        after = len(_INDENT) + max(map(len, keys), default=0) + 2
+        indent = "" if _is_answer(block) else _INDENT
+        after = len(indent) + max(map(len, keys), default=0) + 2
         for key, (_, words) in zip(keys, block.rows, strict=True):
             if self.columns - after >= _ROOM:
-                yield from self.filled(words, f"{_INDENT}{key}".ljust(after), " " * (after + 4 * _is_formula(words)))
+                yield from self.filled(words, f"{indent}{key}".ljust(after), " " * (after + 4 * _is_formula(words)))
             else:
-                yield from self.filled(key, _INDENT, _INDENT * 2)
-                yield from self.filled(words, _INDENT * 3)
+                yield from self.filled(key, indent, indent + _INDENT)
+                yield from self.filled(words, indent + _INDENT)
 
     @block.register
     def _(self, block: Table, indent: str) -> Iterable[str]:
@@ -172,6 +191,11 @@ class _Writer:
             for head, cell in zip(heads, row, strict=True):
                 if cell:
                     yield from self.filled(f"{head}: {cell}" if head else cell, _INDENT, _INDENT * 2)
+
+
+def _is_answer(block: Block) -> bool:
+    """Whether it is the lines of answer at the head of a page."""
+    return isinstance(block, Facts) and block.role == "findings"
 
 
 _PERCENT = re.compile(r"(?<=\d) %")
