@@ -1,4 +1,4 @@
-"""LaTeX of pages and of what notebooks show, set as MathML: browsers draw it themselves, and nothing is loaded for it."""
+"""LaTeX of pages and notebooks as MathML, which browsers draw without loading anything."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def mathml(latex: str, display: str) -> str:
-    """A formula.
+    """Return a formula as MathML.
 
     >>> mathml("$ x $", "inline").count("<mi>x</mi>")
     1
@@ -22,17 +22,17 @@ def mathml(latex: str, display: str) -> str:
 
 
 def inline(self: HTML5Translator, node: nodes.math) -> None:
-    """A formula in a line."""
+    """Write an inline formula."""
     self.body.append(mathml(node.astext(), "inline"))
     raise nodes.SkipNode
 
 
 def block(self: HTML5Translator, node: nodes.math_block) -> None:
-    """A formula of its own; a wide one scrolls."""
+    """Write a displayed formula; a wide one scrolls."""
     self.body.append(f'<div class="formula">{mathml(node.astext(), "block")}</div>')
     raise nodes.SkipNode
 
 
 def setup(app: Sphinx) -> None:
-    """Make it the renderer ``mathml``."""
+    """Register the renderer ``mathml``."""
     app.add_html_math_renderer("mathml", (inline, None), (block, None))
