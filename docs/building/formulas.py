@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from docutils import nodes
@@ -11,14 +12,20 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
     from sphinx.writers.html5 import HTML5Translator
 
+_PAIRED = {r"\lvert": r"\left\lvert ", r"\rvert": r"\right\rvert "}
+"""Bars that are fences, without the space of an operator."""
+
 
 def mathml(latex: str, display: str) -> str:
     """Return a formula as MathML.
 
     >>> mathml("$ x $", "inline").count("<mi>x</mi>")
     1
+    >>> mathml(r"c\\lvert x\\rvert", "inline").count("fence")
+    2
     """
-    return convert(latex.strip().strip("$").replace(r"\displaystyle", ""), display=display)
+    bars = re.sub(r"(?<!\\left)\\lvert|(?<!\\right)\\rvert", lambda bar: _PAIRED[bar[0]], latex)
+    return convert(bars.strip().strip("$").replace(r"\displaystyle", ""), display=display)
 
 
 def inline(self: HTML5Translator, node: nodes.math) -> None:
