@@ -36,6 +36,7 @@ nb_merge_streams = True
 exclude_patterns = ["building", "conf.py", "house.py", "make_notebook.py"]
 source_suffix = {".md": "myst-nb", ".py": "myst-nb"}
 myst_enable_extensions = ["dollarmath"]
+myst_disable_syntax = ["myst_line_comment"]  # a line may begin with a per cent sign
 myst_heading_anchors = 3
 suppress_warnings = ["mystnb.unknown_mime_type"]
 
