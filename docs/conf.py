@@ -1,7 +1,7 @@
 """The site: ``python -m sphinx -W -n docs build/site``. Its pages request nothing from outside: formulas are MathML.
 
-Sources are the pages of this folder, the script ``plots.py``, which is run, and ``generated/``, which ``building/`` writes from the
-package for every build.
+Sources are the pages of this folder, the script ``plots.py``, which is run, and ``generated/``, which ``building/`` writes
+from the package for every build.
 """
 
 from __future__ import annotations

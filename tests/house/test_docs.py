@@ -70,7 +70,7 @@ def test_the_examples_of_a_page_run(page: Path) -> None:
 @pytest.mark.parametrize("page", ["start", "scene", "shake", "build", "bench", "paper"])
 def test_the_commands_of_the_path_run(page: str, readers_folder: Path) -> None:
     text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
-    lines = "".join(re.findall(r"^```sh\n(.*?)```", text, re.DOTALL | re.MULTILINE)).splitlines()
+    lines = "".join(re.findall(r"^```sh\n(.*?)```", text, re.DOTALL | re.MULTILINE)).replace("\\\n", "").splitlines()
     run = [line for line in lines if not line.startswith("pip ")]
     assert run
     for line in run:
