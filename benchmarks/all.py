@@ -74,7 +74,7 @@ def section(name: str, title: str) -> str:
 
 def fill_pages() -> None:
     """Put the results into the pages that ask for them."""
-    for page in sorted(DOCS.glob("*.md")):
+    for page in [*sorted(DOCS.glob("*.md")), *sorted((DOCS / "tables").glob("*.md"))]:
         text = page.read_text(encoding="utf-8")
         filled = BLOCK.sub(_filled, text)
         if filled != text:

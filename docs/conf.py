@@ -1,7 +1,7 @@
 """The site: ``python -m sphinx -W -n docs build/site``. Its pages request nothing from outside: formulas are MathML.
 
-Sources are the pages of this folder, the scripts ``tutorial.py`` and ``how-to.py``, which are run, and ``generated/``, which
-``building/`` writes anew for every build from what the package says of itself.
+Sources are the pages of this folder, the script ``plots.py``, which is run, and ``generated/``, which ``building/`` writes
+from the package for every build.
 """
 
 from __future__ import annotations
@@ -35,6 +35,8 @@ nb_execution_timeout = 120
 nb_merge_streams = True
 exclude_patterns = ["building", "conf.py", "house.py", "make_notebook.py"]
 source_suffix = {".md": "myst-nb", ".py": "myst-nb"}
+myst_enable_extensions = ["dollarmath"]
+myst_disable_syntax = ["myst_line_comment"]  # a line may begin with a per cent sign
 myst_heading_anchors = 3
 suppress_warnings = ["mystnb.unknown_mime_type"]
 

@@ -1,6 +1,6 @@
 """Write a script with ``# %%`` cells as a notebook: ``python docs/make_notebook.py [SCRIPT [NOTEBOOK]]``.
 
-Without arguments, the tutorial. Cells marked ``# %% [markdown]`` are text; the others are code, without output.
+Without arguments, the page of figures. Cells marked ``# %% [markdown]`` are text; the others are code, without output.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def _record(i: int, kind: str, text: str) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    source = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).with_name("tutorial.py")
+    source = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).with_name("plots.py")
     target = Path(sys.argv[2]) if len(sys.argv) > 2 else source.with_suffix(".ipynb")
     target.write_text(json.dumps(notebook(source.read_text(encoding="utf-8")), indent=1) + "\n", encoding="utf-8")
     print(f"notebook written to {target}")

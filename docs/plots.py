@@ -1,10 +1,10 @@
 # %% [markdown]
 # # Figures
 #
-# Every kind of figure once, with the code that draws it. `plot` of an answer draws on axes of yours, or on new ones, and
-# returns them: titles, limits and sizes are matplotlib's business. A further scene on the same axes has the next
-# colour; the colours are told apart by colour-blind readers and in print. `color` and `label` are of the scene, all other
-# keywords of its curves. What `plot` calls, and a few that it does not, are the `draw_` functions of `haptisym.figures`.
+# After this page you can draw every kind of figure: each is shown once, with its code. `plot` of a result draws on axes of
+# yours, or on new ones, and returns them. Titles, limits and sizes are set with matplotlib. Another scene on the same axes
+# has the next colour; colour-blind readers can distinguish the colours, also in print. `color` and `label` belong to the scene,
+# other keywords to its curves. `plot` calls the `draw_` functions of `haptisym.figures`.
 
 # %%
 import numpy as np
@@ -27,9 +27,9 @@ ax = hs.evaluate(paper).plot(label="80 rad/s")
 ax = hs.evaluate(slow).plot(ax, label="50 rad/s", linewidth=2)
 
 # %% [markdown]
-# ## What formulas give
+# ## Formulas
 #
-# A derivation draws its ratios with the scene's values.
+# A derivation draws its ratios for the values of the scene.
 
 # %%
 ax = hs.derive(paper).plot()
@@ -56,10 +56,9 @@ ranged = paper.with_values({"jnd": "0.1 +- 20 %"})
 ax = hs.evaluate(ranged).plot(kind="bandwidths")
 
 # %% [markdown]
-# ## Noticed or not at one frequency
+# ## The JND at one frequency
 #
-# The JND square of the paper about the tip of H_env, and a region of another shape. Here the frequency is in rad/s, and the
-# axes are yours.
+# The JND square of the paper around the tip of H_env, and another region. The frequency is in rad/s.
 
 # %%
 ax = pyplot.figure(layout="constrained").add_subplot()
@@ -91,7 +90,7 @@ ax = hs.evaluate_all(tissues).plot(kind="imag")
 ax = hs.evaluate_all(tissues, regions=True).plot(kind="regions")
 
 # %% [markdown]
-# ## Measured lines
+# ## Measured frequency points
 
 # %%
 exact = hs.sampled(paper, np.linspace(1, 15, 20))
@@ -103,7 +102,7 @@ ax = bench.plot()
 ax = bench.plot(kind="nyquist")
 
 # %% [markdown]
-# With a stated bound on the slope, what is possible between the lines is a band.
+# With a bound on the slope, the possible values between the points are a band.
 
 # %%
 bounded = hs.measured(exact.omega, exact.H * 1.02, radius=[4.0] * 20, slope="65 N*s/m")
@@ -115,7 +114,7 @@ ax = pyplot.figure(layout="constrained").add_subplot()
 dots = draw_measured_plane(ax, joint)
 
 # %% [markdown]
-# ## A model that was fitted
+# ## A fitted model
 
 # %%
 fitted = hs.identify(lines, "mass-spring-damper", ["second-order-lowpass"])
@@ -176,8 +175,8 @@ ax = hs.tolerances(late, samples=0, hand="postural-arm").plot(kind="hands")
 # %% [markdown]
 # ## Sweeps
 #
-# `hs.sweep` gives a dataset of xarray. The bandwidth over one parameter, and over two with the boundary of an exact map;
-# hatched where a hand does not hold the display stably.
+# `hs.sweep` returns an xarray Dataset. The bandwidth over one parameter, and over two with the boundary of an exact map;
+# hatched where the display is unstable in a hand.
 
 # %%
 swept = hs.sweep(paper, {"effects.filter.zeta": np.linspace(0.2, 1, 81)})

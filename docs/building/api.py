@@ -1,4 +1,4 @@
-"""The reference of the Python interface: every public name once, by what it is for."""
+"""The reference of the Python interface: every public name once, by purpose."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ import haptisym as hs
 TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
     "api-scenes": (
         "Scenes",
-        "What a question is about: an environment, what stands between it and the hand, a band and a threshold. Numbers are exact; quantities are strings with a unit, or numbers in SI and rad/s.",
+        "After this page you can build scenes in Python: environment, effects, band, threshold, hands. Quantities are strings with a unit, or numbers in SI and rad/s; numbers are exact.",
         (
             "load_scene", "parse_scene", "scene_names", "Scene", "Environment", "Effect", "Threshold", "Part", "Hand", "hands",
             "load_scenes", "parse_scenes", "family_names", "SceneFamily", "measured", "sampled", "Measurement", "MeasuredScene",
         ),
     ),
     "api-questions": (
-        "Questions",
-        "One function for each verb of the command line; each returns an answer.",
+        "Functions",
+        "After this page you can call every command from Python: a function each, which returns a result.",
         (
             "evaluate", "evaluate_all", "derive", "relevance", "require", "design_map", "stability", "sensitivity", "tolerances",
             "sweep", "metrics", "peaks", "cost", "hard_costs", "jnd", "published", "simulate", "check", "release", "identify",
         ),
     ),
     "api-answers": (
-        "Answers",
-        "What a question returns. `print` shows the page of the command line, a notebook shows it set, `to_dict` and `to_json` give the document.",
+        "Results",
+        "After this page you can use what the functions return. `print` gives the text output, a notebook typesets it, `to_dict` and `to_json` give the JSON document.",
         (
             "Evaluation", "Crossing", "CrossingKind", "Percept", "Property", "Change", "Interval", "Point", "RealNumber",
             "FamilyEvaluation", "MeasuredEvaluation", "Derivation", "Relevance", "Requirement", "DesignMap", "Stability", "Sensitivities",
@@ -34,36 +34,36 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
         ),
     ),
     "api-formulas": (
-        "Formulas and functions",
-        "Closed forms with symbols or numbers, how they are written, and functions of NumPy.",
+        "Formulas",
+        "After this page you can derive closed forms with symbols or numbers, write them, and compile them for NumPy.",
         ("distort", "Distortion", "symbols", "omega", "s", "Accuracy", "latex", "mathml", "Language", "scene_code", "distortion_code"),
     ),
     "api-motions": (
         "Motions of a simulation",
-        "What a hand does in `hs.simulate`, and what else a device has.",
+        "After this page you can choose the motion of the hand in `hs.simulate`, and add an encoder or a force limit.",
         ("sine", "multisine", "chirp", "recording", "EncoderQuantisation", "ForceSaturation"),
     ),
     "api-errors": (
         "Errors",
-        "All are ValueErrors, and each says the thing, the value, the rule and the way out.",
+        "After this page you can catch errors. All are ValueErrors; each names what is wrong, its value, the rule and the remedy.",
         ("HaptisymError", "SceneError", "ExpressionError", "UndecidedError"),
     ),
 }  # fmt: skip
-"""Of each page the title, a lead, and the names."""
+"""The title, lead and names of each page."""
 MODULES = {
     "api-environments": ("Environments", "environments"),
     "api-effects": ("Effects", "effects"),
     "api-interop": ("Other packages", "interop"),
 }
-"""Modules that are documented whole."""
+"""Modules that are documented as a whole."""
 
 
 def listed(page: str) -> tuple[str, ...]:
-    """The names of a page; what no page names goes to the questions if it is a function, to the answers if it is a class."""
-    told = {name for _, _, names in TOPICS.values() for name in names} | {name for _, name in MODULES.values()}
+    """Return the names of a page; unlisted functions go to the functions, unlisted classes to the results."""
+    placed = {name for _, _, names in TOPICS.values() for name in names} | {name for _, name in MODULES.values()}
     kinds = {"api-answers": True, "api-questions": False}
     others = [
-        name for name in hs.__all__ if name not in told and isinstance(getattr(hs, name), type) is kinds.get(page)
+        name for name in hs.__all__ if name not in placed and isinstance(getattr(hs, name), type) is kinds.get(page)
     ]
     return (*TOPICS[page][2], *others)
 

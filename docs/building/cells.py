@@ -9,5 +9,5 @@ from make_notebook import notebook
 
 
 def read(script: str) -> nbformat.NotebookNode:
-    """The notebook of a script, without outputs."""
+    """Return the notebook of a script, without outputs."""
     return nbformat.reads(json.dumps(notebook(script)), as_version=4)

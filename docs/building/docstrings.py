@@ -1,4 +1,4 @@
-"""Docstrings of the package are prose with ``names`` and examples; here they become what Sphinx reads, word for word."""
+"""Docstrings of the package, which are prose with ``names`` and examples, as reStructuredText."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def escaped(line: str) -> str:
-    """A line of prose whose only marks are double backquotes.
+    """Escape a line of prose whose only marks are double backquotes.
 
     >>> escaped("r_r = |Re dH|/|H_env|, *not* ``a|b`` omega_")
     'r_r = \\\\|Re dH\\\\|/\\\\|H_env\\\\|, \\\\*not\\\\* ``a|b`` omega\\\\_'
@@ -23,7 +23,7 @@ def escaped(line: str) -> str:
 
 
 def paragraphs(lines: list[str]) -> Iterator[list[str]]:
-    """Prose escaped; examples, tables and what is indented as they are."""
+    """Escape prose; leave examples, tables and indented text."""
     for is_blank, group in groupby(lines, key=lambda line: not line.strip()):
         block = list(group)
         if is_blank or block[0].startswith(">>>"):
@@ -35,20 +35,20 @@ def paragraphs(lines: list[str]) -> Iterator[list[str]]:
 
 
 def entries(block: list[str]) -> list[str]:
-    """A paragraph; one that tells of names, ``name`` : what it is, as a list of them."""
+    """Return a paragraph; one that explains names, ``name`` : meaning, becomes a list."""
     text = " ".join(line.strip() for line in block)
     parts = re.split(r"(?:^|(?<=[.;] ))(?=``[^`]+``(?:, ``[^`]+``)* ?: |Guaranteed: |Raises |SceneError )", text)
-    told = [x.strip() for x in parts if x.strip()]
-    if not any(re.match(r"``[^`]+``(, ``[^`]+``)* ?: ", x) for x in told):
+    named = [x.strip() for x in parts if x.strip()]
+    if not any(re.match(r"``[^`]+``(, ``[^`]+``)* ?: ", x) for x in named):
         return [escaped(line.strip()) for line in block]
-    return [line for x in told for line in (("- " if x.startswith("``") else "") + escaped(x), "")]
+    return [line for x in named for line in (("- " if x.startswith("``") else "") + escaped(x), "")]
 
 
 def plain(_app: object, _what: str, _name: str, _thing: object, _options: object, lines: list[str]) -> None:
-    """In place, as autodoc wants it."""
+    """Convert a docstring in place, for autodoc."""
     lines[:] = [line for block in paragraphs(lines) for line in block] + [""]
 
 
 def setup(app: Sphinx) -> None:
-    """For every docstring that autodoc reads."""
+    """Connect to every docstring that autodoc reads."""
     app.connect("autodoc-process-docstring", plain)

@@ -1,7 +1,8 @@
-"""LaTeX of pages and of what notebooks show, set as MathML: browsers draw it themselves, and nothing is loaded for it."""
+"""LaTeX of pages and notebooks as MathML, which browsers draw without loading anything."""
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from docutils import nodes
@@ -11,28 +12,34 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
     from sphinx.writers.html5 import HTML5Translator
 
+_PAIRED = {r"\lvert": r"\left\lvert ", r"\rvert": r"\right\rvert "}
+"""Bars that are fences, without the space of an operator."""
+
 
 def mathml(latex: str, display: str) -> str:
-    """A formula.
+    """Return a formula as MathML.
 
     >>> mathml("$ x $", "inline").count("<mi>x</mi>")
     1
+    >>> mathml(r"c\\lvert x\\rvert", "inline").count("fence")
+    2
     """
-    return convert(latex.strip().strip("$").replace(r"\displaystyle", ""), display=display)
+    bars = re.sub(r"(?<!\\left)\\lvert|(?<!\\right)\\rvert", lambda bar: _PAIRED[bar[0]], latex)
+    return convert(bars.strip().strip("$").replace(r"\displaystyle", ""), display=display)
 
 
 def inline(self: HTML5Translator, node: nodes.math) -> None:
-    """A formula in a line."""
+    """Write an inline formula."""
     self.body.append(mathml(node.astext(), "inline"))
     raise nodes.SkipNode
 
 
 def block(self: HTML5Translator, node: nodes.math_block) -> None:
-    """A formula of its own; a wide one scrolls."""
+    """Write a displayed formula; a wide one scrolls."""
     self.body.append(f'<div class="formula">{mathml(node.astext(), "block")}</div>')
     raise nodes.SkipNode
 
 
 def setup(app: Sphinx) -> None:
-    """Make it the renderer ``mathml``."""
+    """Register the renderer ``mathml``."""
     app.add_html_math_renderer("mathml", (inline, None), (block, None))

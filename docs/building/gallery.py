@@ -1,4 +1,4 @@
-"""Every scene that the package ships, evaluated anew: its answer, its figures, and the command."""
+"""The gallery: every shipped scene, evaluated at every build, with its result, figures and command."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FIGURES = {
 
 
 def pages(folder: Path) -> dict[str, Page]:
-    """A page for each scene, and one that shows them all. ``folder`` : of the pages, for their figures."""
+    """Return a page for each scene, and the gallery of all. ``folder`` : where the figures go."""
     (folder / "figures").mkdir(exist_ok=True)
     names = [*hs.scene_names(), *hs.family_names()]
     with ProcessPoolExecutor() as pool:
@@ -53,7 +53,7 @@ def _one(folder: Path, name: str) -> str:
             f"```sh\nhaptisym evaluate {name} --figures figures\n```\n",
             "````{container} pair\n", *listed, "````\n",
             f"```{{raw}} html\n{shown}\n```\n",
-            f"The scene's file, a start for one of your own (`haptisym scenes {name} > my.toml`):\n",
+            f"The scene's file, to copy with `haptisym scenes {name} > my.toml`:\n",
             f"```toml\n{generated.scene_file(name)}\n```\n",
         ]
     )  # fmt: skip
@@ -61,8 +61,8 @@ def _one(folder: Path, name: str) -> str:
 
 def _all(names: list[str]) -> str:
     lead = (
-        "Every scene that the package ships, evaluated anew when this site was built. A page has the command, the figures, the answer with what of it is "
-        "proven and what is not, and the file. Scenes whose source says *illustrative* or *recalled* are examples, not data.\n"
+        "After this page you can choose a shipped scene to start from. Each has its command, figures, result and file, evaluated when this site was built. "
+        "Scenes whose source is *illustrative* or *recalled* are examples, not data.\n"
     )
     cards = []
     for name in names:

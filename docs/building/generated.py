@@ -1,4 +1,4 @@
-"""The pages of the site that are written anew for every build, from what the package says of itself."""
+"""Pages of the site that are generated at every build from the package: options, schemas, derivations."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Page = Callable[[], str]
 
 
 def write(folder: Path) -> None:
-    """All of them; a page that says what it said is left as it is, so that it is not read again."""
+    """Write all generated pages into a folder. An unchanged page keeps its date, so that Sphinx does not read it again."""
     import gallery
 
     folder.mkdir(exist_ok=True)
@@ -42,7 +42,7 @@ def _keep(path: Path, text: str) -> None:
 
 
 def verbs() -> str:
-    """What ``--help`` of every verb says."""
+    """Return the page of every option: ``--help`` of each command."""
     helps = {"haptisym": _help(app, "haptisym")}
     with click.Context(app, info_name="haptisym") as context:
         for name in VERBS:
@@ -50,7 +50,7 @@ def verbs() -> str:
             assert command is not None
             helps[f"haptisym {name}"] = _help(command, name, context)
     blocks = [f"## {name}\n\n```text\n{text}\n```\n" for name, text in helps.items()]
-    lead = "What `--help` says of each verb; what it means, and what the documents of `--json` hold, is in [Command line](../command-line.md).\n"
+    lead = "After this page you know every option of every command, as `--help` prints it. What they share is in [Command line](../command-line.md).\n"
     return "\n".join(["# Every option\n", lead, *blocks])
 
 
@@ -60,13 +60,13 @@ def _help(command: click.Command, name: str, parent: click.Context | None = None
 
 
 def schemas() -> str:
-    """A table of keys for each document."""
+    """Return the page of JSON keys: a table for each document."""
     lead = (
-        "What each document of `--json` holds, as its schema says it. The schemas themselves (JSON Schema, 2020-12) are in the package: "
-        "`haptisym schemas NAME` prints one, `hs.json_schema(NAME)` gives it to a validator "
-        "([Command line](../command-line.md#schemas)). Keys in *italics* are there only where they say something.\n"
+        "After this page you know every key of every document of `--json`. Schemas are JSON Schema, 2020-12: "
+        "`haptisym schemas NAME` prints one, `hs.json_schema(NAME)` returns it for a validator "
+        "([Command line](../command-line.md#schemas)). Keys in *italics* are present only where they apply.\n"
     )
-    return "\n".join(["# Documents of JSON\n", lead, *map(_schema, schema_names())])
+    return "\n".join(["# JSON keys\n", lead, *map(_schema, schema_names())])
 
 
 def _schema(name: str) -> str:
@@ -76,34 +76,34 @@ def _schema(name: str) -> str:
 
 
 def derivations() -> str:
-    """The table of the folder ``derivations``, and its pages."""
+    """Return the page of derivations: the table of their folder, and its pages."""
     text = (DERIVATIONS / "README.md").read_text(encoding="utf-8")
     names = "\n".join(f"derivation-{path.stem}" for path in sorted(DERIVATIONS.glob("*.py")))
     return f"{linked(text)}\n```{{toctree}}\n:hidden:\n:maxdepth: 1\n\n{names}\n```\n"
 
 
 def derivation(path: Path) -> str:
-    """A derivation to read: its words, and its code as it stands. The tests run it."""
+    """Return the page of a derivation: its text and its code. The tests run it."""
     script = path.read_text(encoding="utf-8")
     title = path.stem[3:].replace("_", " ").capitalize()
-    lead = f"`python derivations/{path.name}` runs it; the tests do.\n"
+    lead = f"After this page you can repeat the derivation: `python derivations/{path.name}`. The tests run it.\n"
     claim = ast.get_docstring(ast.parse(script)) or ""
     parts = [text if kind == "markdown" else _code(text, claim) for kind, text in cells(script)]
     return "\n\n".join([f"# {title}\n", lead, _quoted(claim), *parts]) + "\n"
 
 
 def _quoted(claim: str) -> str:
-    """Words as they stand."""
+    """Return text verbatim."""
     return f"```text\n{claim}\n```\n"
 
 
 def _code(text: str, claim: str) -> str:
-    """Without the claim, which stands above."""
+    """Return a code cell, without the claim, which is above."""
     return f"```python\n{text}\n```" if claim[:60] not in text else ""
 
 
 def scene_file(name: str) -> str:
-    """The text of a shipped scene or family."""
+    """Return the text of a shipped scene or family."""
     return scene_text(name)[0].rstrip()
 
 
@@ -111,7 +111,7 @@ DERIVATIONS = Path(__file__).parents[2] / "derivations"
 
 
 def linked(text: str) -> str:
-    """Links to derivations lead to their pages; other scripts beside ``docs`` are named, as a site has no page of them."""
+    """Point links to derivations to their pages, and replace links to other scripts by their names."""
     named = re.sub(r"\[([^\]]+)\]\(\.\./((?!derivations/)[\w/]+\.py)\)", r"\1 (`\2`)", text)
     return re.sub(r"\]\((?:\.\./derivations/)?(\d\d_\w+)\.py\)", r"](/generated/derivation-\1.md)", named)
 
@@ -129,7 +129,7 @@ def _rows(schema: dict[str, Any], within: str, named: dict[str, Any]) -> Iterato
 
 
 def _type(value: dict[str, Any]) -> str:
-    """In words."""
+    """Return the type of a JSON value in words."""
     if "$ref" in value:
         return str(value["$ref"].rpartition("/")[2])
     if "enum" in value:

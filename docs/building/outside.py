@@ -1,4 +1,4 @@
-"""What the pages of a built site would load from outside: ``python docs/building/outside.py build/site``; none is right."""
+"""List what the pages of a built site would load from outside: ``python docs/building/outside.py build/site``; must be none."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from haptisym.writing.layout import named
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-DOCUMENTS = (ROOT / "docs" / "requirements.md").read_text(encoding="utf-8")
+DOCUMENTS = (ROOT / "docs" / "reference-requirements.md").read_text(encoding="utf-8")
 
 WRITERS: dict[str, Callable[[model.Document], str]] = {
     "plain": plain.plain,

@@ -9,6 +9,7 @@ import inspect
 import json
 import pkgutil
 import re
+import shlex
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -18,10 +19,11 @@ from types import ModuleType
 from xml.etree import ElementTree
 
 import pytest
+from click.testing import CliRunner
 
 import haptisym as hs
 import haptisym_check
-from haptisym.cli import VERBS
+from haptisym.cli import VERBS, app
 from haptisym.figures.plots import KINDS
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Model
 
@@ -35,15 +37,53 @@ def test_the_examples_of_the_readme_run() -> None:
     assert result.failed == 0
 
 
+FILES = {
+    name: text
+    for path in sorted((ROOT / "docs").glob("*.md"))
+    for name, text in re.findall(r"<!-- file: (\S+) -->\n```\w*\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
+}
+"""The files that a reader of the pages saves: each in a block after its name."""
+
+
+@pytest.fixture
+def readers_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder, with these files alone."""
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
 PAGES = [path for path in sorted((ROOT / "docs").glob("*.md")) if ">>>" in path.read_text(encoding="utf-8")]
 
 
 @pytest.mark.slow
 @pytest.mark.core
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.stem)
+@pytest.mark.usefixtures("readers_folder")
 def test_the_examples_of_a_page_run(page: Path) -> None:
     result = doctest.testfile(str(page), module_relative=False)
     assert result.failed == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", ["start", "scene", "shake", "build", "bench", "paper"])
+def test_the_commands_of_the_path_run(page: str, readers_folder: Path) -> None:
+    text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+    lines = "".join(re.findall(r"^```sh\n(.*?)```", text, re.DOTALL | re.MULTILINE)).replace("\\\n", "").splitlines()
+    run = [line for line in lines if not line.startswith("pip ")]
+    assert run
+    for line in run:
+        command, _, target = line.partition(" > ")
+        program, *words = shlex.split(command)
+        if program == "python":
+            subprocess.run([sys.executable, *words], check=True, capture_output=True)
+            continue
+        assert program == "haptisym"
+        done = CliRunner().invoke(app, words)
+        assert done.exit_code == 0, f"{line}: {done.output}"
+        if target:
+            (readers_folder / target).write_text(done.stdout, encoding="utf-8")
 
 
 @pytest.mark.parametrize("model", [*ENVIRONMENTS.values(), *EFFECTS.values()], ids=lambda m: m.name)
@@ -94,22 +134,14 @@ def test_the_picture_of_the_house_is_that_of_the_source() -> None:
 
 
 def test_every_page_is_in_the_contents() -> None:
-    contents = "".join(
-        (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8") for name in ("index", "reference", "explanation")
-    )
+    contents = "".join((ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8") for name in ("index", "reference"))
     for path in (ROOT / "docs").glob("*.md"):
         assert path.stem == "index" or re.search(rf"^(\w+ <)?{path.stem}>?$", contents, re.MULTILINE), path.name
 
 
-def test_the_how_to_names_every_verb() -> None:
-    script = (ROOT / "docs" / "how-to.py").read_text(encoding="utf-8")
-    assert [name for name in VERBS if f"`{name}" not in script] == ["scenes", "schemas"]
-    for anchor in re.findall(r"\]\(#([\w-]+)\)", script):
-        titles = {
-            re.sub(r"[^\w -]", "", x.lower()).replace(" ", "-")
-            for x in re.findall(r"^# ## (.+)$", script, re.MULTILINE)
-        }
-        assert anchor in titles
+def test_the_readme_names_every_command() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert [name for name in VERBS if f"`{name}" not in text.replace("haptisym ", "")] == []
 
 
 # The site
@@ -153,12 +185,12 @@ def test_the_page_of_figures_asks_for_every_kind() -> None:
     }  # drawn unasked of several
 
 
-def test_the_notebook_has_the_tutorials_cells(tmp_path: Path) -> None:
-    tutorial, target = ROOT / "docs" / "tutorial.py", tmp_path / "tutorial.ipynb"
+def test_the_notebook_has_the_scripts_cells(tmp_path: Path) -> None:
+    source, target = ROOT / "docs" / "plots.py", tmp_path / "plots.ipynb"
     subprocess.run(
-        [sys.executable, ROOT / "docs" / "make_notebook.py", tutorial, target], check=True, capture_output=True
+        [sys.executable, ROOT / "docs" / "make_notebook.py", source, target], check=True, capture_output=True
     )
-    text, found = tutorial.read_text(encoding="utf-8"), json.loads(target.read_text(encoding="utf-8"))
+    text, found = source.read_text(encoding="utf-8"), json.loads(target.read_text(encoding="utf-8"))
     kinds = ["markdown" if "[markdown]" in line else "code" for line in text.splitlines() if line.startswith("# %%")]
     cells = found["cells"]
     assert (found["nbformat"], found["nbformat_minor"]) == (4, 5)

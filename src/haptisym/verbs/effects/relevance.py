@@ -211,7 +211,7 @@ class Relevance(Answer):
     """Which effects of a scene matter for a tolerance.
 
     ``pruned`` : the scene with the kept effects only. ``bound`` : per part the largest change that leaving out all others makes,
-    jointly, on the band: proven. ``smallest`` : whether no smaller set does, proven (``docs/relevance.md``).
+    jointly, on the band: proven. ``smallest`` : whether no smaller set does, proven (``docs/reference-tolerances.md``).
     """
 
     _schema: ClassVar[str] = "haptisym.effects/1"
