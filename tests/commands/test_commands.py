@@ -174,7 +174,7 @@ def test_what_a_limit_cuts_short_is_undecided_and_has_its_document_all_the_same(
     with timed_by(count().__next__):
         status, out, _ = call("require", "delayed-spring", "--free", "tau", "--limit", "1")
     assert status == 3
-    assert "UNDECIDED" in out
+    assert "Undecided" in out
 
 
 def test_scenes_and_schemas_are_listed_and_printed_as_they_are(call: Call) -> None:
@@ -259,9 +259,7 @@ def test_a_file_on_a_full_disk_is_named(call, words: list[str]) -> None:  # type
         ("metrics fu2019 --json --to latex", "--json prints one document"),
         ("metrics fu2019 --to text --json", "--json prints one document"),
         ("require fu2019 --free zeta --slices 5", "--slices is about a map"),
-        ("require fu2019 --free zeta --free omega_n --range 0 1 --range 1 2 --digits 9", "--digits is about the ends"),
         ("require fu2019 --free zeta --part real --any-environment", "for any environment there are no parts"),
-        ("sensitivity fu2019 --digits 30", "--digits is about the document: it needs --json"),
         ("tolerances fu2019-tolerances --samples 0 --seed 1", "--samples 0 draws none"),
         ("sweep fu2019 --vary evaluation.jnd=0.1:0.2:3 --workers 2 --cluster tcp://x", "--workers computes on this machine"),
         ("sweep fu2019 --vary evaluation.jnd=.1:.2:3 --vary environment.m=1:2:3 --vary environment.k=1:2:3 --figure a.svg", "one or two parameters, not 3"),

@@ -317,8 +317,8 @@ def test_words_stand_in_the_middle_of_their_band_or_are_numbered_there() -> None
     [
         (IDENTITY, Part.REAL, "never exceeds the threshold"), (UNDAMPED, Part.IMAG, "never exceeds the threshold"),
         (hs.Scene(mass_spring_damper(k=100), (shunt(k=10),)), Part.REAL, "never exceeds the threshold"),
-        (hs.Scene(mass_spring_damper(1, 5, 100), (shunt(b=-8),)), Part.IMAG, "noticed, not named"),
-        (DISC, Part.IMAG, "noticed, not named"),
+        (hs.Scene(mass_spring_damper(1, 5, 100), (shunt(b=-8),)), Part.IMAG, "noticed (active)"),
+        (DISC, Part.IMAG, "noticed (active)"),
         (hs.Scene(mass_spring_damper(k=100, b=12), (shunt(b=-12),), (0, 14), ELLIPSE), Part.IMAG, "lower damping"),
     ],
     ids=["identity", "no damping", "just the threshold", "active", "active in a disc", "taken away"],
@@ -541,7 +541,7 @@ def test_each_environment_has_its_ratio_and_one_line_is_the_largest_of_them() ->
     [gap] = np.flatnonzero(np.isnan(places(lines[0])[1]))
     assert (omega[gap], y[gap]) == (pytest.approx(np.sqrt(50)), np.inf)
     assert all(np.abs(omega - end).min() < 1e-12 for end in ENDS)
-    assert told(ax) == ["largest", "heavy binds", "stiff binds", "others", "threshold", "all transparent"]
+    assert told(ax) == ["largest", "limited by heavy", "limited by stiff", "others", "threshold", "all transparent"]
 
 
 def test_dots_stand_where_one_binds_and_the_ground_is_grey_where_none_is_noticed() -> None:

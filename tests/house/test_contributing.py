@@ -52,7 +52,7 @@ def test_the_files_and_tests_that_are_named_are_there() -> None:
 
 
 def test_there_is_a_sample_of_every_block() -> None:
-    assert set(BLOCKS) | {model.Figure, model.Live} == set(get_args(model.Block))
+    assert set(BLOCKS) | {model.Figure, model.Live, model.Formulas} == set(get_args(model.Block))
 
 
 @pytest.mark.parametrize("writer", WRITERS)

@@ -73,7 +73,7 @@ def test_an_evaluation_shows_its_crossings_with_their_digits() -> None:
     read, document = Page(paper()._repr_html_()), paper().to_dict()
     shown = "".join(read.texts)
     assert {c["omega"] for c in document["crossings"]} <= set(read.numbers)
-    assert all(c["digits"] in shown for c in document["crossings"])
+    assert all(f"{c['omega']:.4g}" in shown for c in document["crossings"])
     assert all(f"{p['change']} {p['property']}" in shown for p in document["percepts"])
 
 
@@ -140,11 +140,11 @@ FORMULAS: dict[str, tuple[Callable[[], Any], str]] = {
     "an exact number": (lambda: ExactNumber(30 * pi), r"30 \pi \approx 94.2477796076938"),
     "a small number": (lambda: ExactNumber(Rational(1, 3)), r"\tfrac{1}{3}"),
     "a number": (lambda: paper().crossings[0].omega, "7.97891679017471"),
-    "an interval": (lambda: paper().transparent[0], r"\left[ 0,\, 7.9789 \right]\,\mathrm{rad/s}"),
+    "an interval": (lambda: paper().transparent[0], r"\left[ 0,\, 7.979 \right]\,\mathrm{rad/s}"),
     "a crossing": (lambda: paper().crossings[0], r"r_r = c_{\mathrm{real}},\quad \omega = 7.97891679017471\,\mathrm{rad/s}"),
     "a peak": (
         lambda: hs.peaks(hs.Scene(E.mass_spring_damper(k=100), (F.first_order_lag(10),), (0, 15)))[0],
-        r"r_i = 0.5,\quad \omega = 10\,\mathrm{rad/s}",
+        r"r_i = 0.5000,\quad \omega = 10.00\,\mathrm{rad/s}",
     ),
 }  # fmt: skip
 
@@ -203,4 +203,4 @@ def test_katex_reads_every_formula() -> None:
 
 def test_a_scene_shows_its_parameters_in_its_units() -> None:
     shown = unescape("".join(Page(PAPER._repr_html_()).texts))
-    assert all(x in shown for x in ("second-order-lowpass", "1.8", "N·s/m", "2.3873 Hz"))
+    assert all(x in shown for x in ("second-order-lowpass", "1.8", "N·s/m", "2.387 Hz"))

@@ -205,7 +205,7 @@ NAMED = {
 def test_every_formula_of_the_page_has_the_value_that_the_physics_has(name: str, omega: float) -> None:
     """Long formulas are broken in lines and named in parts: read together again, nothing is lost and no sign is turned."""
     # without dimensions names have other meanings, and leading terms are no values
-    page_of_values = re.split(r"<h3>(?:Without dimensions|Fast devices)", said(name))[0]
+    page_of_values = re.split(r"<h3>(?:Dimensionless|High-bandwidth)", said(name))[0]
     scene, listed = evaluated(name).scene, equations(page_of_values)
     known: dict[str, complex] = {spelt(p.symbol.name): float(p.value) for p in scene.parameters}
     known |= {"s": 1j * omega, "omega": omega}
@@ -376,10 +376,10 @@ def test_a_report_of_a_fitted_scene_calls_nothing_of_the_device_proven() -> None
     report = undrawn(hs.evaluate(hs.Scene(felt, (F.first_order_lag(20),), (0, 15), confidence=0.95)))
     words = " ".join(re.sub("<[^>]*>", " ", re.sub("<(script|style).*?</\\1>", "", report, flags=re.DOTALL)).split())
     assert "95 % region of the fit" in words
-    assert "estimates (exact for the fitted model)" in words
+    assert "Proven for the fitted model:" in words
     assert not re.search(r"\b(Certain:|[Gg]uaranteed|none invented\) proven)", words)
 
 
 def test_a_half_width_in_omega_is_written_as_it_is() -> None:
     wide = {"shape": "ellipse", "real": "0.1 + 0.01*omega", "imag": 0.1}
-    assert "which-values-would-do" in undrawn(hs.evaluate(hs.Scene(E.mass_spring_damper(k=100), (LAG,), (0, 15), wide)))
+    assert "which-values" in undrawn(hs.evaluate(hs.Scene(E.mass_spring_damper(k=100), (LAG,), (0, 15), wide)))

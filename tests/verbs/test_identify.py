@@ -784,7 +784,7 @@ def test_a_maxwell_element_behind_a_lag_has_two_answers_and_both_are_named() -> 
     assert Curve(found.wanted, OMEGA).at(other) == pytest.approx(found.fit.model, rel=1e-6)
     assert sorted([k, other[0]]) == pytest.approx([72, 300], rel=0.05)
     assert found.ambiguous == ("environment.k", "effects.first-order-lag.omega_c")
-    assert "THE SAME RESPONSE" in str(found)
+    assert "The same response" in str(found)
     assert "# The same response: environment.k" in found.text
     [row] = found.to_dict()["others"]
     assert row["environment.k"] == other[0]

@@ -154,7 +154,7 @@ def test_active_damping_has_no_name() -> None:
     assert verdicts(e) == [("below", "exceeds")]
     assert e.percepts == ()
     assert json.loads(e.to_json()) == e.to_dict()
-    assert "noticed, not named" in str(e)
+    assert "noticed (active: no property applies)" in " ".join(str(e).split())
 
 
 @pytest.mark.parametrize("key", ["coherence", "averages", "radius"])
@@ -333,7 +333,7 @@ def test_the_command_line_says_the_same_in_every_form(tmp_path: Path, call: Call
         "evaluate", str(scene), "--latex", str(latex), "--report", str(report), "--figures", str(tmp_path)
     )
     assert status == 0
-    assert "nothing is said between the lines" in " ".join(out.split())
+    assert "verdicts at these points alone, none between them" in " ".join(out.split())
     assert "ertain:" not in out
     assert "unresolved" in latex.read_text(encoding="utf-8")
     assert "<svg" in report.read_text(encoding="utf-8")
@@ -1118,7 +1118,7 @@ def test_without_a_bound_nothing_is_told_between_the_lines() -> None:
     e = hs.evaluate(hs.MeasuredScene(FU.environment, hs.measured([2.0, 8.0], [93 + 30j, -30 + 120j])))
     assert e.between is None
     assert "between" not in e.to_dict()
-    assert "nothing is said between the lines" in " ".join(str(e).split())
+    assert "verdicts at these points alone, none between them" in " ".join(str(e).split())
 
 
 def test_lines_that_contradict_the_bound_are_said_to_and_nothing_is_told_there() -> None:

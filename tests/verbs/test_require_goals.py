@@ -177,7 +177,7 @@ def test_what_is_undecided_for_a_reason_says_it(name: str) -> None:
     assert (found.feasible, undecided(found)) == ((), [(10, 1000)])
     assert why in found.reason
     assert why in found.to_dict()["reason"]
-    assert "UNDECIDED" in str(found)
+    assert "Undecided" in str(found)
 
 
 @pytest.mark.parametrize("that", ["stable", "passive"])

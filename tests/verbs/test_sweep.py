@@ -875,7 +875,7 @@ def test_the_command_tells_sets_without_answer_with_status_3(call: Any, tmp_path
     (tmp_path / "spring.toml").write_text(text, encoding="utf-8")
     status, out, _ = call("sweep", str(tmp_path / "spring.toml"), "--vary", "environment.k=0:100:2")
     assert status == 3
-    assert "NOT ANSWERED: 1 sets" in out
+    assert "Undecided: 1 sets" in out
     assert "environment.k = 0" in out
 
 

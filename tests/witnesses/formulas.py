@@ -45,7 +45,7 @@ def closed_forms(name: str) -> list[Expr]:
         groups += [f(x) for f in (forms.properties, forms.forces) for x in ("env", "perc")]
         found += [row.value for group in groups for row in group]
         found += [x for x in (d.changeover_environment, d.changeover_perceived) if x is not None]
-    return found
+    return [x for x in found if not x.has(sp.atan2)]  # the readers know no function of two arguments
 
 
 def are_identical(one: Expr, other: Expr) -> bool:
@@ -99,7 +99,7 @@ def by_key(expr: Expr) -> Mapping[str, Symbol]:
     """The symbols of a formula by the names that a reader finds."""
     found = {key(x.name): x for x in expr.free_symbols}
     assert len(found) == len(expr.free_symbols)
-    return found
+    return [x for x in found if not x.has(sp.atan2)]  # the readers know no function of two arguments
 
 
 def value_at(expr: Expr) -> Expr:

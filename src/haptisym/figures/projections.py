@@ -127,9 +127,14 @@ def _magnitudes(f: Callable[..., Values], omega: Array, part: Part) -> Array:
 def _percept_labels(evaluation: Evaluation, part: Part, scale: Scale) -> list[_Label]:
     """As what a part is felt where it is noticed, in the words of all outputs and in the order of the bands."""
     together = [_on(scale, x.band, felt_of(x, part)) for x in evaluation.percepts if x.part is None]
-    own = [_on(scale, x.band, x.words) for x in evaluation.felt if x.part is part]
-    nameless = [_on(scale, x, NOT_NAMED) for x in _nameless(evaluation, part)]
+    own = [_on(scale, x.band, _short(x.words)) for x in evaluation.felt if x.part is part]
+    nameless = [_on(scale, x, _short(NOT_NAMED)) for x in _nameless(evaluation, part)]
     return sorted(together + own + nameless, key=lambda x: x.low)
+
+
+def _short(words: str) -> str:
+    """As a figure has room for it."""
+    return "noticed (active)" if words == NOT_NAMED else words
 
 
 def _nameless(evaluation: Evaluation, part: Part) -> tuple[Interval, ...]:

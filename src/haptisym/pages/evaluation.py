@@ -96,7 +96,7 @@ def page(e: Evaluation) -> Document:
         *regions(e),
         Section("Step 2: perceived change", tuple(_step_2(e)), "step-2"),
         *noted(_remarks(e)),
-        Section("Formulas", (Formulas(lambda: [Facts(tuple(_dynamics(e)))]),), "formulas"),
+        Section("Formulas", (Versions((Formulas(lambda: [Facts(tuple(_dynamics(e)))]),)),), "formulas"),
         Section("Which values satisfy the JND?", (Versions((), full.design),), "which-values"),
         Section("Explorer", (Live(full.explorer),), "explorer"),
         *caveats(e.caveats),

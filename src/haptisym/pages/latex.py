@@ -10,14 +10,16 @@ from sympy import Basic
 from haptisym.judge.answers import Answer
 from haptisym.model.distortion import Distortion
 from haptisym.pages.closedforms import ClosedForms
+from haptisym.writing.document import DIGITS
 from haptisym.writing.latex import align, formula, tables
 
 
 @singledispatch
-def latex(value: Any) -> str:
+def latex(value: Any, *, digits: int = DIGITS) -> str:
     r"""LaTeX of a SymPy expression, of a Distortion (its formulas, an ``align*``) or of an answer (its tables).
 
-    Formulas stand in descending powers of s or omega, ascending where that avoids a leading minus. Nothing is rounded.
+    Formulas stand in descending powers of s or omega, ascending where that avoids a leading minus; nothing in them is rounded.
+    ``digits`` : of the numbers of tables.
     Raises TypeError for anything else.
 
     >>> from sympy import Rational
@@ -32,15 +34,15 @@ def latex(value: Any) -> str:
 
 
 @latex.register
-def _(value: Basic) -> str:
+def _(value: Basic, *, digits: int = DIGITS) -> str:
     return formula(value)
 
 
 @latex.register
-def _(value: Distortion) -> str:
+def _(value: Distortion, *, digits: int = DIGITS) -> str:
     return align(ClosedForms(value).all())
 
 
 @latex.register
-def _(value: Answer) -> str:
-    return tables(value.document())
+def _(value: Answer, *, digits: int = DIGITS) -> str:
+    return tables(value.document(), digits)

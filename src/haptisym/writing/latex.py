@@ -44,6 +44,7 @@ from haptisym.writing.boxes import (
     needs_dot,
 )
 from haptisym.writing.document import (
+    DIGITS,
     Block,
     Code,
     Document,
@@ -558,9 +559,9 @@ def piece(document: Document) -> str:
     return fragment([*_asides(document), *document.blocks], depth=2)
 
 
-def tables(document: Document) -> str:
+def tables(document: Document, digits: int = DIGITS) -> str:
     """The tables of a document in brief, and the lines below its title but for the source, which is a string."""
-    document = document.prepared(full=False)
+    document = document.prepared(full=False, digits=digits)
     return fragment([*_tables(document.blocks), *_asides(document)])
 
 
