@@ -203,4 +203,4 @@ def test_katex_reads_every_formula() -> None:
 
 def test_a_scene_shows_its_parameters_in_its_units() -> None:
     shown = unescape("".join(Page(PAPER._repr_html_()).texts))
-    assert all(x in shown for x in ("second-order-lowpass", "1.8", "N·s/m", "2.387 Hz"))
+    assert all(x in shown for x in ("second-order-lowpass", "1.8", "N·s/m", "2.387\xa0Hz"))

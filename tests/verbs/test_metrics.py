@@ -161,7 +161,7 @@ BEYOND = {"never negative": {1}, "negative again and again": {1, -1}}
 def test_what_is_said_of_passive_hands_is_what_samples_show(name: str) -> None:
     e = hs.evaluate(name)
     rows = {x.what: x.value for x in hs.metrics(name)["passivity"].values}
-    [(looked, active)] = [(what, x) for what, x in rows.items() if "looked at up to" in what]
+    [(looked, active)] = [(what, x) for what, x in rows.items() if "searched up to" in what]
     assert len(active) == len(e.passivity.active)  # type: ignore[arg-type]
     high = float(looked.split()[-2])
     far, near = (
@@ -169,8 +169,8 @@ def test_what_is_said_of_passive_hands_is_what_samples_show(name: str) -> None:
     )
     assert {int(x) for x in np.sign(far)} == BEYOND[str(rows["Im H_perc beyond that"])]
     assert bool((near < 0).any()) == bool(active)
-    assert rows["every passive hand"] == ("does not hold" if active else "holds")
-    assert rows["force stable under imposed motion"] == "yes"
+    assert rows["any passive operator"] == ("does not hold" if active else "holds")
+    assert rows["stable under prescribed motion"] == "yes"
 
 
 def test_a_heavy_filtered_device_fails_the_free_response_while_the_jnd_is_kept() -> None:
@@ -465,17 +465,17 @@ NEAR = [Rational(5, 6) * (1 + sign * Rational(1, 10**n)) for n in (3, 18, 60) fo
 @pytest.mark.parametrize(
     ("scene", "passive", "absolute"),
     [
-        (hs.Scene(KV, (effects.compliance(k=800, b=3),)), "every passive hand: holds, as Im H_perc >= 0 at all frequencies and no pole forbids it",
-         "absolutely stable: with every passive hand and every passive environment"),
-        (hs.Scene(KV, (LAG,), (0, 60)), "Im H_perc < 0 somewhere on the band: active there; every passive hand: does not hold",
-         "not absolutely stable: the conditions on the axis fail somewhere on the band;"),
-        (hs.Scene(KV, (effects.shunt(b=-1),), (0, 5)), "every passive hand: holds, as", "fail somewhere on the band;"),
+        (hs.Scene(KV, (effects.compliance(k=800, b=3),)), "passive: Im H_perc >= 0 at all frequencies and no pole prevents it",
+         "absolutely stable: with any passive operator and environment"),
+        (hs.Scene(KV, (LAG,), (0, 60)), "Im H_perc < 0 somewhere on the band: active there; not passive",
+         "not absolutely stable: the conditions on the axis fail somewhere on the band"),
+        (hs.Scene(KV, (effects.shunt(b=-1),), (0, 5)), "passive: Im H_perc", "fail somewhere on the band"),
         (hs.Scene(environments.kelvin_voigt(100, 6), (LOWPASS,), (0, 1)),
-         "Im H_perc >= 0 on the whole band, but < 0 above it, first from 71.181 rad/s; every passive hand: does not hold",  # (38400 - 8000)/6, its root
-         "not absolutely stable: the conditions on the axis fail somewhere on the band;"),
-        (hs.Scene(KV, (effects.compliance(k=400, b=30), LOWPASS, effects.shunt(b=4)), (0, 1)), "every passive hand: holds, as",
+         "Im H_perc >= 0 on the whole band, but < 0 above it, first from 71.181 rad/s; not passive",  # (38400 - 8000)/6, its root
+         "not absolutely stable: the conditions on the axis fail somewhere on the band"),
+        (hs.Scene(KV, (effects.compliance(k=400, b=30), LOWPASS, effects.shunt(b=4)), (0, 1)), "passive: Im H_perc",
          "not absolutely stable: the conditions on the axis hold on the whole band, but fail above it"),
-        (hs.Scene(KV, (effects.shunt(Z="-1/s"),), (1, 5)), "Im H_perc >= 0 at all frequencies, but poles forbid it; every passive hand: does not hold",
+        (hs.Scene(KV, (effects.shunt(Z="-1/s"),), (1, 5)), "Im H_perc >= 0 at all frequencies, but poles prevent passivity",
          "not absolutely stable: the conditions on the axis hold on the whole band, but poles break those on the poles"),
     ],
 )  # fmt: skip
@@ -486,7 +486,7 @@ def test_what_is_said_of_every_passive_hand_and_environment_is_what_the_axis_and
     assert passive in m["passivity"].verdict
     assert absolute in m["absolute stability"].verdict
     rows = {x.what: x.value for x in m["passivity"].values}
-    assert rows["every passive hand"] == ("holds" if "holds, as" in passive else "does not hold")
+    assert rows["any passive operator"] == ("holds" if "passive: Im" in passive else "does not hold")
     table = {x.what: x.value for x in m["absolute stability"].values}
     holds = {
         "conditions on the axis at all frequencies": "fail" not in absolute,
@@ -500,7 +500,7 @@ def test_what_is_said_of_every_passive_hand_and_environment_is_what_the_axis_and
     [
         (hs.Scene(KV, (LAG,), (0, 60)), "set at"),
         (hs.Scene(KV, (LAG, effects.shunt(b="-1/2"))), "set at"),
-        (hs.Scene(KV, (effects.compliance(k=500, b=20), effects.shunt(b=-21))), "approached far out"),
+        (hs.Scene(KV, (effects.compliance(k=500, b=20), effects.shunt(b=-21))), "approached at high frequency"),
         (hs.Scene(KV, (effects.shunt(Z="s^3"),)), "grows without bound"),
     ],
 )
@@ -508,9 +508,9 @@ def test_what_a_hand_must_damp_is_the_most_that_is_given_away_at_any_frequency(s
     m = hs.metrics(scene)["passivity"]
     grid = np.geomspace(1e-3, 1e5, 20_001)
     felt = hs.sampled(scene, grid).H.imag
-    damping = row(m, "hand damping that makes up for it")
+    damping = row(m, "hand damping that compensates it")
     if where == "grows without bound":
-        assert damping.value == "none: what is given away grows without bound"
+        assert damping.value == "none: the activity is unbounded"
         return
     assert where in damping.what
     assert damping.unit == "N s/m"

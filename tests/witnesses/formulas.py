@@ -99,7 +99,7 @@ def by_key(expr: Expr) -> Mapping[str, Symbol]:
     """The symbols of a formula by the names that a reader finds."""
     found = {key(x.name): x for x in expr.free_symbols}
     assert len(found) == len(expr.free_symbols)
-    return [x for x in found if not x.has(sp.atan2)]  # the readers know no function of two arguments
+    return found
 
 
 def value_at(expr: Expr) -> Expr:

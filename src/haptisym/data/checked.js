@@ -3,7 +3,7 @@
   "use strict";
   const place = document.getElementById("checked");
   const read = (id) => JSON.parse(document.getElementById(id).textContent);
-  const VERBS = { exceeds: "rises above", returns: "falls below", touches: "touches" };
+  const VERBS = { exceeds: "exceeds", returns: "returns below", touches: "is tangent to" };
 
   const counted = (n, what) => `${n === 0 ? "no" : n} ${what}${n === 1 ? "" : "s"}`;
 
@@ -38,10 +38,11 @@
   }
 
   function ofCrossings(claim) {
-    const rows = [...document.querySelectorAll("#step-1 tbody tr")].filter((row) => /^\[[^\]]+\]$/.test(row.lastElementChild.textContent) && row.children.length === 6);
+    const rows = [...document.querySelectorAll("#step-1 tbody tr")].filter((row) => /^\[[^\]]+\]$/.test(row.lastElementChild.textContent) && row.children.length > 3);
     if (rows.length !== claim.crossings.length) return `the table shows ${rows.length} crossings, and ${claim.crossings.length} are proven`;
     const wrong = claim.crossings.findIndex((crossing, i) => {
-      const [part, , , event, , enclosure] = [...rows[i].children].map((cell) => cell.textContent);
+      const cells = [...rows[i].children].map((cell) => cell.textContent);
+      const [part, event, enclosure] = [cells[0], cells.at(-3), cells.at(-1)];
       const times = crossing.multiplicity > 1 ? `(${crossing.multiplicity}-fold)` : "";
       const same = part === crossing.part && event.includes(VERBS[crossing.kind]) && event.endsWith(times);
       return !same || enclosure !== `[${claim.frequencies[crossing.at].join(", ")}]`;

@@ -282,7 +282,7 @@
   /** What happens at a crossing. */
   function meets(x) {
     if (x.part === "joint") return `ΔH ${x.rising ? "leaves" : "returns into"} the ${spec.region.shape}`;
-    return `${x.part === "real" ? "r_r" : "r_i"} ${x.rising ? "rises above" : "falls below"}`;
+    return `${x.part === "real" ? "r_r" : "r_i"} ${x.rising ? "exceeds" : "returns below"}`;
   }
 
   function say(bands, edges) {

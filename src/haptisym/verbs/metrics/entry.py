@@ -47,7 +47,7 @@ _COARSE = (
 )
 _ACTIVE = (
     "Transparent is not absolutely stable: the conditions on the axis fail on all of the band but single frequencies, so that "
-    "some passive hand or environment could draw energy from this display where nothing is noticed."
+    "this display may generate energy with some passive operator or environment where nothing is noticed."
 )
 
 
@@ -199,7 +199,7 @@ def _sensitivity(m: Measured) -> Metric:
         (Value("largest |dH_perc/dH_env| on the band", value),),
         "derivative of H_perc by H_env",
         "derived (15_metrics)",
-        "1 where a small change of the environment is passed on as large as it is; says nothing of the environment itself",
+        "1 where a small change of the environment is passed on unchanged; independent of the environment itself",
     )
 
 

@@ -223,7 +223,7 @@ class Unconditional:
 
     @property
     def holds(self) -> bool | None:
-        """Whether the two-port is absolutely stable: with every passive hand and every passive environment."""
+        """Whether the two-port is absolutely stable: with any passive operator and environment."""
         if self.axis is False or self.poles is False:
             return False
         return True if self.axis and self.poles else None
@@ -558,26 +558,29 @@ def passivity_measure(m: Measured) -> Metric:
         "passivity",
         (),
         (Value("Im H_perc >= 0 on the band", m.passive, "rad/s"), *(_values(m, found) if found else ())),
-        "a display is stable with every passive hand exactly if H_perc/s is positive real",
-        "per frequency derived (15_metrics); with a clock Colgate and Schenkel (1997), as quoted by Weir and Colgate: read",
+        "a display is stable with any passive operator exactly if H_perc/s is positive real",
+        "per frequency derived (15_metrics); of a sampled display Colgate and Schenkel (1997), as quoted by Weir and "
+        "Colgate: read",
         _verdict(m, found),
     )
 
 
 def _values(m: Measured, found: Passivity) -> list[Value]:
-    rows = [Value(f"Im H_perc < 0, looked at up to {short(ExactNumber(found.high))} rad/s", found.active, "rad/s")]
+    rows = [Value(f"Im H_perc < 0, searched up to {short(ExactNumber(found.high))} rad/s", found.active, "rad/s")]
     rows += [Value("Im H_perc beyond that", found.beyond.value)]
     if (given := found.most_given) and found.active:
         where = f" at {short(given.omega)} rad/s" if given.omega else ""
         rows += [Value(f"most energy given per cycle, over π A²{where}", given.value, m.unit)]
     untold = found.holds is None and found.beyond is Beyond.CLOCK
-    rows += [Value("every passive hand", "not told by this with a clock" if untold else _ANSWERS[found.holds])]
+    rows += [Value("any passive operator", "undecided for a sampled display" if untold else _ANSWERS[found.holds])]
     if found.is_active and found.damping:
-        where = f", set at {short(found.damping.omega)} rad/s" if found.damping.omega else ", approached far out"
-        rows += [Value(f"hand damping that makes up for it{where}", found.damping.value, m.units["b"])]
+        where = (
+            f", set at {short(found.damping.omega)} rad/s" if found.damping.omega else ", approached at high frequency"
+        )
+        rows += [Value(f"hand damping that compensates it{where}", found.damping.value, m.units["b"])]
     elif found.is_unbounded:
-        rows += [Value("hand damping that makes up for it", "none: what is given away grows without bound")]
-    return [*rows, Value("force stable under imposed motion", _YES[m.evaluation.stable])]
+        rows += [Value("hand damping that compensates it", "none: the activity is unbounded")]
+    return [*rows, Value("stable under prescribed motion", _YES[m.evaluation.stable])]
 
 
 def _verdict(m: Measured, found: Passivity | None) -> str:
@@ -586,21 +589,21 @@ def _verdict(m: Measured, found: Passivity | None) -> str:
     if found is None:
         return f"{band}; whether that is so at all frequencies was not decided"
     if found.holds and found.sampled:
-        return f"{band}; every passive hand: holds, by Colgate and Schenkel's condition"
+        return f"{band}; passive, by Colgate and Schenkel's condition"
     if found.holds:
-        return "every passive hand: holds, as Im H_perc >= 0 at all frequencies and no pole forbids it"
+        return "passive: Im H_perc >= 0 at all frequencies and no pole prevents it"
     if found.is_active and found.holds is False:
         above = (
             f", but < 0 above it, first from {short(found.active[0].low.omega)} rad/s" if kept and found.active else ""
         )
-        return f"{band}{above}; every passive hand: does not hold"
+        return f"{band}{above}; not passive"
     if found.beyond is Beyond.CLOCK and found.holds is False:
-        return f"{band}; every passive hand: does not hold, by Colgate and Schenkel's condition"
+        return f"{band}; not passive, by Colgate and Schenkel's condition"
     if found.beyond is Beyond.CLOCK:
-        return f"{band} and up to half the clock's rate; with a clock that does not tell of every passive hand"
+        return f"{band} and up to half the sampling rate; that leaves passivity of the sampled display undecided"
     if found.beyond is Beyond.NEVER and found.poles_allow is False:
-        return "Im H_perc >= 0 at all frequencies, but poles forbid it; every passive hand: does not hold"
-    return f"{band}; every passive hand: not decided"
+        return "Im H_perc >= 0 at all frequencies, but poles prevent passivity"
+    return f"{band}; passivity undecided"
 
 
 def absolute_stability_measure(m: Measured) -> Metric:
@@ -629,11 +632,11 @@ def absolute_stability_measure(m: Measured) -> Metric:
 def _absolutely(m: Measured, kept: bool) -> str:  # noqa: FBT001
     whole = m.unconditional
     if whole.holds:
-        return "absolutely stable: with every passive hand and every passive environment"
+        return "absolutely stable: with any passive operator and environment"
     if not kept:
         return (
-            "not absolutely stable: the conditions on the axis fail somewhere on the band; energy can come out there, with some "
-            "passive hand or environment"
+            "not absolutely stable: the conditions on the axis fail somewhere on the band, where the display may "
+            "generate energy"
         )
     if whole.axis is False:
         return "not absolutely stable: the conditions on the axis hold on the whole band, but fail above it"
