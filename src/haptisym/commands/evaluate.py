@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -113,9 +114,8 @@ def evaluate(
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
     with progress() as told, limited(limit, told):
-        result = evaluate_scene(
-            one, digits or 15, tolerance=tolerance, regions=regions, proportion=proportion, limit=None
-        )
+        asked: dict[str, Any] = {"tolerance": tolerance, "regions": regions, "proportion": proportion}
+        result = evaluate_scene(one, digits or 15, limit=None, **asked)
         _ = result.bandwidths  # of a range of thresholds: within the limit
         proof = result.certificate() if certificate else ""
     if certificate is not None:
