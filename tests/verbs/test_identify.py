@@ -216,7 +216,7 @@ def test_a_delay_that_the_lines_speak_against_is_none_at_all() -> None:
     assert "exp(" not in str(found)
     assert 'tau = "0.0 s"' in found.text
     assert found.verdict.chance == 0
-    assert "a chance below 1e-300 if the model" in " ".join(str(found).split())
+    assert "a probability below 1e-300 if the model" in " ".join(str(found).split())
     correlation, freedom = found.verdict.neighbours, len(OMEGA) - 1
     assert found.verdict.neighbours_chance == pytest.approx(norm.sf(correlation * np.sqrt(2 * freedom)), rel=1e-9)
 

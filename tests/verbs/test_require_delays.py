@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 from certificates import fractional_scene, late_scene, of_requirement, text_of
 from forgeries import LATE_GAIN, slab, with_slabs
-from secondchecker import verdicts
 from sympy import Rational
 from valuesets import contradictions, ends, is_transparent, shown, within
 
@@ -306,20 +305,19 @@ def test_a_number_that_is_negative_in_the_scene_is_answered_as_its_mirror_image(
 
 
 PROVEN = [(late_scene, x) for x in (3, 4, 8, 13, 14, 15)] + [(fractional_scene, x) for x in (1, 4, 6, 8, 10)]
-"""Random scenes whose certificates both checkers read in a second."""
+"""Random scenes whose certificates the checker reads in a second."""
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("make", "seed"), PROVEN)
 def test_certificates_about_random_scenes_with_waves_are_accepted(make: Callable[[int], str], seed: int) -> None:
-    """By both checkers; and what they claim an evaluation says at values near both ends of each interval, and between."""
+    """By the checker; and what they claim an evaluation says at values near both ends of each interval, and between."""
     text = make(seed)
     told = hs.parse_scene(text)
     names = [x.path for x in told.knobs if x.key not in ("tau", "T", "alpha") and "jnd." not in x.path]
     path = random.Random(seed).choice(names)
     proof = hs.require(told, path).certificate()
     assert check(proof.encode(), text.encode()).startswith("Proven")
-    assert verdicts([(proof, text)])[0][0] is not None
     for row in json.loads(proof)["claim"]["values"]:
         assert_evaluated(told, path, row)
 
@@ -350,7 +348,6 @@ def test_slabs_of_which_forgeries_are_made_are_accepted_where_what_they_say_is_t
     late = [slab("21/10", "5/2", ["0"]), slab("5/2", "3", ["1/1000"])], [slab("2000001/1000000", "3", ["0"])]
     asked = [(with_slabs(*told), LATE_GAIN) for told in late]
     assert all(check(proof.encode(), text.encode()).startswith("Proven") for proof, text in asked)
-    assert all(claim is not None for claim, _ in verdicts(asked))
 
 
 POWERED = """[environment]
@@ -391,4 +388,3 @@ def test_lists_of_delays_and_orders_may_be_empty_where_there_are_none() -> None:
         told = json.loads(proof)
         told["proof"] = {"delays": [], "orders": []} | told["proof"]
         assert check(json.dumps(told).encode(), text.encode()).startswith("Proven")
-        assert verdicts([(json.dumps(told), text)])[0][0] is not None

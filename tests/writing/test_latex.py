@@ -207,7 +207,9 @@ def read_values(aligned: str, known: dict[str, float]) -> dict[str, list[float]]
 
 
 @pytest.mark.few("shunt_mass", "delayed-spring")
-@pytest.mark.parametrize("name", [*SYMBOLIC, *(x for x in WRITTEN_OUT if x != "fu2019")])
+@pytest.mark.parametrize(
+    "name", [*SYMBOLIC, *(x for x in WRITTEN_OUT if x not in ("fu2019", "helicopter-cyclic"))]
+)  # its phases are of two arguments
 def test_every_printed_closed_form_has_the_value_that_it_stands_for(name):
     d = SYMBOLIC.get(name) or load_scene(name).symbolic_distortion()
     known = assumed(d)
