@@ -99,7 +99,7 @@ def test_a_map_has_strokes_marks_and_grounds_where_the_set_and_its_boundary_are(
     ways = [[tuple(map(float, p)) for p in x] for x in strokes.get_segments()]  # type: ignore[attr-defined]
     assert ways == [[(b, 150 * b), (b, 500)] for b in (1, 2, 3)]
     assert [(x.get_label(), points(x)) for x in marks] == [
-        ("imaginary part, band-edge", [(b, 150 * b) for b in (1, 2, 3)])
+        ("imaginary part, at the band's edge", [(b, 150 * b) for b in (1, 2, 3)])
     ]
     kept, open_ = (np.array(filled(ax, x)) for x in (pen.SHADE, "#f2c14e"))
     assert (kept[:, 1] >= 150 * kept[:, 2] - 1e-9).all()
@@ -108,7 +108,7 @@ def test_a_map_has_strokes_marks_and_grounds_where_the_set_and_its_boundary_are(
         for k in (150 * b + 40, 500 - 1e-3):
             within = [x for x in (*kept, *open_) if x[0] <= b <= x[2] and x[1] <= k <= x[3]]
             assert k >= 500 or within
-    assert {"transparent on the slice", "transparent, proven", "left open, holds the boundary", "exact slices"} <= set(
+    assert {"transparent on the slice", "transparent, proven", "undecided, holds the boundary", "exact slices"} <= set(
         told(ax)
     )
     assert (*ax.get_xlim(), *ax.get_ylim()) == (1, 3, 100, 500)
@@ -130,7 +130,7 @@ def test_a_map_of_several_things_shows_each_set() -> None:
     assert [points(x) for x in ax.lines] == [
         [(1, 150), (2, 300)], [(2, 300), (3, 450)], [(1, 150), (2, 300), (3, 450)],
     ]  # fmt: skip
-    assert {"all that is asked, interpolated", "transparent", "every passive hand: ends on no slice"} <= set(told(ax))
+    assert {"all that is asked, interpolated", "transparent", "passive: ends on no slice"} <= set(told(ax))
 
 
 def test_between_slices_of_different_kind_a_map_is_hatched_and_shows_no_boundary() -> None:

@@ -127,7 +127,7 @@ def test_the_box_of_the_scene_file_holds_the_truth_and_tolerances_takes_it() -> 
 def test_a_model_that_misses_something_does_not_fit_and_gets_no_ranges() -> None:
     found = hs.identify(noisy("fu2019", 0.01, 5), "mass-spring-damper", ["delay"])
     assert found.verdict.fits is False
-    assert "does NOT fit" in " ".join(str(found).split())
+    assert "rejected: the model does not fit" in " ".join(str(found).split())
     assert found.scene.ranges() == {}
     assert "does NOT fit" in found.text.splitlines()[0]
     assert json.loads(found.to_json())["fits"] is False
@@ -181,7 +181,7 @@ def test_without_discs_the_model_is_untested_and_errors_are_those_of_the_residua
     felt = noisy("fu2019", 0.01, 5)
     found = hs.identify(hs.measured(felt.omega, felt.H), "mass-spring-damper", ["second-order-lowpass"])
     assert found.verdict.fits is None
-    assert "UNTESTED" in str(found)
+    assert "not tested" in str(found)
     assert [x.error for x in found.estimates] == pytest.approx([x.error for x in paper().estimates], rel=0.3)
     assert "was not tested" in found.text
 
@@ -191,7 +191,7 @@ def test_a_parameter_that_the_lines_do_not_tell_is_named_and_has_no_range() -> N
     felt = noisy(hs.Scene(hs.environments.kelvin_voigt(290, 2), (hs.effects.first_order_lag(1000),)), 0.02, 5)
     found = hs.identify(felt, "kelvin-voigt", ["first-order-lag"])
     assert [x.parameter.name for x in found.estimates if not x.told] == ["omega_c"]
-    assert "do not tell ω_c" in str(found).replace("omega_c", "ω_c")
+    assert "do not identify ω_c" in " ".join(str(found).split())
     assert found.scene.ranges() == {}
 
 
@@ -334,7 +334,7 @@ def test_the_command_line_says_the_same_in_every_form(tmp_path: Path, call: Call
     assert (status, found["schema"], found["certified"], found["fits"]) == (0, "haptisym.identification/1", False, True)
     assert scene.read_text(encoding="utf-8") == found["scene"]
     assert [x["path"] for x in found["parameters"]][-1] == "effects.second-order-lowpass.zeta"
-    assert "Estimated, not proven" in files["tex"].read_text(encoding="utf-8")
+    assert "Estimated (95" in files["tex"].read_text(encoding="utf-8")
     assert "<svg" in files["html"].read_text(encoding="utf-8")
     assert call("evaluate", str(scene), "--json")[0] == 0
 

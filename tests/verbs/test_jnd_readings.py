@@ -33,9 +33,9 @@ def test_with_guesses_the_page_says_which_curve_a_jnd_is_of(tmp_path: Path) -> N
     found = hs.jnd(answers(tmp_path, rows), guess=0.1, lapse=0.1)
     curve, page = found.fit.curve, " ".join(str(found).split())
     assert found.jnd.value == pytest.approx(curve.sigma * norm.ppf(0.75), rel=1e-9)
-    assert "without guesses and lapses 75 % of the answers would be" in page.replace("\xa0", " ")
+    assert "without guesses and lapses 75 % of the responses would be" in page.replace("\xa0", " ")
     of_all = curve.sigma * norm.ppf(0.65 / 0.8)
-    assert f"75 % of all: {of_all:.5g}" in page.replace("\xa0", " ")
+    assert f"75 % of all: {of_all:.4g}" in page.replace("\xa0", " ")
 
 
 def test_a_threshold_has_parts_and_no_items() -> None:

@@ -970,7 +970,7 @@ def test_the_exact_boundary_divides_the_sets_of_a_sweep_and_is_drawn_in_its_map(
     few = hs.sweep(PAPER, {NATURAL: [60, 100, 140, 180], MASS: [0.5, 1, 2, 4]})
     for of, is_drawn in ((PAPER, True), (None, False)):
         [ax] = sweep_figure(few, of).axes
-        assert any("band-edge" in text.get_text() for text in ax.get_legend().get_texts()) is is_drawn
+        assert any("band's edge" in text.get_text() for text in ax.get_legend().get_texts()) is is_drawn
 
 
 def test_a_delay_that_turns_more_often_than_anybody_counts_is_not_answered() -> None:

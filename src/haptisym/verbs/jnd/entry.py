@@ -21,9 +21,6 @@ from statistics import NormalDist
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
-from scipy.optimize import approx_fprime, brentq, minimize
-from scipy.special import log_ndtr, ndtr, xlogy
-from scipy.stats import chi2
 
 from haptisym.judge.answers import Answer
 from haptisym.kernel.budget import ONE_THREAD
@@ -49,6 +46,8 @@ class Curve(Viewed):
     lapse: float = 0.0
 
     def __call__(self, level: Array) -> Array:
+        from scipy.special import ndtr
+
         shares: Array = self.guess + (1 - self.guess - self.lapse) * ndtr((level - self.mu) / self.sigma)
         return shares
 
@@ -213,6 +212,8 @@ class Likelihood:
 
     def loss(self, mu: float, spread: float, lapse: float) -> tuple[float, Array]:
         """Minus the log-likelihood without its constant, and its slopes by mu, log sigma and lapse."""
+        from scipy.special import log_ndtr, ndtr
+
         level, count, trials = self.table
         with np.errstate(all="ignore"):
             sigma = np.exp(spread)
@@ -238,12 +239,16 @@ class Likelihood:
 
     def _is_step(self, curve: Curve) -> bool:
         """Whether fewer than two levels lie on the slope, so far that some answer could tell."""
+        from scipy.special import ndtr
+
         level, _, trials = self.table
         z = (level - curve.mu) / curve.sigma
         return bool((trials * np.minimum(ndtr(z), ndtr(-z)) > 1e-3).sum() < 2)
 
     def deviance(self, curve: Curve) -> float:
         """Twice what the log-likelihood lacks from that of the shares themselves."""
+        from scipy.special import xlogy
+
         _, count, trials = self.table
         kept = xlogy(count, count / trials) + xlogy(trials - count, 1 - count / trials)
         return max(0.0, 2 * float(kept.sum() + self.loss(curve.mu, float(np.log(curve.sigma)), curve.lapse)[0]))
@@ -300,6 +305,8 @@ class _Way:
         The loss is that of a trial: how long the first step is follows from the slopes, and those of many trials leap beyond
         everything, from where a descent does not return.
         """
+        from scipy.optimize import minimize
+
         trials = self.likelihood.table[2].sum()
 
         def of_a_trial(x: Array) -> tuple[float, Array]:
@@ -312,6 +319,8 @@ class _Way:
 
     def refined(self, loss: float, x: Array) -> tuple[float, Array]:
         """The same to the last digits, where the bottom is inside the bounds."""
+        from scipy.optimize import approx_fprime
+
         bottom = np.array(x, float)
         with np.errstate(all="ignore"):
             for _ in range(_NEWTON):
@@ -347,6 +356,8 @@ class _Way:
 
 def crossing(excess: Callable[[float], float], start: float, step: float, most: float) -> float | None:
     """Where a function that is negative at the start becomes positive in a direction; None within ``most`` steps."""
+    from scipy.optimize import brentq
+
     low, reach = start, 1.0
     while reach < most:
         high = start + reach * step
@@ -401,6 +412,8 @@ def _falls(rows: Sequence[Row]) -> bool:
 
 def _profiled(likelihood: Likelihood, best: Best, weights: tuple[int, float], confidence: float) -> Estimate:
     """a mu + z sigma and the values of it that the likelihood does not refuse: twice its fall is chi-squared at most."""
+    from scipy.stats import chi2
+
     a, z = weights
     curve = best.curve
     value, most = a * curve.mu + z * curve.sigma, float(chi2.ppf(confidence, 1))
@@ -417,6 +430,8 @@ def _profiled(likelihood: Likelihood, best: Best, weights: tuple[int, float], co
 
 def deviance(rows: Sequence[Row], curve: Curve, free: int) -> Deviance:
     """The deviance of answers from a curve with so many fitted numbers; levels with few answers are put together."""
+    from scipy.stats import chi2
+
     groups = tuple(_grouped(rows))
     found = Likelihood(groups, curve.guess, curve.lapse).deviance(curve)
     degrees = len(groups) - free
