@@ -22,6 +22,7 @@ from haptisym.judge.crossings import Criterion
 from haptisym.judge.regions import Diamond, Ellipse, Polygon, Sided
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import c, omega
+from haptisym.kernel.where import Curve
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Knob, Scene
@@ -139,6 +140,10 @@ class Excess:
             c = inputs[0].number(self._c) if self._limit is None else self._variable(self._limit, cells, slopes=slopes)
             minus = -(c * c)
             return minus + square if isinstance(square, Model) else minus.plus(square)
+
+    def curve(self, cells: Array) -> Curve:
+        """The excess over each cell as a judge of the one search."""
+        return Curve.of(*(x[:, 0] for x in self.model(cells, slopes=0).arrays))
 
     def _square(self, inputs: Sequence[Model]) -> Model | float:
         return Modelled(self._program).run(inputs)[self._name]
