@@ -8,8 +8,8 @@ rectangles that touch have one number of unstable roots, which is counted exactl
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from sympy import Expr, I, Rational, Symbol
 
-from haptisym.kernel.budget import tick
+from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.rings import Polynomial
@@ -212,22 +212,21 @@ class ClockPlane:
         whole: Cell = ((Fraction(0), Fraction(1)),) * (len(self.loops[0].ranges) - 2)
         sides = [(Fraction(i, _FIRST), Fraction(i + 1, _FIRST)) for i in range(_FIRST)]
         grid: list[Cell] = [(a, b) for a in sides for b in sides]
-        waiting = deque((own, [[whole] for _ in self.loops]) for own in grid)
-        try:
-            while waiting and looked <= self.most:
-                own, rest = waiting.popleft()
-                tick(looked, self.most, "rectangles")
-                rest, tried = self._doubtful(own, rest)
+        first: list[tuple[Cell, Sequence[Sequence[Cell]]]] = [(own, [[whole] for _ in self.loops]) for own in grid]
+        waiting = Waiting(first, lambda x: x[0][0][0] - x[0][0][1], what="rectangles")  # the widest first
+        with suppress(LimitError):
+            for own, others in waiting:
+                if looked > self.most:
+                    break
+                rest, tried = self._doubtful(own, others)
                 looked += tried
                 if not any(rest):
                     clear.append(own)
                 elif max(b - a for a, b in own) <= self.finest:
                     left.append(own)
                 else:
-                    waiting += ((half, rest) for half in cell_halves(own, (0, 1)))
-        except LimitError:
-            left.append(own)
-        left += [x for x, _ in waiting]
+                    waiting.add(*((half, rest) for half in cell_halves(own, (0, 1))))
+        left += [x for x, _ in waiting.rest]
         return _array(clear), _array(left)
 
     def _doubtful(self, own: Cell, rest: Sequence[Sequence[Cell]]) -> tuple[list[list[Cell]], int]:
@@ -237,17 +236,16 @@ class ClockPlane:
         """
         found, looked = list[list[Cell]](), 0
         for loop, others in zip(self.loops, rest, strict=True):
-            waiting, doubtful, most = [*others], list[Cell](), looked + _MOST_PIECES
-            while waiting:
-                cell, looked = waiting.pop(), looked + 1
+            waiting, most = Waiting(others), looked + _MOST_PIECES
+            for cell in waiting:
+                looked += 1
                 if loop.is_clear((*own, *cell)):
                     continue
                 looked += bool(cell)
                 if not cell or looked >= most or not loop.is_clear((*own, *(((a + b) / 2,) * 2 for a, b in cell))):
-                    doubtful.append(cell)
                     break
-                waiting += cell_halves(cell, range(len(cell)))
-            found.append([*waiting, *doubtful])
+                waiting.add(*cell_halves(cell, range(len(cell))))
+            found.append(waiting.rest)
         return found, looked
 
 
