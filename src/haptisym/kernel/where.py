@@ -30,8 +30,9 @@ ceiling lies. A judge need not be smooth: one that cannot be positive (``D(j ome
 cube of F's change along it (``Curve.of``): all of it to omega, and pieces without end are cut that only the parameters
 could settle; to each alike, and the parameters are. A piece along whose inner sides F changes more than half as much as
 along the outer ones is cut there, every other open piece wants its cell cut: along the side with the largest share of
-the change in any piece. Of pieces about which nothing is known 32 of a cell may be cut; then it is the cell that is too
-large.
+the change in any piece. A remainder many times larger than all of F's change is one of numbers that cancel in F, and
+says nothing of the side that it is due to: what is cut then is relatively widest. Of pieces about which nothing is
+known 32 of a cell may be cut; then it is the cell that is too large.
 
 **What is asked** is a reading: ``told`` settles a cell that is kept or broken (requirements, maps, planes of hands),
 and a question about the best or the worst value settles what cannot be better than a bound (``no_better``,
@@ -64,6 +65,9 @@ Array: TypeAlias = Any  # numpy arrays of floats, or of whole numbers and truth 
 _ROUNDING = 1e-13  # of a line, relative to the sizes that it is made of
 _SOLVED = 1e-12  # of a piece: what a place on it that a line shows is rounded outward by
 _UNKNOWN = 32  # pieces of a cell about which nothing is known that are cut
+_LOST = (
+    64  # times all that F changes: a remainder of what cancels in F, which says nothing of the side that it is due to
+)
 _FINEST = 1e-10  # of an inner side: pieces are cut no further
 _MOST, _BATCH = 100_000, 1024
 
@@ -91,6 +95,7 @@ class Curve:
             rest = first[:, 1:].sum(-1) + (second.sum(-1) - np.abs(c2[:, 0, 0])) + r
             share = (own / own.max(-1, keepdims=True)) ** 3
             changes = own + np.where(own.max(-1) > 0, r / share.sum(-1), 0.0)[:, None] * share
+            changes[r > _LOST * own.max(-1)] = 0.0
             return cls(c0, c1[:, 0], c2[:, 0, 0], rest + _ROUNDING * (most + r), changes)
 
     @classmethod
@@ -115,8 +120,9 @@ class Curve:
     def never_positive(self) -> Curve:
         """The same of a function whose being positive would mean nothing."""
         with np.errstate(all="ignore"):
-            rest = np.maximum(self.rest, self.middle + np.abs(self.slope) + np.maximum(self.bend, 0.0))
-            return replace(self, rest=rest)
+            sizes = np.abs(self.middle) + np.abs(self.slope) + np.abs(self.bend)
+            top = self.middle + np.abs(self.slope) + np.maximum(self.bend, 0.0)
+            return replace(self, rest=np.maximum(self.rest, top + _ROUNDING * sizes))
 
     def known_negative(self, which: Array) -> Curve:
         """The same of a function that was shown to be negative on some cells in another way."""
