@@ -16,7 +16,7 @@ from haptisym.kernel.budget import timed_by
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.rings import s
-from haptisym.verbs.require.energy import Energy
+from haptisym.verbs.require.floatcells import Energy
 from haptisym.verbs.require.freeparameter import ExactSign, is_between, keeps_sign, zeros_of
 
 E, F = hs.environments, hs.effects

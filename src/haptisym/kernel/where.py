@@ -282,6 +282,23 @@ def halves(cells: Array, side: Array) -> Array:
     return np.concatenate([lower, upper])
 
 
+def touching(cells: Array) -> Array:
+    """A label for each cell, the same for cells that touch, directly or through others."""
+    label = np.full(len(cells), -1)
+    low, high = np.ascontiguousarray(cells.T)
+    alone = np.arange(len(cells))
+    while len(alone):
+        first, waiting = alone[0], [alone[0]]
+        label[first] = first
+        while waiting:
+            own = waiting.pop()
+            near = (low[:, alone] <= high[:, own, None]).all(0) & (low[:, own, None] <= high[:, alone]).all(0)
+            label[alone[near]] = first
+            waiting += alone[near].tolist()
+            alone = alone[~near]
+    return label
+
+
 @dataclass(frozen=True, eq=False)
 class Pieces:
     """Pieces of the inner sides, (pieces, inner, 2); ``owner`` : behind which outer cell, (pieces,), by number."""

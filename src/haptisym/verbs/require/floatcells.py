@@ -1,30 +1,41 @@
-"""Which values of a parameter keep conditions on a whole band, and which break them, in floats with proven bounds.
+"""Values of one parameter in floats with proven bounds, over cells of frequency and value: conditions, and the sign of Im H_perc.
 
-The one search (``kernel.where``) with the values as its outer side, the band as its inner one, and the excess of each
-criterion in Taylor models as a judge. Values are cut down to a thousandth of themselves: what is still open then holds
-the ends of the set, for balls to find.
+**Conditions** (``FloatCells``). The one search (``kernel.where``) with the values as its outer side, the band as its inner
+one, and the excess of each criterion in Taylor models as a judge. Values are cut down to a thousandth of themselves: what
+is still open then holds the ends of the set, for balls to find.
+
+**Energy** (``Energy``). Im H, H = N/D, has the sign of Im(N conj D) on the axis: a sum of powers of omega, omega^p c_p, each
+coefficient made of the parameter and of cos and sinc of delays. Divided by the lowest power it is G(omega, q), bounded down
+to omega = 0; beyond a reach its highest power outweighs the others whatever the phases are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
-from itertools import groupby
+from itertools import groupby, product
+from math import inf, nextafter, prod
+from typing import TypeAlias
 
+import flint
 import numpy as np
-from sympy import Integer
+from sympy import Expr, I, Integer, Poly, Rational, Symbol, pi
 
 from haptisym.judge.bounds import ANY_ENVIRONMENT, is_series
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.excess import Box, Excess, LargerExcess, Side, excess_of
-from haptisym.kernel.errors import HaptisymError
-from haptisym.kernel.rings import omega
-from haptisym.kernel.where import Array, Curve, search
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import HaptisymError, UndecidedError
+from haptisym.kernel.reals import expression_ball
+from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega
+from haptisym.kernel.where import Array, Batches, Curve, halves, search
 from haptisym.model.scene import Knob, Scene
+from haptisym.programs.taylormodels import Model, between, floated, valued, variable
+from haptisym.verbs.require.freeparameter import ExactSign
 from haptisym.verbs.require.places import Told
 
-_FIRST = 16
+_FIRST_PIECES = 16
 """Pieces of the band to begin with."""
 _HARD = 2000
 """After how many cells the larger excess is asked too."""
@@ -63,7 +74,7 @@ class FloatCells:
         def wide(cells: Array) -> Array:
             return cells[..., 1] - cells[..., 0] >= _NARROW * np.maximum(np.abs(cells).max(-1), least)
 
-        marks, steps = np.array(ladder(low, high, self.scale)), np.arange(_FIRST + 1) / _FIRST
+        marks, steps = np.array(ladder(low, high, self.scale)), np.arange(_FIRST_PIECES + 1) / _FIRST_PIECES
         outer, inner = (np.stack([x[:-1], x[1:]], -1)[:, None] for x in (marks, steps))
         judges = [_Judge(*x) for x in self._excesses]
         found = search(judges, outer, inner, wide=wide, what="cells of band and values")
@@ -118,3 +129,388 @@ def ladder(low: float, high: float, scale: float) -> list[float]:
     sizes = [scale * 2.0**n for n in range(-60 if low * high > 0 else -20, 60)]
     marks = [-x for x in sizes] + [0.0] + sizes
     return sorted({low, high, *(x for x in marks if low < x < high)})
+
+
+Span: TypeAlias = tuple[float, float]
+Parts: TypeAlias = dict[Expr, list[Model | None]]
+"""By powers of omega real and imaginary part; None for 0."""
+_BITS = 160
+_QUARTERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+
+
+@dataclass(frozen=True)
+class Term:
+    """number(q) s^power exp(-s lag(q))."""
+
+    power: Expr
+    lag: Expr
+    number: Expr
+
+    @property
+    def turned(self) -> tuple[float, float]:
+        """Cosine and sine of a quarter turn for each power."""
+        if isinstance(self.power, Integer):
+            return _QUARTERS[int(self.power) % 4]
+        with flint.ctx.workprec(
+            _BITS
+        ):  # near an odd power a cosine in floats loses digits, which Model.times takes for known
+            half = expression_ball(self.power) / 2
+            return float(half.cos_pi()), float(half.sin_pi())
+
+
+def terms_in(ring: Ring, polynomial: Polynomial) -> list[Term]:
+    """A polynomial as terms, of each power and delay one."""
+    found: dict[tuple[Expr, Expr], Expr] = {}
+    first, last = ring.size, ring.size + len(ring.lags)
+    for exponents, value in monomials(polynomial):
+        own = [int(n) for n in exponents]
+        number = Rational(int(value.p), int(value.q)) * pi ** own[1]
+        for symbol, n in zip(ring.symbols, own[2:first], strict=True):
+            number *= symbol**n
+        lag = sum((n * x for n, x in zip(own[first:last], ring.lags, strict=True)), Integer(0))
+        more = sum((n * x for n, x in zip(own[last:], ring.orders, strict=False)), Integer(0))
+        place = own[0] + more, lag
+        found[place] = found.get(place, Integer(0)) + number
+    return [Term(*place, number) for place, number in found.items()]
+
+
+Turned: TypeAlias = tuple[Expr, Expr, Expr | None]
+"""A power of omega, by how many quarters it is turned, and what stands before it; None: not known."""
+
+
+def beginnings(row: Sequence[Term]) -> Iterator[Turned]:
+    """Of each term what is left with delays as 1 - s lag."""
+    for x in row:
+        yield x.power, x.power, x.number
+        if x.lag != 0:
+            yield x.power + 1, x.power - 1, x.number * x.lag
+
+
+def endings(row: Sequence[Term]) -> Iterator[Turned]:
+    """The terms, of which those that come late turn on and on."""
+    for x in row:
+        yield x.power, x.power, x.number if x.lag == 0 else None
+
+
+def paired(above: Iterable[Turned], below: Iterable[Turned]) -> tuple[dict[Expr, Expr], list[Expr]]:
+    """Im of above times the conjugate of below, by powers of omega, but what cancels; and powers of which it is not known."""
+    found, unknown = dict[Expr, Expr](), list[Expr]()
+    for (p, a, x), (n, b, y) in product(above, below):
+        if x is None or y is None or not isinstance(a - b, Integer):
+            unknown.append(p + n)
+        else:
+            found[p + n] = found.get(p + n, Integer(0)) + (0, 1, 0, -1)[int(a - b) % 4] * x * y
+    return {p: form for p, x in found.items() if (form := x.expand()) != 0}, unknown
+
+
+def add_to(found: Parts, power: Expr, model: Model, C: float, S: float) -> None:
+    """Add a model times C to the real part of what stands at a power of omega, and times S to the imaginary part."""
+    pair = found.setdefault(power, [None, None])
+    for i, factor in enumerate((C, S)):
+        if factor:
+            more, known = model.times(factor), pair[i]
+            pair[i] = more if known is None else known + more
+
+
+def imaginary(above: Parts, below: Parts) -> dict[Expr, Model]:
+    """Of above times the conjugate of below."""
+    found: dict[Expr, Model] = {}
+
+    def add(power: Expr, x: Model | None, y: Model | None, sign: float) -> None:
+        if x is not None and y is not None:
+            more = (x * y).times(sign)
+            found[power] = found[power] + more if power in found else more
+
+    for p, (a, b) in above.items():
+        for n, (c, d) in below.items():
+            add(p + n, b, c, 1.0)
+            add(p + n, a, d, -1.0)
+    return found
+
+
+def powered(omega: Model, p: Expr) -> Model:
+    """omega^p, for p >= 0."""
+    if not isinstance(p, Integer):
+        return omega.to_the(omega.number(floated(p)))
+    found = omega.number(1.0)
+    for _ in range(int(p)):
+        found = found * omega
+    return found
+
+
+def bent_sinc(angle: Model) -> Model:
+    """(sinc x - 1)/x^2, which lies between -1/6 and -1/6 + x^2/120."""
+    most = np.abs(np.stack(angle.bounds()))[:, :, 0].max(0)
+    low = np.full(len(most), -1 / 6 * (1 + 1e-12))
+    return between(low, np.maximum(low, -1 / 6 + most**2 / 120 + 1e-12), angle)
+
+
+def variables(cells: Array) -> tuple[Model, Model]:
+    """Frequency and parameter, over cells of their values."""
+    found = []
+    for i in (0, 1):
+        low, high = cells[:, i].T
+        size = np.maximum(-low, high)
+        with np.errstate(all="ignore"):  # what is not finite is unknown
+            found.append(variable((low + high) / 2, (high - low) / 2, size, i, 2, slopes=0))
+    return found[0], found[1]
+
+
+def ends_of(model: Model) -> tuple[float, float]:
+    """The least and the largest that a model is in any of its cells."""
+    low, high = model.bounds()
+    return float(low.min()), float(high.max())
+
+
+def span(low: Rational, high: Rational) -> Span:
+    """The ends as floats, rounded outward."""
+    a, b = float(low), float(high)
+    return a if Rational(a) <= low else nextafter(a, -inf), b if Rational(b) >= high else nextafter(b, inf)
+
+
+_FARTHEST = 2.0**60
+_MOST = 800  # cells of frequency and parameter
+_FIRST = 48
+
+
+class Energy:
+    """Im(N conj D) of a dynamics with one symbol."""
+
+    def __init__(self, rows: Sequence[Sequence[Term]], symbol: Symbol) -> None:
+        self._rows, self.symbol = rows, symbol
+
+    @classmethod
+    def of(cls, H: RationalFunction, symbol: Symbol) -> Energy:
+        """UndecidedError where it has friction, or powers of s that change."""
+        ring = H.ring
+        assert isinstance(ring, Ring)
+        if I in ring.generators:
+            raise UndecidedError("whether every passive hand may hold it, with friction beside delays or powers of s")
+        if any(x.free_symbols for x in ring.orders):
+            raise UndecidedError("whether every passive hand may hold it, as a power of s changes")
+        return cls([terms_in(ring, p) for p in (H.numerator, H.denominator)], symbol)
+
+    def clear(self, q: Span, start: float = 0.0) -> bool:
+        """Whether Im H > 0 from a frequency on (of 0 just above it) for all values of a range, proven."""
+        reach = self._reach(q)
+        if reach is None:
+            return False
+        edges = np.concatenate([[start], np.geomspace(max(start, 1e-4 * reach), max(reach, 2 * start), _FIRST)])
+        cells = np.empty((_FIRST, 2, 2))
+        cells[:, 0, 0], cells[:, 0, 1], cells[:, 1] = edges[:-1], edges[1:], q
+        waiting = Batches(cells, size=_MOST, most=_MOST, what="cells of frequency and value")
+        for own in waiting:
+            model = self._function(*variables(own))
+            low, high = (x[:, 0] for x in model.bounds())
+            if (high < 0).any():
+                return False
+            left = ~(low > 0)
+            rates = np.abs(model.c1[left, 0]) + np.abs(model.c2[left, 0]).sum(-1)
+            waiting.add(halves(own[left], np.argmax(np.nan_to_num(rates, nan=0.0, posinf=0.0), -1)))
+        return not len(waiting.rest)
+
+    def active_at(self, q: Span) -> float | None:
+        """A frequency at which Im H < 0 for all values of a range, proven; None where none was found."""
+        reach = self._reach(((q[0] + q[1]) / 2,) * 2) or self._turns(q)
+        grid = np.unique(np.concatenate([np.geomspace(1e-4 * reach, reach, 150), np.linspace(0, reach, 150)[1:]]))
+        middle = (q[0] + q[1]) / 2
+        low = self._bounds(grid, (middle, middle))[1]
+        for i in np.argsort(low)[:3]:
+            if low[i] < 0 and self._bounds(grid[i : i + 1], q)[1][0] < 0:
+                return float(grid[i])
+        return None
+
+    def rises(self, q: Span) -> float | None:
+        """A frequency up to which G(omega, q) > G(0, q), for all values of a range; None where that is not shown."""
+        end = self._reach(q) or 0.0
+        while end > 1e-6:
+            omega, value = variables(np.array([[[0.0, end], q]]))
+            found = self._coefficients(omega, value, expanded=True)
+            powers = sorted(found)
+            if len(powers) < 2:
+                return None
+            low, high = (x[0, 0] for x in found[powers[1]].bounds())
+            rest = sum(max(map(abs, ends_of(found[p]))) * end ** floated(p - powers[1]) for p in powers[2:])
+            if low > rest * (1 + 1e-9):
+                return end
+            if high < 0:
+                return None
+            end /= 4
+        return None
+
+    def beyond(self, end: float, side: int) -> bool | None:
+        """Whether all values above (1) or below an end are as it is: True: passive, False: active; None: not known."""
+        if any(x.lag.has(self.symbol) for row in self._rows for x in row):
+            return None
+        if self._is_helped(side):
+            return True
+        if not end * side > 0:
+            return None
+        span = 0.0, nextafter(1 / abs(end), inf)
+        return None if self._inverted(side).active_at(span) is None else False
+
+    def _is_helped(self, side: int) -> bool:
+        """Whether more of the number is more stiffness, damping or mass, and nothing else."""
+        above, below = self._rows
+        if len(below) > 1 or any(x.power != 0 or x.lag != 0 or not x.number.is_positive for x in below):
+            return False
+        more = [(x, x.number.diff(self.symbol) * side) for x in above if x.number.has(self.symbol)]
+        return all(x.lag == 0 and x.power in (0, 1, 2) and y.is_positive for x, y in more)
+
+    def _inverted(self, side: int) -> Energy:
+        """The same with side/u in place of the number, times a power of u > 0."""
+        rows = []
+        for row in self._rows:
+            forms = [Poly(x.number, self.symbol) for x in row]
+            most = max(x.degree() for x in forms)
+            numbers = (
+                sum((c * side**n * self.symbol ** (most - n) for (n,), c in x.terms()), Integer(0)) for x in forms
+            )
+            rows.append([Term(x.power, x.lag, number) for x, number in zip(row, numbers, strict=True)])
+        return Energy(rows, self.symbol)
+
+    @cached_property
+    def top(self) -> Expr | None:
+        """What stands before the highest power of N; None where some of that comes late."""
+        top = max(x.power for x in self._rows[0])
+        terms = [x for x in self._rows[0] if x.power == top]
+        return sum((x.number for x in terms), Integer(0)) if all(x.lag == 0 for x in terms) else None
+
+    @cached_property
+    def at_0(self) -> Expr:
+        """G(0, q), exactly."""
+        found, unknown = paired(*(list(beginnings(row)) for row in self._rows))
+        lowest = min(found, default=None)
+        if lowest is None or bool(lowest > self._lowest) or any(bool(p <= lowest) for p in unknown):
+            raise UndecidedError("whether every passive hand may hold it, near frequency 0")
+        return found[lowest]
+
+    @cached_property
+    def far(self) -> tuple[Expr, ExactSign] | None:
+        """The highest power of omega in Im(N conj D), and the sign of what stands before it; None where some of it is late."""
+        found, unknown = paired(*(list(endings(row)) for row in self._rows))
+        top = max(found, default=None)
+        if top is None or any(bool(p >= top) for p in unknown) or not found[top].is_polynomial(self.symbol):
+            return None
+        return top, ExactSign(found[top], self.symbol)
+
+    @cached_property
+    def turning(self) -> ExactSign | None:
+        """Negative but where what prevails far out vanishes or is not late: it turns there, and is negative again and again."""
+        tops, below = ([x for x in row if x.power == max(y.power for y in row)] for row in self._rows)
+        if len(below) > 1 or below[0].lag != 0 or any(x.lag == 0 for x in tops):
+            return None
+        if len(tops) > 1 and any(x.lag.has(self.symbol) for x in tops):
+            return None  # two of them may come to be equally late
+        known = next((x.number for x in tops if not x.number.has(self.symbol)), tops[0].number)
+        form = -(prod((x.lag for x in tops), start=known * below[0].number) ** 2).expand()
+        return ExactSign(form, self.symbol) if form.is_polynomial(self.symbol) else None
+
+    @cached_property
+    def far_right(self) -> ExactSign | None:
+        """The sign of H(s)/s for large s > 0, where what comes late has faded; 0 for numbers with which something is not late."""
+        early = [[x for x in row if x.lag == 0] for row in self._rows]
+        if not all(early):
+            return None
+        late = prod((x.lag**2 for row in self._rows for x in row if x.lag.has(self.symbol)), start=Integer(1))
+        form = prod((max(row, key=lambda x: x.power).number for row in early), start=late).expand()
+        return ExactSign(form, self.symbol) if form.is_polynomial(self.symbol) else None
+
+    @cached_property
+    def _lowest(self) -> Expr:
+        omega, q = variables(np.array([[[0.0, 1.0], [1.0, 1.0]]]))
+        return min(self._coefficients(omega, q))
+
+    def _bounds(self, omega: Array, q: Span) -> tuple[Array, Array]:
+        cells = np.empty((len(omega), 2, 2))
+        cells[:, 0, 0] = cells[:, 0, 1] = omega
+        cells[:, 1] = q
+        low, high = (x[:, 0] for x in self._function(*variables(cells)).bounds())
+        return low, high
+
+    def _function(self, omega: Model, q: Model) -> Model:
+        """G over cells."""
+        with np.errstate(all="ignore"):
+            found = self._coefficients(omega, q)
+            total = omega.number(0.0)
+            for p, model in found.items():
+                total = total + model * powered(omega, p - self._lowest)
+            return total
+
+    def _coefficients(self, omega: Model, q: Model, *, expanded: bool = False) -> dict[Expr, Model]:
+        """Of each power of omega; ``expanded``: with cos and sinc as 1 and omega^2 times the rest."""
+        with np.errstate(all="ignore"):
+            above, below = (self._parts(row, omega, q, expanded=expanded) for row in self._rows)
+            return imaginary(above, below)
+
+    def _parts(self, row: Sequence[Term], omega: Model, q: Model, *, expanded: bool) -> Parts:
+        found: Parts = {}
+        for x in row:
+            C, S = x.turned
+            number = valued(x.number, {self.symbol: q}, q)
+            if x.lag == 0:
+                add_to(found, x.power, number, C, S)
+                continue
+            lag = valued(x.lag, {self.symbol: q}, q)
+            angle = omega * lag
+            late = number * lag
+            if not expanded:
+                add_to(found, x.power, number * angle.cosine_and_sine()[0], C, S)
+                add_to(found, x.power + 1, late * angle.sinc(), S, -C)
+                continue
+            half = angle.times(0.5).sinc()
+            add_to(found, x.power, number, C, S)
+            add_to(found, x.power + 2, (number * lag * lag * half * half).times(-0.5), C, S)
+            add_to(found, x.power + 1, late, S, -C)
+            add_to(found, x.power + 3, late * lag * lag * bent_sinc(angle), S, -C)
+        return found
+
+    def _reach(self, q: Span) -> float | None:
+        """From where on Im H > 0 for all values of a range; None where that is not shown."""
+        omega, value = variables(np.array([[[0.0, 0.0], q]]))
+        sure, others = list[Parts](), list[dict[Expr, float]]()
+        for row in self._rows:
+            sure.append(self._parts([x for x in row if x.lag == 0], omega, value, expanded=False))
+            sizes: dict[Expr, float] = {}
+            for x in row:
+                if x.lag != 0:
+                    most = max(map(abs, ends_of(valued(x.number, {self.symbol: value}, value))))
+                    sizes[x.power] = sizes.get(x.power, 0.0) + most
+            others.append(sizes)
+        known = imaginary(*sure)
+        doubt: dict[Expr, float] = {}
+        whole = [{p: sum(max(map(abs, ends_of(y))) for y in pair if y) for p, pair in x.items()} for x in sure]
+        for one, other in ((whole[0], others[1]), (others[0], whole[1]), (others[0], others[1])):
+            for p, a in one.items():
+                for n, b in other.items():
+                    doubt[p + n] = doubt.get(p + n, 0.0) + a * b
+        powers = sorted({*known, *doubt})
+        low = {p: ends_of(model)[0] - doubt.get(p, 0.0) for p, model in known.items()}
+        if low.get(powers[-1], 1.0) <= 0 and self._ends_upward(powers[-1], q):
+            del powers[-1:]  # it is nowhere negative: what comes below must outweigh the rest
+        if not powers or powers[-1] not in known:
+            return None
+        top = powers[-1]
+        least = low[top]
+        rest = {p: doubt.get(p, 0.0) + (max(map(abs, ends_of(known[p]))) if p in known else 0.0) for p in powers}
+        radius = 2.0**-20
+        while radius < _FARTHEST and least > 0:
+            others_there = sum(x * radius ** floated(p - top) for p, x in rest.items() if p != top)
+            if least * (1 - 1e-9) > others_there * (1 + 1e-9):
+                return radius
+            radius *= 2
+        return None
+
+    def _ends_upward(self, top: Expr, q: Span) -> bool:
+        """Whether what stands before the highest power is nowhere negative for values of a range: it may vanish at its ends."""
+        if self.far is None or self.far[0] != top:
+            return False
+        low, high = map(Rational, q)
+        found = self.far[1].at(low) if low == high else self.far[1].between(low, high)
+        return found is not None and found >= 0
+
+    def _turns(self, q: Span) -> float:
+        """Some turns of the longest delay, where nothing settles the sign far out."""
+        known = {self.symbol: Rational((q[0] + q[1]) / 2)}
+        lags = [floated(x.lag.xreplace(known)) for row in self._rows for x in row if x.lag != 0]
+        return 20 / max([x for x in lags if x > 0], default=1.0)

@@ -40,8 +40,8 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import Rule, values
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.programs.onaxis import OnAxis
-from haptisym.verbs.require.energy import Energy, span
 from haptisym.verbs.require.feasible import Binding, Domain, Kind, Question, Solved, Turn, stable_in
+from haptisym.verbs.require.floatcells import Energy, span
 from haptisym.verbs.require.freeparameter import (
     ExactSign,
     allowed,

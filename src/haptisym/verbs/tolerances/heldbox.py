@@ -24,14 +24,13 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.rootcount import count_roots
-from haptisym.kernel.where import Array, search
+from haptisym.kernel.where import Array, search, touching
 from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import values as values_of
 from haptisym.model.scene import Scene, clocks
 from haptisym.programs.onaxis import OnAxis
 from haptisym.verbs.stability.clocked import Cell, OnCircle, cell_halves
 from haptisym.verbs.stability.held import Share, characteristic, unstable_roots
-from haptisym.verbs.tolerances.search import together
 
 _MOST_CORNERS = 64
 _MOST_MIDDLES = 12  # of cells where roots may meet the axis, that are tried as examples
@@ -317,7 +316,7 @@ def wider_than(finest: float) -> Callable[[Array], Array]:
 
 def _told(loops: Sequence[_Loop | _Sampled], clear: Array, left: Array) -> HeldPlane:
     """Clear rectangles by the counts of those that touch each other."""
-    label = together(clear)
+    label = touching(clear)
     stable, unstable = np.zeros((2, len(clear)), bool)
     parts = sorted(set(label.tolist()), key=lambda n: -float(_areas(clear[label == n]).sum()))
     for n in parts[:_MOST_COUNTS]:
