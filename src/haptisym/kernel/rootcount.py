@@ -1,25 +1,10 @@
-"""How many roots a characteristic function has in Re s >= 0, and what it takes to count them.
-
-Polynomials of dynamics by their powers of s, and how they begin at s = 0.
-
-How far a function turns along the imaginary axis: counted on a chart of the zeros of its real and imaginary part.
-
-|A|^2 - |B|^2 on the imaginary axis, of A(s) + B(s) exp(-s tau): where it is positive, no root of the sum lies on the axis.
-
-How small a polynomial of several exp(-s tau_i) becomes on s = j omega, whatever the delays are: on a torus of angles.
-
-A polynomial without a zero on the torus, where all |z_i| = 1, has one where all |z_i| <= 1 only if it has one where all z_i are
-alike (DeCarlo, Murray and Saeks, 1977); if it has none, it is nowhere there smaller than on the torus, by the maximum principle
-for 1/L.
-
-How many roots a characteristic function has in the closed right half plane: the argument principle, counted on a chart.
+"""How many roots a characteristic function has in the closed right half plane: the argument principle, counted on a chart.
 
 D(s) is a polynomial in s, delays exp(-s tau) and powers s^alpha. As omega goes from 0 to a reach R beyond which one power of s
 prevails, the turns of D(j omega) are read off the signs of its real and imaginary part; what is left of the contour is known
 from that power alone. Of A + B exp(-s tau) it is known from A, a polynomial, from where on |A| > |B|. Roots on the axis are
-passed on their left, so that they count.
-
-Whether a dynamics is stable: all poles in the open left half plane, proven or said to be undecided.
+passed on their left, so that they count. Whether all poles lie in the open left half plane is asked of rational dynamics by
+Routh's array.
 """
 
 from __future__ import annotations
@@ -36,7 +21,6 @@ import flint
 from flint import acb, arb
 from sympy import Expr, I, Integer, Rational, factorial, pi
 
-from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
@@ -227,52 +211,6 @@ def positive_from(terms: Terms, late: tuple[int, ...]) -> Rational | None:
     return None
 
 
-_BITS_TORUS = 64
-_MOST_CELLS = 20_000
-_LEAST = 1e-3  # of all sizes together: less takes many cells
-_SHARE = 0.5  # of the least value that was met: a bound that is as good as that will do
-
-_Box: TypeAlias = tuple[tuple[Ball, Ball], ...]
-"""Middle and half of what each angle is, in turns."""
-
-
-def least_on_torus(group: Mapping[tuple[int, ...], Expr]) -> Rational | None:
-    """A number > 0 that |L| is nowhere less than, where all |z_i| = 1: branch and bound. None where it is 0 somewhere, or nearly.
-
-    ``group`` : what stands before each product of powers of the z_i, real.
-
-    >>> from sympy import Integer
-    >>> least_on_torus({(0, 0): Integer(4), (1, 0): Integer(1), (0, 1): Integer(2)}) > Rational(1, 2)
-    True
-    >>> least_on_torus({(0, 0): Integer(3), (1, 0): Integer(1), (0, 1): Integer(2)}) is None
-    True
-    """
-    units = range(len(next(iter(group))))
-    with flint.ctx.workprec(_BITS_TORUS):
-        terms = [(expression_ball(c), turns) for turns, c in group.items()]
-        slopes = [2 * arb.pi() * sum((n[k] * abs(c) for c, n in terms), arb(0)) for k in units]
-        whole = sum((abs(c) for c, _ in terms), arb(0))
-        best = whole.upper()
-
-        def cell(box: _Box) -> tuple[float, _Box]:
-            nonlocal best
-            angles = [acb(0, 2) * arb.pi() * middle for middle, _ in box]
-            size = abs(sum((c * sum(x * k for x, k in zip(angles, n, strict=True)).exp() for c, n in terms), acb(0)))
-            best = min(best, size.upper())
-            bound = size - sum((slope * half for slope, (_, half) in zip(slopes, box, strict=True)), arb(0))
-            return float(bound.lower()), box
-
-        start = tuple((arb(0.5), arb(0.5)) for _ in units)
-        cells = Waiting([cell(start)], rank=lambda x: x[0], most=_MOST_CELLS, what="phases of delays")
-        for bound, box in cells:
-            if bound > 0 and bound >= _SHARE * float(best):
-                return Rational(bound)
-            if best < _LEAST * whole:
-                break
-            cells.add(*map(cell, _halves(box, slopes)))
-    return None
-
-
 def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
     """Whether L(1/z) is L(z) or -L(z) but for powers of z: with each zero in s, -s is one too, however long the delays are.
 
@@ -286,15 +224,7 @@ def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
     return len(group) > 1 and any(all(c == side * other[turns] for turns, c in group.items()) for side in (1, -1))
 
 
-def _halves(box: _Box, slopes: Sequence[Ball]) -> list[_Box]:
-    """A box in two, across the angle along which L may change most."""
-    k = max(range(len(box)), key=lambda i: float(slopes[i] * box[i][1]))
-    middle, half = box[k][0], box[k][1] / 2
-    return [(*box[:k], (middle + side * half, half), *box[k + 1 :]) for side in (-1, 1)]
-
-
 _MOST_TURNING = 2000  # radians that the delays turn up to the reach: thousands of zeros take minutes
-_DEEPEST = 20  # times that a way is halved
 _FINEST = 64  # times that a bound is halved before it is given up
 
 
@@ -324,7 +254,7 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
     ``rests`` : whether it is known that there is none but one at 0, unless a chain comes as near to the axis as one likes.
 
     Guaranteed: for polynomials, and with delays where the highest power of s outweighs its own delayed terms (else the chain of
-    roots that these make is recognised: exactly for one unit delay, and for independent ones that multiply it once each).
+    roots that these make is recognised exactly for one unit delay).
     Not decided: more than some hundred turns, delays whose chain is none of these, and functions with j among their numbers.
 
     >>> from sympy import exp
@@ -423,27 +353,7 @@ def floor_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | RootCh
     used = {i for turns in delayed for i, n in enumerate(turns) if n}
     if len(used) == 1:
         return _floor_of_one(group, used.pop())
-    if all(sum(turns) == 1 for turns in delayed) and _are_independent([ring.lags[i] for i in used]):
-        return RootChain.RIGHT if sign_of_number(margin) else RootChain.NEAR  # the phases oppose as nearly as one likes
-    return _floor_of_several(group)
-
-
-def _are_independent(lags: Sequence[Expr]) -> bool:
-    """Whether no sum of whole multiples of the delays is 0: they are rational multiples of different powers of pi."""
-    rests = [lag.as_coeff_Mul()[1] for lag in lags]
-    powers = all(rest == 1 or (rest.as_base_exp()[0] == pi and rest.as_base_exp()[1].is_Integer) for rest in rests)
-    return powers and len(set(rests)) == len(rests)
-
-
-def _floor_of_several(group: Mapping[tuple[int, ...], Expr]) -> Expr | RootChain:
-    """With unit delays that are taken as independent: as where all are one, if L is not 0 on the axis whatever they are."""
-    least = least_on_torus(group)
-    if least is None:
-        raise UndecidedError("the chain of roots of a neutral function with several delays")
-    alike: dict[tuple[int, ...], Expr] = {}
-    for turns, c in group.items():
-        alike[(sum(turns),)] = alike.get((sum(turns),), Integer(0)) + c
-    return least if not isinstance(_floor_of_one(alike, 0), RootChain) else RootChain.RIGHT
+    raise UndecidedError("the chain of roots of a neutral function with several delays")
 
 
 def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | RootChain:
@@ -538,24 +448,13 @@ def prevailing(degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) 
 def _own_turn(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> Ball:
     """The angle of L at j R, in quarters, beyond that of its undelayed term: 0 where one delay has made whole turns.
 
-    L has no zero where all |z| <= 1: its angle is that which it turns by on the way from 0 to z, along rho z.
+    Of several that term outweighs all others.
     """
     if len(_delays_of(group, ring)) <= 1:
         return arb(0)
+    own = next(c for turns, c in group.items() if not any(turns))
     with flint.ctx.workprec(BITS):
-        terms = [(factor_at({turns: c}, reach, ring), sum(turns)) for turns, c in group.items()]
-        return _turn_along(terms, arb(0), arb(1), _DEEPEST) * 2 / arb.pi()
-
-
-def _turn_along(terms: Sequence[tuple[acb, int]], low: Ball, high: Ball, depth: int) -> Ball:
-    """The angle by which a polynomial with these coefficients and powers turns: on pieces on which it stays in a half plane."""
-    between, start, end = (sum((c * x**n for c, n in terms), acb(0)) for x in (low.union(high), low, high))
-    if not (between.real.contains(0) and between.imag.contains(0)):
-        return (end / start).arg()
-    if not depth:
-        raise UndecidedError("how far the highest power of s turns with its delays")
-    middle = (low + high) / 2
-    return _turn_along(terms, low, middle, depth - 1) + _turn_along(terms, middle, high, depth - 1)
+        return (factor_at(group, reach, ring) / expression_ball(own)).arg() * 2 / arb.pi()
 
 
 def is_stable(dynamics: RationalFunction) -> bool | None:

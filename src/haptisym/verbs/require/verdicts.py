@@ -30,11 +30,10 @@ from haptisym.model.scene import Scene
 from haptisym.verbs.require.criticalvalues import allowed, missing
 from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, runs
 from haptisym.verbs.require.freeparameter import Domain
-from haptisym.verbs.stability.chains import RightRoots, Tendency
 from haptisym.verbs.stability.clocked import clocked_roots, passages_in
 from haptisym.verbs.stability.critical import Tally, meetings
 from haptisym.verbs.stability.entry import chosen
-from haptisym.verbs.stability.loops import Gap, Loop, Meetings
+from haptisym.verbs.stability.loops import Gap, Loop, Meetings, Tendency
 
 _BEYOND = "further out was not looked at"
 
@@ -273,7 +272,7 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
         return _with_a_clock(scene, hand, free, asked)
     loop = Loop.of(scene, hand, free)
     window = window_of(loop, free, asked)
-    one_by_one, one_way, tally = RightRoots(loop), Tendency(loop), Tally(loop, window)
+    one_way, tally = Tendency(loop), Tally(loop, window)
     criterion = stable_in(hand)
     turns = [
         Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS if x.omega is not None else Kind.FAR),))
@@ -286,7 +285,7 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
     return Question(
         turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x),
         exists=lambda x: allowed(scene, free, x), gone=missing(scene, free), gaps=window.gaps,
-        fails=lambda low, high: one_by_one.everywhere(low, high) or one_way.everywhere(low, high), own=free.value,
+        fails=one_way.everywhere, own=free.value,
     ).solve()  # fmt: skip
 
 

@@ -38,11 +38,10 @@ from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.nearone import about_one, at_minus_one, at_one, circle_tests, is_clear
-from haptisym.kernel.pulse import Numbers, Plant, SampledLoop, count_on_circle
+from haptisym.kernel.pulse import Numbers, Plant, SampledLoop, circle_tests, is_clear
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
-from haptisym.kernel.rootcount import Roots, count_roots, is_stable
+from haptisym.kernel.rootcount import Roots, is_stable
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import Effect
 from haptisym.model.hand import Hand, device
@@ -51,26 +50,11 @@ from haptisym.model.parameters import Rule
 from haptisym.model.sampled import CLOCKS, SAMPLED_LOOP, controller
 from haptisym.model.scene import Scene
 
-_BITS = 256
-
 
 def clocked_roots(scene: Scene, hand: Hand) -> Roots:
     """The roots in |z| >= 1 of a display with a clock in a hand; those outside the circle are its ``right``."""
-    found = loop_of(scene, hand).circle()  # in 1/z
-    return Roots(found.inside + found.on, found.inside)
-
-
-def roots_at_one(loop: SampledLoop) -> int:
-    """How many roots lie at z = 1: exactly, as long as they are two at most. UndecidedError otherwise."""
-    if at_one(loop) != 0:
-        return 0
-    if not any(loop.above) or not any(x for _, N in loop.plant.terms for x in N):  # the poles of what moves, alone
-        return next(n for n, x in enumerate(loop.plant.denominator) if x != 0)
-    with flint.ctx.workprec(_BITS):
-        _, slope, *_ = about_one(loop, {})
-    if slope.contains(0):
-        raise UndecidedError("how many roots of a loop with a clock lie at z = 1")
-    return 1
+    outside, at_1 = loop_of(scene, hand).unstable()
+    return Roots(outside + at_1, outside)
 
 
 def clock_of(scene: Scene) -> tuple[int, Effect]:
@@ -95,7 +79,6 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
     G = (ring.one / impedance(ring, behind, ring.convert(hand.Z))).reduced()
     above: tuple[Expr, ...] = (Integer(1),)
     below: tuple[Expr, ...] = (Integer(1),)
-    hidden = (0, 0)
     if clock.model == SAMPLED_LOOP:
         D = controller(clock)
         above, below = (tuple(D.ring.coefficients(p)) for p in (D.numerator, D.denominator))
@@ -107,39 +90,20 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
         if H.is_zero:  # the clock holds nothing, and what moves has its own modes alone
             above = (Integer(0),)
         else:
-            G, hidden = seen_by_the_clock(G * H)
-    return SampledLoop(plant_of(G, ring), clock.parameters[0].value, above, below, hidden)
+            G = _seen_by_the_clock(G * H)
+    return SampledLoop(plant_of(G, ring), clock.parameters[0].value, above, below)
 
 
-def seen_by_the_clock(G: RationalFunction) -> tuple[RationalFunction, tuple[int, int]]:
-    """What moves and the force before the clock, in a row; and how many modes, Re p > 0 and Re p = 0, the clock does not see.
+def _seen_by_the_clock(G: RationalFunction) -> RationalFunction:
+    """What moves and the force before the clock, in a row, without modes that cancel and fade.
 
     What the force does not see remains a mode of what moves, and what the motion does not reach one of the force: exp(p T) is
-    a root of the loop for each p that cancels. Those that fade are left out; pairs +-p, which balls do not tell from the circle,
-    are counted by themselves; all others are left in place.
+    a root of the loop for each p that cancels. Those that do not fade are left in place.
     """
     ring, common = G.ring, G.numerator.gcd(G.denominator)
     cancelled = RationalFunction(ring, ring.one.numerator, common)
-    if _has_symbols(cancelled):
-        return G.monic(), (0, 0)
-    if common.is_constant() or is_stable(cancelled):
-        return G.reduced(), (0, 0)
-    power = min(int(e[0]) for e in common.monoms())
-    rest = common / ring.variable**power
-    mirrored = ring.context.from_dict({e: x * (-1) ** int(e[0]) for e, x in rest.to_dict().items()})
-    pairs = rest.gcd(mirrored)
-    if pairs.is_constant():
-        return G.monic(), (0, 0)
-    assert isinstance(ring, Ring)
-    found = count_roots(pairs, ring)
-    assert found.number is not None
-    assert found.right is not None
-    left = RationalFunction(ring, G.numerator / pairs, G.denominator / pairs).monic()
-    return left, (found.right, found.number - found.right)
-
-
-def _has_symbols(G: RationalFunction) -> bool:
-    return any(degree_in([G.denominator], i) for i in range(2, G.ring.size))
+    is_open = any(degree_in([common], i) for i in range(2, ring.size))
+    return G.monic() if is_open or not (common.is_constant() or is_stable(cancelled)) else G.reduced()
 
 
 def impedance(ring: Ring, effects: tuple[Effect, ...], hand: RationalFunction) -> RationalFunction:
@@ -216,7 +180,7 @@ class OnCircle:
         display = {p.path: p.symbol for p in scene.parameters if p.symbol in ranges}
         own = {p.symbol.name: p.symbol for p in hand.parameters if p.symbol in ranges}
         found = cls(loop_of(scene.with_values(display), hand.with_values(own)), ranges)
-        if found._at_one == 0:
+        if found.loop.at_one == 0:
             raise UndecidedError("the roots of a sampled loop of which one stays at z = 1, for all values at once")
         return found
 
@@ -234,7 +198,7 @@ class OnCircle:
         """Whether no root is on the circle for any values of a cell, proven."""
         with flint.ctx.workprec(_BITS_ONCIRCLE):
             try:
-                return is_clear(self.loop, self._at(cell), self._at_one)
+                return is_clear(self.loop, self._at(cell), self.loop.at_one)
             except (UndecidedError, ZeroDivisionError, ValueError):
                 return False
 
@@ -243,8 +207,7 @@ class OnCircle:
 
         Counted before anything cancels: what is hidden at these values alone is not at others.
         """
-        found = self.loop.at(values).circle()  # in 1/z
-        return True if found.inside + found.on == 0 else False if self.hides_none else None
+        return True if self.loop.at(values).unstable() == (0, 0) else False if self.hides_none else None
 
     @cached_property
     def hides_none(self) -> bool:
@@ -272,10 +235,6 @@ class OnCircle:
         terms = formula.expand().as_ordered_terms()
         lows = [self.ranges[x][0] for x in formula.free_symbols]
         return all(x.as_coeff_Mul()[0] >= 0 for x in terms) and all(sign_of_number(x) >= 0 for x in lows)
-
-    @cached_property
-    def _at_one(self) -> Expr:
-        return at_one(self.loop)
 
     def _at(self, cell: Cell) -> dict[Expr, Ball]:
         """The values of a cell, in balls; at the current working precision."""
@@ -464,15 +423,7 @@ class Opened:
     @cached_property
     def is_fixed(self) -> bool:
         """Whether the number is nowhere in it."""
-        plant = self.loop.plant
-        every = (
-            self.loop.T,
-            *self.loop.above,
-            *self.loop.below,
-            *plant.denominator,
-            *(x for lag, N in plant.terms for x in (lag, *N)),
-        )
-        return not any(x.has(self.symbol) for x in every)
+        return self.symbol not in self.loop.symbols
 
     def at(self, value: Rational) -> SampledLoop:
         """The loop at a number."""
@@ -480,13 +431,13 @@ class Opened:
 
     def count(self, value: Rational) -> tuple[int, int]:
         """The roots with |z| >= 1 at a number, and those on the circle that are not there at any number."""
-        found = self.at(value).circle()
-        return found.inside + found.on, found.on - self.always - self.loop.hidden[1]
+        outside, at_1 = self.at(value).unstable()
+        return outside + at_1, at_1 - self.always
 
     @cached_property
     def at_one(self) -> Expr:
         """C(1) times what is nowhere 0."""
-        return at_one(self.loop)
+        return self.loop.at_one
 
     @cached_property
     def opposite(self) -> tuple[Expr, Expr] | None:
@@ -496,20 +447,7 @@ class Opened:
     @cached_property
     def always(self) -> int:
         """How many roots lie at 1 whatever the number is."""
-        if self.at_one != 0:
-            return 0
-        found = count_on_circle(self.at(Rational(7919, 6007)))
-        return found.on
-
-    def row(self, q: Ball) -> list[Ball]:
-        """The coefficients at a ball of numbers, but for the roots that are always at 1."""
-        row = self.loop.balls({self.symbol: q})
-        for _ in range(self.always):
-            rest = [row[-1]]
-            for x in row[-2:0:-1]:
-                rest.append(x + rest[-1])
-            row = rest[::-1]
-        return row
+        return 0 if self.at_one != 0 else self.at(Rational(7919, 6007)).roots_at_one
 
     def tests(self, q: Ball) -> tuple[Ball, Ball, Ball]:
         """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle."""
@@ -525,10 +463,12 @@ class Opened:
     def angle(self, q: Ball, bits: int) -> Ball:
         """Of the pair on the circle: its argument, to so many bits; not finite where balls do not tell."""
         try:
-            roots = acb_poly(self.row(q)).roots(tol=arb(2) ** -bits, maxprec=2 * flint.ctx.prec)
+            roots = acb_poly(self.loop.in_v({self.symbol: q}, self.always)).roots(
+                tol=arb(2) ** -bits, maxprec=2 * flint.ctx.prec
+            )
         except ValueError:
             return arb("nan")
-        found = [z.arg() for z in roots if abs(z).overlaps(arb(1)) and z.imag > 0]
+        found = [2 * v.imag.atan() for v in roots if v.real.contains(0) and v.imag > 0]
         return found[0] if len(found) == 1 else arb("nan")
 
     def period(self, q: Ball) -> Ball:
@@ -769,12 +709,12 @@ class Inverted(Opened):
     @cached_property
     def at_one(self) -> Expr:
         """C(1) times what is nowhere 0, a power of the symbol among it."""
-        return self._without_powers(at_one(self.loop))[0]
+        return self._without_powers(self.loop.at_one)[0]
 
     @cached_property
     def opposite(self) -> tuple[Expr, Expr]:
         """What is at z = -1, as the symbol may be a factor there: with Tustin's rule a damper is alone, its spring is not."""
-        above, below = self._without_powers(*at_minus_one(self.loop))
+        above, below = self._without_powers(*self.loop.at_minus_one)
         return above, below
 
     def _without_powers(self, *given: Expr) -> list[Expr]:

@@ -34,7 +34,7 @@ from haptisym.kernel.alike import each_once, is_told, ordered
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.far import Sense, far
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball, rational_between
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, rational_between
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.shown import Shown
@@ -44,7 +44,6 @@ from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Array, halves
-from haptisym.verbs.stability.chains import Switches, cells, from_infinity, is_neutral, neutral_meetings
 from haptisym.verbs.stability.clocked import passages
 from haptisym.verbs.stability.held import drifts, need_roots
 from haptisym.verbs.stability.loops import (
@@ -56,9 +55,12 @@ from haptisym.verbs.stability.loops import (
     Meeting,
     Meetings,
     Pair,
+    Switches,
+    clear_of_chains,
     curve_of,
+    from_infinity,
     minus,
-    reach_of_axis,
+    reach_beside_chains,
 )
 
 _WINDOWS = 7
@@ -72,7 +74,6 @@ _NEAR, _STRAIGHT, _WIDER = (
     3.0,
 )  # in halves of a cell: how far a pair is off, C bends, and the proof's box goes
 _ROUNDING = 1e-14  # in shares
-_MOST_TURNING = 2000  # radians
 _BITS = 96
 
 _LEFT = "where roots meet the imaginary axis, as a search left it open"
@@ -163,11 +164,6 @@ class _Cells:
         loop = form.loop
         polynomial = loop.top / loop.ring.variable**form.shared
         self.axis = OnAxis(loop.ring, polynomial, {loop.symbol: (low, high)})
-        if self.axis.reach is None and not loop.turns:  # it takes phases as if all of them could oppose
-            radius = reach_of_axis(loop).radius(
-                expression_ball(low).union(expression_ball(high)), _MOST_TURNING, inverse=False
-            )
-            self.axis.reach = None if radius is None else float(radius) * (1 + _ROUNDING)
         self.found: list[Meeting] = []
         self._known: list[tuple[Array, Array]] = []
         """Middle and size of each box that holds one pair."""
@@ -306,9 +302,15 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
             found, last = Switches.of(loop).up_to(value)
             yield Meetings((*_at_0(loop, far_out).found, *found), below=last)
         return
-    if is_neutral(loop) and not cells(loop, far_out):
-        yield Meetings(far_out)
-        return
+    home, others = None, tuple[Gap, ...]()
+    if any(any(turns) for turns in loop.leading):
+        here = ExactNumber(value)
+        clear = [Gap(a, b) for a, b in clear_of_chains(loop, far_out)]
+        home = next((x for x in clear if x.holds(here, here)), None)
+        others = tuple(x for x in clear if x is not home)
+        if home is None:
+            yield Meetings(far_out, gaps=others)
+            return
     if loop.rests:
         yield _at_0(loop, far_out)
         return
@@ -325,10 +327,10 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
     if settled.sense in _SETTLED:
         yield Meetings((*far_out, *curve.meetings(_near(settled.radius, loop))))
         return
-    if is_neutral(loop):
-        yield from neutral_meetings(loop, curve, far_out)
-    else:
-        yield from _windows(loop, curve, value, far_out)
+    if home is not None and (radius := reach_beside_chains(loop, home.low, home.high)) is not None:
+        yield Meetings((*far_out, *curve.meetings(radius)), gaps=others)
+        return
+    yield from _windows(loop, curve, value, far_out)
 
 
 def _at_0(loop: Loop, far_out: tuple[Meeting, ...]) -> Meetings:

@@ -37,7 +37,7 @@ from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
 from haptisym.model.parameters import WHOLE_NUMBERS, Parameter, values
 from haptisym.model.scene import Scene
-from haptisym.verbs.stability.clocked import OnCircle, clocked_roots, loop_of, roots_at_one
+from haptisym.verbs.stability.clocked import OnCircle, clocked_roots, loop_of
 
 
 def unstable_roots(scene: Scene, hand: Hand) -> Roots:
@@ -167,7 +167,7 @@ def drifts(scene: Scene, hand: Hand) -> int | None:
 def _at_rest(scene: Scene, hand: Hand) -> int:
     """The number of roots at s = 0, or z = 1."""
     if clocks(scene):
-        return roots_at_one(loop_of(scene, hand))
+        return loop_of(scene, hand).roots_at_one
     perceived = scene.closed.perc
     ring = ring_of(perceived)
     top = characteristic(perceived, ring.convert(hand.Z))
