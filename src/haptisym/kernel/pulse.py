@@ -17,7 +17,6 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, reduce
-from itertools import pairwise
 from math import comb, frexp
 from operator import mul
 from types import MappingProxyType
@@ -30,6 +29,7 @@ from sympy import Add, Expr, Integer, Symbol
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.jets import Line, Value, coefficients, joined, like, narrowest, over_cell, parts, polynomial, value
 from haptisym.kernel.reals import Ball, at_rising_precision, expression_ball
+from haptisym.kernel.rootcount import routh
 
 Numbers: TypeAlias = Sequence[Expr]
 """Coefficients, ascending: rational numbers times powers of pi, and sums of such."""
@@ -330,17 +330,12 @@ class SampledLoop:
 
 
 def _count_right(c: Sequence[Ball]) -> int | None:
-    """How many roots of a polynomial have Re v > 0, none being on the axis: Routh's array. None where balls do not tell.
+    """How many roots of a polynomial have Re v > 0, none being on the axis; None where balls do not tell.
 
-    An array may meet a 0 though no root is on the axis, as where two roots add up to 0: then the roots themselves are told.
+    By Routh's array, and by the roots themselves where two of them add up to 0.
     """
-    above, own, signs = list(c[::-2]), list(c[-2::-2]), [c[-1]]
-    while own and not signs[-1].contains(0):
-        signs.append(own[0])
-        ratio = above[0] / own[0]
-        above, own = own, [x - ratio * y for x, y in zip(above[1:], [*own[1:], arb(0)], strict=False)]
-    if not any(x.contains(0) or not x.is_finite() for x in signs):
-        return sum(bool(x * y < 0) for x, y in pairwise(signs))
+    if (found := routh(c)) is not None:
+        return found
     if c[-1].contains(0):
         return None
     try:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from enum import Enum
 from heapq import merge
 from itertools import groupby, pairwise, product
-from math import ceil, prod
+from math import ceil
 from typing import TypeAlias
 
 import flint
@@ -23,9 +23,9 @@ from sympy import Expr, I, Integer, Rational, factorial, pi
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, at_rising_precision, expression_ball
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in, monomials
+from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials
 from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
 from haptisym.kernel.symbols import s
 
@@ -224,8 +224,9 @@ def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
     return len(group) > 1 and any(all(c == side * other[turns] for turns, c in group.items()) for side in (1, -1))
 
 
+_MOST_BITS = 512  # of Routh's array
 _MOST_TURNING = 2000  # radians that the delays turn up to the reach: thousands of zeros take minutes
-_FINEST = 64  # times that a bound is halved before it is given up
+_ARCS = 1 << 8, 1 << 13  # of the unit circle
 
 
 class RootChain(Enum):
@@ -366,31 +367,17 @@ def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | R
     inside = count_roots(w, ring)
     if inside.number or int(w.degrees()[0]) < n:
         return RootChain.RIGHT if inside.right else RootChain.NEAR
-    real, imag = parts_of(w, ring)
-    square = real.function * real.function + imag.function * imag.function
-    circle = ring.axis.convert((1 + _omega(ring) ** 2) ** n)
-    bound = Rational(1)
-    for _ in range(_FINEST):
-        excess = square - ring.axis.convert(bound**2) * circle
-        if _is_positive(excess.numerator, ring, 2 * n):
-            return bound
-        bound /= 2
+    with flint.ctx.workprec(BITS):
+        row = [expression_ball(c) for c in powers]
+        for arcs in _ARCS:
+            turns = (arb(i) / arcs + arb(0, 0.5 / arcs) for i in range(arcs))
+            on_arcs = (
+                abs(sum((c * acb(0, 2 * arb.pi() * x * k).exp() for k, c in enumerate(row)), acb(0))) for x in turns
+            )
+            least = float(min(x.lower() for x in on_arcs))
+            if least > 0:
+                return Rational(least) * Rational(999, 1000)
     raise UndecidedError("how near the chain of a neutral function comes to the axis")
-
-
-def _omega(ring: Ring) -> Expr:
-    return ring.axis.meanings[0]
-
-
-def _is_positive(even: Polynomial, ring: Ring, degree: int) -> bool:
-    """Whether a polynomial in omega is positive on [0, infinity], as is its coefficient of that degree, the highest it has."""
-    axis = ring.axis
-    reverse = {}
-    for exponents, value in monomials(even):
-        reverse[(degree - int(exponents[0]), *exponents[1:])] = value
-    sides = {"near": even, "far": axis.context.from_dict(reverse)}
-    table = chart({name: RealFunction(axis.function(p)) for name, p in sides.items()}, Integer(0), Integer(1))
-    return all(sign > 0 for point in table.points for sign in point.at.values())
 
 
 # The contour
@@ -460,8 +447,8 @@ def _own_turn(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) ->
 def is_stable(dynamics: RationalFunction) -> bool | None:
     """Whether all finite poles of a dynamics in lowest terms lie in the open left half plane; None where not decided.
 
-    Rational dynamics: Routh's array, exact. With delays and powers of s: by ``count_roots`` of the denominator, and None where
-    that stays open, or a chain of poles comes as near to the axis as one likes.
+    Rational dynamics: Routh's array in balls. With delays and powers of s, and where that does not tell: by ``count_roots`` of
+    the denominator, and None where that stays open, or a chain of poles comes as near to the axis as one likes.
 
     >>> from haptisym.kernel.symbols import s
     >>> from sympy import exp
@@ -478,8 +465,10 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
         if order and order > order_at_0(dynamics.numerator, ring):
             return False  # a pole at 0
         if not any(degree_in([dynamics.denominator], i) for i in range(ring.size, len(ring.meanings))):
-            explicit = min(int(e[0]) for e in dynamics.denominator.monoms())
-            return _routh(RationalFunction(ring, dynamics.numerator, dynamics.denominator / ring.variable**explicit))
+            row = ring.coefficients(dynamics.denominator / ring.variable ** int(order))
+            right = at_rising_precision(lambda _: routh([expression_ball(c) for c in row]), 128, _MOST_BITS)
+            if right is not None:
+                return right == 0
         found = count_roots(dynamics.denominator, ring)
     except UndecidedError:
         return None
@@ -488,42 +477,16 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
     return bool(found.number == ceil(order))
 
 
-def _routh(dynamics: RationalFunction) -> bool:
-    rows = _first_rows(dynamics)
-    while rows[1]:
-        # a zero in the first column already means a pole on or right of the imaginary axis
-        if _sign(rows[0][0]) * _sign(rows[1][0]) <= 0:
-            return False
-        rows = rows[1], _next_row(*rows)
-    return True
+def routh(c: Sequence[Ball]) -> int | None:
+    """How many roots a polynomial with ascending coefficients has in Re s > 0, none being on the axis: Routh's array.
 
-
-def _first_rows(dynamics: RationalFunction) -> tuple[list[RationalFunction], list[RationalFunction]]:
-    coefficients = _by_power(dynamics.denominator, dynamics)[::-1]
-    return coefficients[::2], coefficients[1::2]
-
-
-def _by_power(polynomial: Polynomial, of: RationalFunction) -> list[RationalFunction]:
-    """The coefficients of ascending powers of s, as elements of the same ring."""
-    ring = of.ring
-    rows: list[dict[tuple[int, ...], object]] = [{} for _ in range(int(polynomial.degrees()[0]) + 1)]
-    for (power, *others), value in monomials(polynomial):
-        rows[int(power)][(0, *others)] = value
-    return [ring.function(ring.context.from_dict(row)) for row in rows]
-
-
-def _next_row(above: list[RationalFunction], row: list[RationalFunction]) -> list[RationalFunction]:
-    factor = above[0] / row[0]
-    padded = [*row[1:], *[row[0].ring.zero] * (len(above) - len(row))]
-    return [(x - factor * y).reduced() for x, y in zip(above[1:], padded, strict=True)]
-
-
-def _sign(constant: RationalFunction) -> int:
-    return prod(_sign_of(p, constant.ring) for p in (constant.numerator, constant.denominator))
-
-
-def _sign_of(constant: Polynomial, ring: PolynomialRing) -> int:
-    if not constant.is_constant():  # it holds pi
-        return sign_of_number(ring.expression(constant))
-    number = constant.coeffs()[0] if constant else 0
-    return int(number > 0) - int(number < 0)
+    None where balls do not tell, as where two roots add up to 0.
+    """
+    above, own, signs = list(c[::-2]), list(c[-2::-2]), [c[-1]]
+    while own and not signs[-1].contains(0):
+        signs.append(own[0])
+        ratio = above[0] / own[0]
+        above, own = own, [x - ratio * y for x, y in zip(above[1:], [*own[1:], arb(0)], strict=False)]
+    if any(x.contains(0) or not x.is_finite() for x in signs):
+        return None
+    return sum(bool(x * y < 0) for x, y in pairwise(signs))

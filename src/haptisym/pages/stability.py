@@ -1,9 +1,4 @@
-"""The page of stability, and what an evaluation says of it.
-
-What the page of stability says of a display with a clock.
-
-The page of stability: imposed, held, every passive hand, a section each.
-"""
+"""The page of stability: imposed, held, every passive hand, a section each; with a clock, too."""
 
 from __future__ import annotations
 

@@ -1,21 +1,10 @@
 """A display with a clock in a hand: its loop, its roots, and how far a number may go before roots reach the unit circle.
 
-A display with a clock in a hand: the loop through controller, hold and what moves, and how many of its roots have |z| >= 1.
-
-Whether a loop with a clock has roots on the unit circle for some values of a box: excluded in balls, cell by cell.
-
-In v, z = (1 + v)/(1 - v), the circle is the imaginary axis: where there is no root at z = 1, at z = -1, nor a pair +-j nu for
-any values of a cell, the number of roots with |z| >= 1 is one for all of its values.
-
-Values at which a root of a loop with a clock reaches the unit circle, and how fast it goes round there: to any digits.
-
-How far a number may go before a display with a clock shakes: where roots of its loop reach the unit circle, by balls.
-
-There is a root z = 1 where B(1) Q(0) + A(1) N(0) = 0, D = A/B and G = N/Q; a root z = -1 where the highest coefficient in v is 0,
-z = (1 + v)/(1 - v); a pair on the circle where a determinant of Hurwitz is. From a value on, cells in which none of the three
-vanishes follow each other, as long as they may be, up to one in which the number of roots changes; its zero is closed in on.
-
-All values of a number at which roots of a loop with a clock reach the unit circle, between two values.
+The loop goes through controller, hold and what moves. In v, z = (1 + v)/(1 - v), the circle is the imaginary axis: where there
+is no root at z = 1, where B(1) Q(0) + A(1) N(0) = 0, D = A/B and G = N/Q; none at z = -1, where the highest coefficient in v is
+0; nor a pair +-j nu, where a determinant of Hurwitz is 0, for any values of a cell, the number of roots with |z| >= 1 is one for
+all of its values. From a value on such cells, in balls, follow each other, as long as they may be, up to one in which the number
+of roots changes; the zero of its test is closed in on, to any digits.
 
 Without end in two ways. Where the number stands in the controller, or over a polynomial of what moves, as stiffness and damping
 of a wall do, the loop is a polynomial in u = 1/q or -1/q, times a power of u, and is looked at down to u = 0. And what damps, or
@@ -28,7 +17,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 import flint
 from flint import acb_poly, arb, arb_mat
@@ -160,7 +149,7 @@ def _by_delay(ring: Ring, polynomial: Polynomial) -> Mapping[tuple[int, ...], tu
     return {turns: tuple(row.get(n, Integer(0)) for n in range(max(row) + 1)) for turns, row in rows.items()}
 
 
-_BITS_ONCIRCLE = 96
+_BITS_OF_CELLS = 96
 _MOST_CELLS = 3000
 
 Cell: TypeAlias = tuple[tuple[Fraction, Fraction], ...]
@@ -196,7 +185,7 @@ class OnCircle:
 
     def is_clear(self, cell: Cell) -> bool:
         """Whether no root is on the circle for any values of a cell, proven."""
-        with flint.ctx.workprec(_BITS_ONCIRCLE):
+        with flint.ctx.workprec(_BITS_OF_CELLS):
             try:
                 return is_clear(self.loop, self._at(cell), self.loop.at_one)
             except (UndecidedError, ZeroDivisionError, ValueError):
@@ -216,7 +205,7 @@ class OnCircle:
         The plant's poles have Re s < 0, by Hurwitz, but for some at s = 0, which would show at z = 1; those of the controller
         have |z| <= 1, as their coefficients tell.
         """
-        with flint.ctx.workprec(_BITS_ONCIRCLE):
+        with flint.ctx.workprec(_BITS_OF_CELLS):
             known = self._at(((Fraction(0), Fraction(1)),) * len(self.ranges))
             plant = list(self.loop.plant.denominator)
             while plant[0] == 0:
@@ -268,27 +257,11 @@ def _ball(x: Fraction) -> Any:
     return arb(x.numerator) / arb(x.denominator)
 
 
-class Loop(Protocol):
-    """A loop with a clock, in which one number is open."""
-
-    def tests(self, value: Ball) -> tuple[Ball, ...]:
-        """Three functions of the number, of which one vanishes where a root is on the unit circle."""
-        ...
-
-    def angle(self, value: Ball, bits: int) -> Ball:
-        """At which angle a pair is there."""
-        ...
-
-    def period(self, value: Ball) -> Ball:
-        """Of the clock, s."""
-        ...
-
-
 @dataclass(frozen=True, repr=False)
 class CriticalValue(RealNumber):
     """The zero of one of the three tests between two values at which its signs differ."""
 
-    loop: Loop
+    loop: Opened
     test: int
     low: Fraction
     high: Fraction
@@ -305,7 +278,7 @@ class CriticalValue(RealNumber):
 def _bisected(zero: CriticalValue, bits: int) -> Ball:
     """A ball around it of about that relative accuracy: by regula falsi, until signs on both sides of a point confirm it."""
     with flint.ctx.workprec(2 * bits + 64):
-        low, high = _exactly(zero.low), _exactly(zero.high)
+        low, high = _ball(zero.low), _ball(zero.high)
         f, g = (zero.value(x).mid() for x in (low, high))
         width = abs(high) * arb(2) ** -bits
         while (high - low) > 2 * width:
@@ -379,18 +352,14 @@ class Passage:
         return Passage(Inverse(self.value, side), self.omega, *ends)
 
 
-def _exactly(x: Fraction) -> Ball:
-    return arb(x.numerator) / arb(x.denominator)
-
-
-_BITS_CLOCKCRITICAL = 128
+_BITS = 128
 _ZERO = ExactNumber(Integer(0))
 _REACH = 10  # times that a value is doubled, and halved, at the most
 _FINEST = Fraction(1, 1 << 24)  # of a value: where cells are shorter, it is asked whether more roots are behind them
 _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
 _DEEPEST = 8  # times that these are cut
 _GROWTH = Fraction(1, 2)  # of a cell, to the next
-_MOST_CELLS_CLOCKCRITICAL, _MOST_FINE = 1000, 40  # on a side; of them the shortest
+_MOST_ON_A_SIDE, _MOST_FINE = 1000, 40  # on a side; of them the shortest
 
 
 def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
@@ -406,7 +375,7 @@ def start_of(loop: Opened, value: Expr) -> Rational:
     if isinstance(value, Rational):
         return value
     near = Rational(float(value))
-    with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
+    with flint.ctx.workprec(_BITS):
         q = expression_ball(value).union(expression_ball(near))
         if any(x.contains(0) or not x.is_finite() for x in loop.tests(q)):
             raise UndecidedError("how far a number may go that is no rational one")
@@ -490,7 +459,7 @@ class Walk:
         scale = abs(self.start) or Fraction(1)
         end = self._end(side, scale)
         at, step, fine, growth = self.start, scale / 64, 0, _GROWTH
-        for _ in range(_MOST_CELLS_CLOCKCRITICAL):
+        for _ in range(_MOST_ON_A_SIDE):
             try:
                 tick()
             except LimitError:
@@ -521,8 +490,8 @@ class Walk:
         return far if side > 0 or self.rule is Rule.ANY else self.start / 2**_REACH
 
     def _is_clear(self, one: Fraction, other: Fraction) -> bool:
-        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
-            return self.loop.is_clear(_ball_in_clockcritical(one).union(_ball_in_clockcritical(other)))
+        with flint.ctx.workprec(_BITS):
+            return self.loop.is_clear(_ball(one).union(_ball(other)))
 
     def _over(self, one: Fraction, step: Fraction) -> tuple[Passage | None, Fraction]:
         """Past values where balls do not tell: a change there, None if there is none, and how far that goes."""
@@ -541,8 +510,8 @@ class Walk:
     def _has_none(self, low: Fraction, high: Fraction, depth: int) -> bool:
         """Whether no value between two puts a root on the circle, proven; in ever smaller pieces, as beside one that does."""
         tick()
-        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
-            if self.loop.is_clear(_ball_in_clockcritical(low).union(_ball_in_clockcritical(high))):
+        with flint.ctx.workprec(_BITS):
+            if self.loop.is_clear(_ball(low).union(_ball(high))):
                 return True
         middle = (low + high) / 2
         return depth > 0 and self._has_none(low, middle, depth - 1) and self._has_none(middle, high, depth - 1)
@@ -552,8 +521,8 @@ class Walk:
         low, high = sorted((one, other))
         side = 1 if other > one else -1
         below, above = (self.home, count) if side > 0 else (count, self.home)
-        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
-            ends = [self.loop.tests(_ball_in_clockcritical(x)) for x in (low, high)]
+        with flint.ctx.workprec(_BITS):
+            ends = [self.loop.tests(_ball(x)) for x in (low, high)]
             changed = [i for i, (x, y) in enumerate(zip(*ends, strict=True)) if x * y < 0]
         if len(changed) != 1:
             raise UndecidedError("where roots reach the unit circle together")
@@ -575,8 +544,8 @@ class Walk:
         except UndecidedError:
             return None
         left = (self.loop.at_one / self.loop.symbol).expand()
-        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
-            q = arb(0).union(_ball_in_clockcritical(at))
+        with flint.ctx.workprec(_BITS):
+            q = arb(0).union(_ball(at))
             rest = expression_ball(left, {self.loop.symbol: q}), *self.loop.tests(q)[1:]
             clear = not any(x.contains(0) or not x.is_finite() for x in rest)
         if count == self.home or not clear or left.has(1 / self.loop.symbol) or self.loop.always:
@@ -587,10 +556,6 @@ class Walk:
 def _short(x: Fraction) -> Fraction:
     """A number nearby with few digits, so that sums of many steps have no more."""
     return Fraction(float(x))
-
-
-def _ball_in_clockcritical(x: Fraction) -> Any:
-    return arb(x.numerator) / arb(x.denominator)
 
 
 _MOST_PASSAGES = 24

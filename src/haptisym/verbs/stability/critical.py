@@ -1,19 +1,9 @@
-"""How far a number may go before the display shakes.
+"""How far a number may go before the display shakes: the nearest values at which the number of roots that shake changes.
 
-Where a loop meets the imaginary axis, whatever its open number stands in: branch and bound over frequency and value.
-
-In windows about a value that grow, cells are left out where C(j omega; q) is nowhere 0, proven in Taylor models. In the others
-Newton's step in balls proves that there is just one pair of frequency and value. What is neither is a gap.
-
-How far a number may go before the display shakes: the nearest values at which the number of roots that shake changes.
-
-At which values of one open number roots lie on the imaginary axis, and at which frequencies: all of them, certified.
-
-How many roots shake at one value after another: counted once, and from there on by those that come and go.
-
-Those in Re s >= 0 but for what drifts, as nothing holds the handle in place.
-
-How far a number may go before the display shakes: the nearest values at which the number of unstable roots changes.
+Those are roots in Re s >= 0 but for what drifts, as nothing holds the handle in place; counted once, and from there on by those
+that come and go. Where one equation in omega does not tell all values with roots on the axis, they are searched over frequency
+and value: in windows about a value that grow, cells are left out where C(j omega; q) is nowhere 0, proven in Taylor models, and
+in the others Newton's step in balls proves that there is just one pair. What is neither is a gap.
 """
 
 from __future__ import annotations
@@ -66,7 +56,7 @@ from haptisym.verbs.stability.loops import (
 _WINDOWS = 7
 _SMALLEST = Rational(1, 1024)  # as what a value of 0 counts for the first window
 _MOST_CELLS, _DEEPEST = 80_000, 60  # of one strip of values, and how often one is cut
-_MOST_STRIPS, _THINNEST = 128, 64  # parts of a strip, where a bound on the frequency is not known
+_THINNEST = 64  # part of the first window, for which a bound on the frequency must be known
 _COLUMNS = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 64)])
 _NEAR, _STRAIGHT, _WIDER = (
     1.6,
@@ -128,20 +118,12 @@ def _ends(gap: Gap) -> tuple[Expr, Expr]:
 
 
 def _in_strip(form: Characteristic, low: Rational, high: Rational) -> tuple[list[Meeting], list[Gap]]:
-    """Of values from one to another: cut where the highest power of s prevails for some of them alone."""
-    found: list[Meeting] = []
-    gaps: list[Gap] = []
-    waiting = Waiting([(low, high)], most=_MOST_STRIPS, what="intervals of values")
-    for a, b in waiting:
-        cells = _Cells(form, a, b)
-        if cells.axis.reach is not None:
-            gaps += cells.settle()
-            found += cells.found
-        elif b - a > (high - low) / _THINNEST:
-            waiting.add((a, (a + b) / 2), ((a + b) / 2, b))
-        else:
-            gaps.append(_gap(a, b, _FAR))
-    return found, _joined([*gaps, *(_gap(a, b, _FAR) for a, b in waiting.rest)])
+    """Of values from one to another."""
+    cells = _Cells(form, low, high)
+    if cells.axis.reach is None:
+        return [], [_gap(low, high, _FAR)]
+    gaps = cells.settle()
+    return cells.found, _joined(gaps)
 
 
 def _joined(gaps: list[Gap]) -> list[Gap]:
