@@ -68,8 +68,8 @@ from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.rings import Polynomial, PolynomialRing, degree_in, irreducible
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.kernel.symbols import omega, s
-from haptisym.kernel.turns import is_zero as is_zero_turn
-from haptisym.kernel.turns import vanishes
+from haptisym.kernel.waves import is_zero_number as is_zero_turn
+from haptisym.kernel.waves import vanishes
 
 a, b = Symbol("a", positive=True), Symbol("b", positive=True)
 m, k = hs.symbols("m k")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from haptisym.kernel import analytic, nearone, polynomials, waves, zeros
+from haptisym.kernel import analytic, polynomials, pulse, waves, zeros
 
 _CACHES = [
     found
-    for module in (analytic, nearone, polynomials, waves, zeros)
+    for module in (analytic, polynomials, pulse, waves, zeros)
     for found in vars(module).values()
     if hasattr(found, "cache_clear")
 ]

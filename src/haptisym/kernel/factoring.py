@@ -36,8 +36,7 @@ from haptisym.kernel.pieces import pieces, sign_between
 from haptisym.kernel.polynomials import Level, PolynomialFactor, polynomial_factors
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
-from haptisym.kernel.turns import vanishes
-from haptisym.kernel.waves import WaveTerm
+from haptisym.kernel.waves import WaveTerm, vanishes
 from haptisym.kernel.zeros import Factor, is_clear, sign_of
 
 _SHORT = 16  # terms of a polynomial above the line for which known factors are tried first

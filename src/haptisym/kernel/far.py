@@ -1,8 +1,8 @@
 """What a real function of omega does far out: which sign it has beyond a frequency, or that it changes sign for ever.
 
-A function is a sum of powers of omega, each times a sum of waves: sines and cosines of multiples of angles. The waves of the
-highest power decide, where they keep clear of 0: from some frequency on all lower powers are less. Where they take both
-signs, they take both again and again, as sums of waves come back as near as one likes to every value that they have.
+A function is a sum of powers of omega, each times a sum of waves: sines and cosines of multiples of angles. The highest power
+decides where what does not turn in it outweighs all that does: from some frequency on all lower powers are less. Where its
+waves take both signs, they take both again and again, as sums of waves come back as near as one likes to every value they have.
 """
 
 from __future__ import annotations
@@ -69,19 +69,12 @@ def far(f: RationalFunction) -> Far:
         return Far(Sense.POSITIVE)
     waves = _Waves(axis, polynomial)
     highest = max(waves.groups)
-    found = waves.sense(highest)
-    if found.sense in (Sense.BOTH, Sense.UNKNOWN):
-        return Far(found.sense)
-    radius = waves.prevails(highest, found.least)
-    return Far(Sense.UNKNOWN) if radius is None else Far(found.sense, radius)
-
-
-@dataclass(frozen=True)
-class _Clear:
-    """The sign of a sum of waves, and a bound that its size keeps above."""
-
-    sense: Sense
-    least: Ball = arb(0)
+    with flint.ctx.workprec(_BITS):
+        sign, least = waves.dominated(highest)
+        if not least > 0:
+            return Far(Sense.BOTH if waves.takes_both_signs(highest) else Sense.UNKNOWN)
+        radius = waves.prevails(highest, least)
+    return Far(Sense.UNKNOWN) if radius is None else Far(Sense(sign), radius)
 
 
 _Group: TypeAlias = dict[tuple[int, ...], Ball]
@@ -132,26 +125,20 @@ class _Waves:
             (prod((row[x] for row, x in zip(rows, waves, strict=True)), start=c) for waves, c in group.items()), arb(0)
         )
 
-    def sense(self, power: Rational) -> _Clear:
-        """Of the waves before one power of omega."""
-        with flint.ctx.workprec(_BITS):
-            group = self.groups[power]
-            found = self._dominated(group)
-            if found is not None:
-                return found
-            signs = set[int]()
-            for k in range(_SAMPLES if any(self.degrees) else 1):
-                signs |= {sign_of(self._along(group, k))} - {0}
-                if len(signs) == 2:
-                    return _Clear(Sense.BOTH)
-            return _Clear(Sense.UNKNOWN)
-
-    def _dominated(self, group: _Group) -> _Clear | None:
-        """Where what does not turn is more than all that does together."""
-        own = (CONSTANT,) * len(self.turning)
+    def dominated(self, power: Rational) -> tuple[int, Ball]:
+        """Of the waves before a power of omega: the sign of what does not turn, and by how much it outweighs all that does."""
+        group, own = self.groups[power], (CONSTANT,) * len(self.turning)
         still = group.get(own, arb(0))
-        margin = abs(still) - sum((abs(c) for x, c in group.items() if x != own), arb(0))
-        return _Clear(Sense(sign_of(still)), margin.lower()) if margin > 0 else None
+        return sign_of(still), (abs(still) - sum((abs(c) for x, c in group.items() if x != own), arb(0))).lower()
+
+    def takes_both_signs(self, power: Rational) -> bool:
+        """Whether these waves are seen to, at some frequencies: then they do again and again."""
+        signs = set[int]()
+        for k in range(_SAMPLES if any(self.degrees) else 1):
+            signs |= {sign_of(self._along(self.groups[power], k))} - {0}
+            if len(signs) == 2:
+                return True
+        return False
 
     def _along(self, group: _Group, k: int) -> Ball:
         """The waves at one of some frequencies, which turn the fastest angle by about 0.23 each."""
@@ -161,14 +148,13 @@ class _Waves:
 
     def prevails(self, power: Rational, least: Ball) -> Rational | None:
         """From where on ``least`` omega^power exceeds all lower powers together."""
-        with flint.ctx.workprec(_BITS):
-            weights = {p: sum(map(abs, group.values()), arb(0)) for p, group in self.groups.items() if p < power}
-            radius = _FIRST
-            for _ in range(_MOST_DOUBLINGS):
-                base = expression_ball(radius)
-                if least > sum((w * base ** expression_ball(p - power) for p, w in weights.items()), arb(0)):
-                    return radius
-                radius *= 2
+        weights = {p: sum(map(abs, group.values()), arb(0)) for p, group in self.groups.items() if p < power}
+        radius = _FIRST
+        for _ in range(_MOST_DOUBLINGS):
+            base = expression_ball(radius)
+            if least > sum((w * base ** expression_ball(p - power) for p, w in weights.items()), arb(0)):
+                return radius
+            radius *= 2
         return None
 
 

@@ -272,8 +272,6 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
         raise UndecidedError("the roots of a function with j among its numbers")
     polynomial = _without_shared_delays(polynomial, ring)
     terms = terms_of(polynomial, ring)
-    if (line := _root_of_line(terms)) is not None:
-        return line
     degree = max(terms)
     floor = RootChain.NEAR if rests and is_mirrored(terms[degree]) else floor_of(terms[degree], ring)
     if isinstance(floor, RootChain):
@@ -302,17 +300,6 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
     at_0 = [curve.points[0].omega] if order else []
     right = left_of_it - 2 * sum(map(times, passed))
     return Roots(left_of_it + at_least(order), right, (*at_0, *(p.omega for p in passed)))
-
-
-def _root_of_line(terms: Terms) -> Roots | None:
-    """The root of a s + b, if there is one; None of anything else."""
-    if not terms.keys() <= {0, 1} or any(any(turns) for group in terms.values() for turns in group):
-        return None
-    b, a = (sum(terms.get(Integer(n), {}).values(), Integer(0)) for n in (0, 1))
-    if not a or not b:
-        return Roots(int(bool(a)), 0, (ExactNumber(Integer(0)),) if a else ())
-    right = int(sign_of_number(a) != sign_of_number(b))
-    return Roots(right, right)
 
 
 def _turn_of_own(own: Polynomial, terms: Terms, reach: Expr, ring: Ring) -> Ball:

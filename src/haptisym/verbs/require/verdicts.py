@@ -290,7 +290,7 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
 
 
 def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
-    """By Schur and Cohn's count between the values at which roots of the sampled loop reach the unit circle."""
+    """By counts between the values at which roots of the sampled loop reach the unit circle."""
     loop, found = passages_in(scene, hand, free, (asked.low, asked.high))
     criterion = stable_in(hand)
     turns = [Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found.found]

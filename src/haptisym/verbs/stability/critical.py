@@ -83,8 +83,9 @@ def searched(loop: Loop, value: Expr, reason: str) -> Iterator[Meetings]:
     strips = [(ends[0], ends[1])]
     for j in range(1, _WINDOWS + 1):
         for strip in strips:
-            pairs, left = _in_strip(form, *strip)
-            found, gaps = [*found, *pairs], [*gaps, *left]
+            cells = _Cells(form, *strip)
+            gaps += [_gap(*strip, _FAR)] if cells.axis.reach is None else _joined(cells.settle())
+            found += cells.found
         yield Meetings(tuple(found), ends[0], ends[1], tuple(gaps))
         strips = []
         for i, side in enumerate((-1, 1)):
@@ -115,15 +116,6 @@ def _ends(gap: Gap) -> tuple[Expr, Expr]:
     assert isinstance(gap.low, ExactNumber)
     assert isinstance(gap.high, ExactNumber)
     return gap.low.value, gap.high.value
-
-
-def _in_strip(form: Characteristic, low: Rational, high: Rational) -> tuple[list[Meeting], list[Gap]]:
-    """Of values from one to another."""
-    cells = _Cells(form, low, high)
-    if cells.axis.reach is None:
-        return [], [_gap(low, high, _FAR)]
-    gaps = cells.settle()
-    return cells.found, _joined(gaps)
 
 
 def _joined(gaps: list[Gap]) -> list[Gap]:
