@@ -38,6 +38,7 @@ from haptisym.verbs.stability.clocked import passages
 from haptisym.verbs.stability.held import drifts, need_roots
 from haptisym.verbs.stability.loops import (
     ALLOWED,
+    BesideChains,
     Characteristic,
     Curve,
     Gap,
@@ -50,7 +51,6 @@ from haptisym.verbs.stability.loops import (
     curve_of,
     from_infinity,
     minus,
-    reach_beside_chains,
 )
 
 _WINDOWS = 7
@@ -268,13 +268,7 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
         return
     far_out = from_infinity(loop)
     if loop.turns:
-        if _has_chain(loop, value):  # whatever the delay, as long as there is one
-            yield Meetings((*far_out, Meeting(ExactNumber(Integer(0)), None)))
-        elif loop.rests:
-            yield _at_0(loop, far_out)
-        else:
-            found, last = Switches.of(loop).up_to(value)
-            yield Meetings((*_at_0(loop, far_out).found, *found), below=last)
+        yield _of_a_delay(loop, value, far_out)
         return
     home, others = None, tuple[Gap, ...]()
     if any(any(turns) for turns in loop.leading):
@@ -301,10 +295,21 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
     if settled.sense in _SETTLED:
         yield Meetings((*far_out, *curve.meetings(_near(settled.radius, loop))))
         return
-    if home is not None and (radius := reach_beside_chains(loop, home.low, home.high)) is not None:
-        yield Meetings((*far_out, *curve.meetings(radius)), gaps=others)
+    if home is not None and home.low is not None and (beside := BesideChains.of(loop)) is not None:
+        for near in beside.meetings(curve, home.low, home.high):
+            yield Meetings((*far_out, *near.found), gaps=(*others, *near.gaps))
         return
     yield from _windows(loop, curve, value, far_out)
+
+
+def _of_a_delay(loop: Loop, value: Expr, far_out: tuple[Meeting, ...]) -> Meetings:
+    """Or of an order of s."""
+    if _has_chain(loop, value):  # whatever the delay, as long as there is one
+        return Meetings((*far_out, Meeting(ExactNumber(Integer(0)), None)))
+    if loop.rests:
+        return _at_0(loop, far_out)
+    found, last = Switches.of(loop).up_to(value)
+    return Meetings((*_at_0(loop, far_out).found, *found), below=last)
 
 
 def _at_0(loop: Loop, far_out: tuple[Meeting, ...]) -> Meetings:

@@ -22,7 +22,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import combinations, pairwise, product
+from itertools import combinations, groupby, pairwise, product
 from math import comb, perm
 
 import flint
@@ -562,45 +562,68 @@ def clear_of_chains(loop: Loop, far_out: Sequence[Meeting]) -> list[tuple[RealNu
     return [(a, b) for a, b in found if loop.at(rational_between(a, b)).chain is None]
 
 
-_MOST_RADIANS = 120  # that the delay turns up to where roots are looked for beside a chain
-_HALVINGS = 24  # of values beside a chain
+_RADIANS = 40, 120  # that the delay turns up to where roots are looked for beside a chain
+_HALVINGS = 40  # of values beside a chain
 
 
-def reach_beside_chains(loop: Loop, low: RealNumber | None, high: RealNumber | None) -> Rational | None:
-    """A frequency beyond which no value between two at which chains come to the axis, none in between, puts roots on it.
+@dataclass(frozen=True)
+class BesideChains:
+    """Of a loop A + B exp(-s tau), beyond which frequency no value of some puts roots on the axis.
 
-    Of A + B exp(-s tau): where |A|^2 - |B|^2, a polynomial in omega^2, is positive, also where its first coefficient is lost, as
-    at those two. None where that is not shown.
+    Where |A|^2 - |B|^2, a polynomial in omega^2 with these ``rows`` of coefficients, is positive: also where the first of them is
+    lost, as at a value at which a chain comes to the axis. ``lag`` : tau.
     """
-    turns = {x for group in loop.table.values() for x in group if any(x)}
-    late = late_turns(turns, [*loop.table])
-    if late is None or low is None or not any(not any(x) for x in loop.leading):
-        return None
-    last = Rational(_MOST_RADIANS) / Rational(str(float(lag_of(late, loop))))
-    rows = squares(loop.table, late)
 
-    def between(a: RealNumber, b: RealNumber | None, depth: int) -> Rational | None:
-        with flint.ctx.workprec(_BITS):
-            ball = a.ball(_BITS)
-            if b is None and not ball > 0:
-                return None
-            q = (1 / ball).union(arb(0)) if b is None else ball.union(b.ball(_BITS))
-            own = [
-                _horner(row[::-1] if b is None else row, q)[0].lower() for row in rows
-            ]  # over a power of q without end
-        weights = [own[0].max(arb(0)), *own[1:2], *(x.min(arb(0)) for x in own[2:])]
-        at = last / 1024
-        while at <= last:
-            if sum((x * expression_ball(at) ** (2 - 2 * i) for i, x in enumerate(weights)), arb(0)) > 0:
-                return at
-            at *= Rational(5, 4)
-        if not depth:
+    rows: Sequence[Row]
+    lag: Expr
+
+    @classmethod
+    def of(cls, loop: Loop) -> BesideChains | None:
+        """None of a loop of another form."""
+        turns = {x for group in loop.table.values() for x in group if any(x)}
+        late = late_turns(turns, [*loop.table])
+        if late is None or not any(not any(x) for x in loop.leading):
             return None
-        middle = ExactNumber(2 * rational_between(a, None) if b is None else rational_between(a, b))
-        near, far = between(a, middle, depth - 1), between(middle, b, depth - 1)
-        return None if near is None or far is None else max(near, far)
+        return cls(squares(loop.table, late), lag_of(late, loop))
 
-    return between(low, high, _HALVINGS)
+    def meetings(self, curve: Curve, low: RealNumber, high: RealNumber | None) -> Iterator[Meetings]:
+        """All between two values, between which no chain is on the right nor at the axis, but for gaps, which become smaller."""
+        for turning in _RADIANS:
+            last = Rational(turning) / Rational(str(float(self.lag)))
+            pieces = [*self._pieces(low, high, last, _HALVINGS)]
+            known = [radius for _, _, radius in pieces if radius is not None]
+            runs = [list(run) for is_open, run in groupby(pieces, lambda x: x[2] is None) if is_open]
+            gaps = tuple(Gap(run[0][0], run[-1][1]) for run in runs)
+            yield Meetings(curve.meetings(max(known)) if known else (), gaps=gaps)
+            if not gaps:
+                return
+
+    def _pieces(
+        self, low: RealNumber, high: RealNumber | None, last: Rational, depth: int
+    ) -> Iterator[tuple[RealNumber, RealNumber | None, Rational | None]]:
+        radius = self._radius(low, high, last)
+        middle = ExactNumber(2 * rational_between(low, None) if high is None else rational_between(low, high))
+        if radius is not None or not depth or not any(x and self._radius(x, x, last) for x in (low, middle, high)):
+            yield low, high, radius
+            return
+        yield from self._pieces(low, middle, last, depth - 1)
+        yield from self._pieces(middle, high, last, depth - 1)
+
+    def _radius(self, low: RealNumber, high: RealNumber | None, last: Rational) -> Rational | None:
+        """For all values between two; without end of 1/q, over a power of q."""
+        with flint.ctx.workprec(_BITS):
+            a, inverse = low.ball(_BITS), high is None
+            if inverse and not a > 0:
+                return None
+            q = (1 / a).union(arb(0)) if high is None else a.union(high.ball(_BITS))
+            own = [_horner(row[::-1] if inverse else row, q)[0].lower() for row in self.rows]
+            weights = [own[0].max(arb(0)), *own[1:2], *(x.min(arb(0)) for x in own[2:])]
+            at = last / 1024
+            while at <= last:
+                if sum((x * expression_ball(at) ** (2 - 2 * i) for i, x in enumerate(weights)), arb(0)) > 0:
+                    return at
+                at *= Rational(5, 4)
+        return None
 
 
 _FURTHER = 8  # turns of a delay beyond its value
