@@ -282,10 +282,16 @@ class SampledLoop:
 
     def balls(self, known: Mapping[Expr, Ball] = MappingProxyType({})) -> list[Ball]:
         """The coefficients of C in w, ascending, at the current working precision; ``known`` : what symbols stand for."""
+        n, degree = len(self.plant.denominator) - 1, len(self.below) - 1
+        if any(self.above):
+            whole = self.plant.samples(self.T, known)
+            more = (
+                ell + int(len(N) > n or (lag - ell * self.T).expand() != 0)
+                for (lag, N), ell in zip(self.plant.terms, whole, strict=True)
+            )
+            degree = max(degree, len(self.above) - 1 + max(more))
         row = [*arb_poly(self.about_one(known))(arb_poly([-1, 1])).coeffs()][::-1]
-        while row[-1].is_zero():
-            row.pop()
-        return row
+        return row[: degree + n + 1]  # without roots at z = 0 that were added
 
     def about_one(self, known: Mapping[Expr, Ball]) -> list[Ball]:
         """The coefficients of z^N C(1/z) in z - 1, ascending; roots at z = 0 may be added."""

@@ -288,8 +288,8 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
         yield Meetings(far_out)
         return
     if curve.condition.is_zero:  # one value alone puts roots there, everywhere
-        here = ValueAt(RealFunction(curve.value.reduced()), ExactNumber(Integer(1)))
-        yield Meetings((*far_out, Meeting(here, None)))
+        alone = ValueAt(RealFunction(curve.value.reduced()), ExactNumber(Integer(1)))
+        yield Meetings((*far_out, Meeting(alone, None)))
         return
     settled = far(curve.condition)
     if settled.sense in _SETTLED:
