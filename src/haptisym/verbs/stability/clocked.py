@@ -1,21 +1,10 @@
 """A display with a clock in a hand: its loop, its roots, and how far a number may go before roots reach the unit circle.
 
-A display with a clock in a hand: the loop through controller, hold and what moves, and how many of its roots have |z| >= 1.
-
-Whether a loop with a clock has roots on the unit circle for some values of a box: excluded in balls, cell by cell.
-
-In v, z = (1 + v)/(1 - v), the circle is the imaginary axis: where there is no root at z = 1, at z = -1, nor a pair +-j nu for
-any values of a cell, the number of roots with |z| >= 1 is one for all of its values.
-
-Values at which a root of a loop with a clock reaches the unit circle, and how fast it goes round there: to any digits.
-
-How far a number may go before a display with a clock shakes: where roots of its loop reach the unit circle, by balls.
-
-There is a root z = 1 where B(1) Q(0) + A(1) N(0) = 0, D = A/B and G = N/Q; a root z = -1 where the highest coefficient in v is 0,
-z = (1 + v)/(1 - v); a pair on the circle where a determinant of Hurwitz is. From a value on, cells in which none of the three
-vanishes follow each other, as long as they may be, up to one in which the number of roots changes; its zero is closed in on.
-
-All values of a number at which roots of a loop with a clock reach the unit circle, between two values.
+The loop goes through controller, hold and what moves. In v, z = (1 + v)/(1 - v), the circle is the imaginary axis: where there
+is no root at z = 1, where B(1) Q(0) + A(1) N(0) = 0, D = A/B and G = N/Q; none at z = -1, where the highest coefficient in v is
+0; nor a pair +-j nu, where a determinant of Hurwitz is 0, for any values of a cell, the number of roots with |z| >= 1 is one for
+all of its values. From a value on such cells, in balls, follow each other, as long as they may be, up to one in which the number
+of roots changes; the zero of its test is closed in on, to any digits.
 
 Without end in two ways. Where the number stands in the controller, or over a polynomial of what moves, as stiffness and damping
 of a wall do, the loop is a polynomial in u = 1/q or -1/q, times a power of u, and is looked at down to u = 0. And what damps, or
@@ -28,7 +17,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 import flint
 from flint import acb_poly, arb, arb_mat
@@ -38,36 +27,20 @@ from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.nearone import about_one, at_minus_one, at_one, circle_tests, is_clear
-from haptisym.kernel.pulse import Numbers, Plant, SampledLoop, count_on_circle
+from haptisym.kernel.pulse import Numbers, Plant, SampledLoop, circle_tests, is_clear
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
-from haptisym.kernel.rootcount import Roots, count_roots, is_stable
+from haptisym.kernel.rootcount import Roots, is_stable
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import CLOCKS, SAMPLED_LOOP, Effect, Hand, controller, device
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene
 
-_BITS = 256
-
 
 def clocked_roots(scene: Scene, hand: Hand) -> Roots:
     """The roots in |z| >= 1 of a display with a clock in a hand; those outside the circle are its ``right``."""
-    found = loop_of(scene, hand).circle()  # in 1/z
-    return Roots(found.inside + found.on, found.inside)
-
-
-def roots_at_one(loop: SampledLoop) -> int:
-    """How many roots lie at z = 1: exactly, as long as they are two at most. UndecidedError otherwise."""
-    if at_one(loop) != 0:
-        return 0
-    if not any(loop.above) or not any(x for _, N in loop.plant.terms for x in N):  # the poles of what moves, alone
-        return next(n for n, x in enumerate(loop.plant.denominator) if x != 0)
-    with flint.ctx.workprec(_BITS):
-        _, slope, *_ = about_one(loop, {})
-    if slope.contains(0):
-        raise UndecidedError("how many roots of a loop with a clock lie at z = 1")
-    return 1
+    outside, at_1 = loop_of(scene, hand).unstable()
+    return Roots(outside + at_1, outside)
 
 
 def clock_of(scene: Scene) -> tuple[int, Effect]:
@@ -92,7 +65,6 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
     G = (ring.one / impedance(ring, behind, ring.convert(hand.Z))).reduced()
     above: tuple[Expr, ...] = (Integer(1),)
     below: tuple[Expr, ...] = (Integer(1),)
-    hidden = (0, 0)
     if clock.model == SAMPLED_LOOP:
         D = controller(clock)
         above, below = (tuple(D.ring.coefficients(p)) for p in (D.numerator, D.denominator))
@@ -104,39 +76,20 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
         if H.is_zero:  # the clock holds nothing, and what moves has its own modes alone
             above = (Integer(0),)
         else:
-            G, hidden = seen_by_the_clock(G * H)
-    return SampledLoop(plant_of(G, ring), clock.parameters[0].value, above, below, hidden)
+            G = _seen_by_the_clock(G * H)
+    return SampledLoop(plant_of(G, ring), clock.parameters[0].value, above, below)
 
 
-def seen_by_the_clock(G: RationalFunction) -> tuple[RationalFunction, tuple[int, int]]:
-    """What moves and the force before the clock, in a row; and how many modes, Re p > 0 and Re p = 0, the clock does not see.
+def _seen_by_the_clock(G: RationalFunction) -> RationalFunction:
+    """What moves and the force before the clock, in a row, without modes that cancel and fade.
 
     What the force does not see remains a mode of what moves, and what the motion does not reach one of the force: exp(p T) is
-    a root of the loop for each p that cancels. Those that fade are left out; pairs +-p, which balls do not tell from the circle,
-    are counted by themselves; all others are left in place.
+    a root of the loop for each p that cancels. Those that do not fade are left in place.
     """
     ring, common = G.ring, G.numerator.gcd(G.denominator)
     cancelled = RationalFunction(ring, ring.one.numerator, common)
-    if _has_symbols(cancelled):
-        return G.monic(), (0, 0)
-    if common.is_constant() or is_stable(cancelled):
-        return G.reduced(), (0, 0)
-    power = min(int(e[0]) for e in common.monoms())
-    rest = common / ring.variable**power
-    mirrored = ring.context.from_dict({e: x * (-1) ** int(e[0]) for e, x in rest.to_dict().items()})
-    pairs = rest.gcd(mirrored)
-    if pairs.is_constant():
-        return G.monic(), (0, 0)
-    assert isinstance(ring, Ring)
-    found = count_roots(pairs, ring)
-    assert found.number is not None
-    assert found.right is not None
-    left = RationalFunction(ring, G.numerator / pairs, G.denominator / pairs).monic()
-    return left, (found.right, found.number - found.right)
-
-
-def _has_symbols(G: RationalFunction) -> bool:
-    return any(degree_in([G.denominator], i) for i in range(2, G.ring.size))
+    is_open = any(degree_in([common], i) for i in range(2, ring.size))
+    return G.monic() if is_open or not (common.is_constant() or is_stable(cancelled)) else G.reduced()
 
 
 def impedance(ring: Ring, effects: tuple[Effect, ...], hand: RationalFunction) -> RationalFunction:
@@ -193,7 +146,7 @@ def _by_delay(ring: Ring, polynomial: Polynomial) -> Mapping[tuple[int, ...], tu
     return {turns: tuple(row.get(n, Integer(0)) for n in range(max(row) + 1)) for turns, row in rows.items()}
 
 
-_BITS_ONCIRCLE = 96
+_BITS_OF_CELLS = 96
 _MOST_CELLS = 3000
 
 Cell: TypeAlias = tuple[tuple[Fraction, Fraction], ...]
@@ -213,7 +166,7 @@ class OnCircle:
         display = {p.path: p.symbol for p in scene.parameters if p.symbol in ranges}
         own = {p.symbol.name: p.symbol for p in hand.parameters if p.symbol in ranges}
         found = cls(loop_of(scene.with_values(display), hand.with_values(own)), ranges)
-        if found._at_one == 0:
+        if found.loop.at_one == 0:
             raise UndecidedError("the roots of a sampled loop of which one stays at z = 1, for all values at once")
         return found
 
@@ -229,9 +182,9 @@ class OnCircle:
 
     def is_clear(self, cell: Cell) -> bool:
         """Whether no root is on the circle for any values of a cell, proven."""
-        with flint.ctx.workprec(_BITS_ONCIRCLE):
+        with flint.ctx.workprec(_BITS_OF_CELLS):
             try:
-                return is_clear(self.loop, self._at(cell), self._at_one)
+                return is_clear(self.loop, self._at(cell), self.loop.at_one)
             except (UndecidedError, ZeroDivisionError, ValueError):
                 return False
 
@@ -240,8 +193,7 @@ class OnCircle:
 
         Counted before anything cancels: what is hidden at these values alone is not at others.
         """
-        found = self.loop.at(values).circle()  # in 1/z
-        return True if found.inside + found.on == 0 else False if self.hides_none else None
+        return True if self.loop.at(values).unstable() == (0, 0) else False if self.hides_none else None
 
     @cached_property
     def hides_none(self) -> bool:
@@ -250,7 +202,7 @@ class OnCircle:
         The plant's poles have Re s < 0, by Hurwitz, but for some at s = 0, which would show at z = 1; those of the controller
         have |z| <= 1, as their coefficients tell.
         """
-        with flint.ctx.workprec(_BITS_ONCIRCLE):
+        with flint.ctx.workprec(_BITS_OF_CELLS):
             known = self._at(((Fraction(0), Fraction(1)),) * len(self.ranges))
             plant = list(self.loop.plant.denominator)
             while plant[0] == 0:
@@ -269,10 +221,6 @@ class OnCircle:
         terms = formula.expand().as_ordered_terms()
         lows = [self.ranges[x][0] for x in formula.free_symbols]
         return all(x.as_coeff_Mul()[0] >= 0 for x in terms) and all(sign_of_number(x) >= 0 for x in lows)
-
-    @cached_property
-    def _at_one(self) -> Expr:
-        return at_one(self.loop)
 
     def _at(self, cell: Cell) -> dict[Expr, Ball]:
         """The values of a cell, in balls; at the current working precision."""
@@ -306,27 +254,11 @@ def _ball(x: Fraction) -> Any:
     return arb(x.numerator) / arb(x.denominator)
 
 
-class Loop(Protocol):
-    """A loop with a clock, in which one number is open."""
-
-    def tests(self, value: Ball) -> tuple[Ball, ...]:
-        """Three functions of the number, of which one vanishes where a root is on the unit circle."""
-        ...
-
-    def angle(self, value: Ball, bits: int) -> Ball:
-        """At which angle a pair is there."""
-        ...
-
-    def period(self, value: Ball) -> Ball:
-        """Of the clock, s."""
-        ...
-
-
 @dataclass(frozen=True, repr=False)
 class CriticalValue(RealNumber):
     """The zero of one of the three tests between two values at which its signs differ."""
 
-    loop: Loop
+    loop: Opened
     test: int
     low: Fraction
     high: Fraction
@@ -343,7 +275,7 @@ class CriticalValue(RealNumber):
 def _bisected(zero: CriticalValue, bits: int) -> Ball:
     """A ball around it of about that relative accuracy: by regula falsi, until signs on both sides of a point confirm it."""
     with flint.ctx.workprec(2 * bits + 64):
-        low, high = _exactly(zero.low), _exactly(zero.high)
+        low, high = _ball(zero.low), _ball(zero.high)
         f, g = (zero.value(x).mid() for x in (low, high))
         width = abs(high) * arb(2) ** -bits
         while (high - low) > 2 * width:
@@ -417,18 +349,14 @@ class Passage:
         return Passage(Inverse(self.value, side), self.omega, *ends)
 
 
-def _exactly(x: Fraction) -> Ball:
-    return arb(x.numerator) / arb(x.denominator)
-
-
-_BITS_CLOCKCRITICAL = 128
+_BITS = 128
 _ZERO = ExactNumber(Integer(0))
 _REACH = 10  # times that a value is doubled, and halved, at the most
 _FINEST = Fraction(1, 1 << 24)  # of a value: where cells are shorter, it is asked whether more roots are behind them
 _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
 _DEEPEST = 8  # times that these are cut
 _GROWTH = Fraction(1, 2)  # of a cell, to the next
-_MOST_CELLS_CLOCKCRITICAL, _MOST_FINE = 1000, 40  # on a side; of them the shortest
+_MOST_ON_A_SIDE, _MOST_FINE = 1000, 40  # on a side; of them the shortest
 
 
 def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
@@ -444,7 +372,7 @@ def start_of(loop: Opened, value: Expr) -> Rational:
     if isinstance(value, Rational):
         return value
     near = Rational(float(value))
-    with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
+    with flint.ctx.workprec(_BITS):
         q = expression_ball(value).union(expression_ball(near))
         if any(x.contains(0) or not x.is_finite() for x in loop.tests(q)):
             raise UndecidedError("how far a number may go that is no rational one")
@@ -461,15 +389,7 @@ class Opened:
     @cached_property
     def is_fixed(self) -> bool:
         """Whether the number is nowhere in it."""
-        plant = self.loop.plant
-        every = (
-            self.loop.T,
-            *self.loop.above,
-            *self.loop.below,
-            *plant.denominator,
-            *(x for lag, N in plant.terms for x in (lag, *N)),
-        )
-        return not any(x.has(self.symbol) for x in every)
+        return self.symbol not in self.loop.symbols
 
     def at(self, value: Rational) -> SampledLoop:
         """The loop at a number."""
@@ -477,13 +397,13 @@ class Opened:
 
     def count(self, value: Rational) -> tuple[int, int]:
         """The roots with |z| >= 1 at a number, and those on the circle that are not there at any number."""
-        found = self.at(value).circle()
-        return found.inside + found.on, found.on - self.always - self.loop.hidden[1]
+        outside, at_1 = self.at(value).unstable()
+        return outside + at_1, at_1 - self.always
 
     @cached_property
     def at_one(self) -> Expr:
         """C(1) times what is nowhere 0."""
-        return at_one(self.loop)
+        return self.loop.at_one
 
     @cached_property
     def opposite(self) -> tuple[Expr, Expr] | None:
@@ -493,20 +413,7 @@ class Opened:
     @cached_property
     def always(self) -> int:
         """How many roots lie at 1 whatever the number is."""
-        if self.at_one != 0:
-            return 0
-        found = count_on_circle(self.at(Rational(7919, 6007)))
-        return found.on
-
-    def row(self, q: Ball) -> list[Ball]:
-        """The coefficients at a ball of numbers, but for the roots that are always at 1."""
-        row = self.loop.balls({self.symbol: q})
-        for _ in range(self.always):
-            rest = [row[-1]]
-            for x in row[-2:0:-1]:
-                rest.append(x + rest[-1])
-            row = rest[::-1]
-        return row
+        return 0 if self.at_one != 0 else self.at(Rational(7919, 6007)).roots_at_one
 
     def tests(self, q: Ball) -> tuple[Ball, Ball, Ball]:
         """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle."""
@@ -522,10 +429,12 @@ class Opened:
     def angle(self, q: Ball, bits: int) -> Ball:
         """Of the pair on the circle: its argument, to so many bits; not finite where balls do not tell."""
         try:
-            roots = acb_poly(self.row(q)).roots(tol=arb(2) ** -bits, maxprec=2 * flint.ctx.prec)
+            roots = acb_poly(self.loop.in_v({self.symbol: q}, self.always)).roots(
+                tol=arb(2) ** -bits, maxprec=2 * flint.ctx.prec
+            )
         except ValueError:
             return arb("nan")
-        found = [z.arg() for z in roots if abs(z).overlaps(arb(1)) and z.imag > 0]
+        found = [2 * v.imag.atan() for v in roots if v.real.contains(0) and v.imag > 0]
         return found[0] if len(found) == 1 else arb("nan")
 
     def period(self, q: Ball) -> Ball:
@@ -547,7 +456,7 @@ class Walk:
         scale = abs(self.start) or Fraction(1)
         end = self._end(side, scale)
         at, step, fine, growth = self.start, scale / 64, 0, _GROWTH
-        for _ in range(_MOST_CELLS_CLOCKCRITICAL):
+        for _ in range(_MOST_ON_A_SIDE):
             try:
                 tick()
             except LimitError:
@@ -578,8 +487,8 @@ class Walk:
         return far if side > 0 or self.rule is Rule.ANY else self.start / 2**_REACH
 
     def _is_clear(self, one: Fraction, other: Fraction) -> bool:
-        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
-            return self.loop.is_clear(_ball_in_clockcritical(one).union(_ball_in_clockcritical(other)))
+        with flint.ctx.workprec(_BITS):
+            return self.loop.is_clear(_ball(one).union(_ball(other)))
 
     def _over(self, one: Fraction, step: Fraction) -> tuple[Passage | None, Fraction]:
         """Past values where balls do not tell: a change there, None if there is none, and how far that goes."""
@@ -598,8 +507,8 @@ class Walk:
     def _has_none(self, low: Fraction, high: Fraction, depth: int) -> bool:
         """Whether no value between two puts a root on the circle, proven; in ever smaller pieces, as beside one that does."""
         tick()
-        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
-            if self.loop.is_clear(_ball_in_clockcritical(low).union(_ball_in_clockcritical(high))):
+        with flint.ctx.workprec(_BITS):
+            if self.loop.is_clear(_ball(low).union(_ball(high))):
                 return True
         middle = (low + high) / 2
         return depth > 0 and self._has_none(low, middle, depth - 1) and self._has_none(middle, high, depth - 1)
@@ -609,8 +518,8 @@ class Walk:
         low, high = sorted((one, other))
         side = 1 if other > one else -1
         below, above = (self.home, count) if side > 0 else (count, self.home)
-        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
-            ends = [self.loop.tests(_ball_in_clockcritical(x)) for x in (low, high)]
+        with flint.ctx.workprec(_BITS):
+            ends = [self.loop.tests(_ball(x)) for x in (low, high)]
             changed = [i for i, (x, y) in enumerate(zip(*ends, strict=True)) if x * y < 0]
         if len(changed) != 1:
             raise UndecidedError("where roots reach the unit circle together")
@@ -632,8 +541,8 @@ class Walk:
         except UndecidedError:
             return None
         left = (self.loop.at_one / self.loop.symbol).expand()
-        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
-            q = arb(0).union(_ball_in_clockcritical(at))
+        with flint.ctx.workprec(_BITS):
+            q = arb(0).union(_ball(at))
             rest = expression_ball(left, {self.loop.symbol: q}), *self.loop.tests(q)[1:]
             clear = not any(x.contains(0) or not x.is_finite() for x in rest)
         if count == self.home or not clear or left.has(1 / self.loop.symbol) or self.loop.always:
@@ -644,10 +553,6 @@ class Walk:
 def _short(x: Fraction) -> Fraction:
     """A number nearby with few digits, so that sums of many steps have no more."""
     return Fraction(float(x))
-
-
-def _ball_in_clockcritical(x: Fraction) -> Any:
-    return arb(x.numerator) / arb(x.denominator)
 
 
 _MOST_PASSAGES = 24
@@ -766,12 +671,12 @@ class Inverted(Opened):
     @cached_property
     def at_one(self) -> Expr:
         """C(1) times what is nowhere 0, a power of the symbol among it."""
-        return self._without_powers(at_one(self.loop))[0]
+        return self._without_powers(self.loop.at_one)[0]
 
     @cached_property
     def opposite(self) -> tuple[Expr, Expr]:
         """What is at z = -1, as the symbol may be a factor there: with Tustin's rule a damper is alone, its spring is not."""
-        above, below = self._without_powers(*at_minus_one(self.loop))
+        above, below = self._without_powers(*self.loop.at_minus_one)
         return above, below
 
     def _without_powers(self, *given: Expr) -> list[Expr]:
