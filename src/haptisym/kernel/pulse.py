@@ -14,7 +14,7 @@ where one leaves.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, reduce
 from math import comb, frexp
@@ -23,21 +23,10 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import flint
-from flint import acb_poly, arb, arb_mat, arb_poly, fmpq
+from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly, fmpq
 from sympy import Add, Expr, Integer, Symbol
 
-from haptisym.kernel.enclosures import (
-    Line,
-    Value,
-    coefficients,
-    joined,
-    like,
-    narrowest,
-    over_cell,
-    parts,
-    polynomial,
-    value,
-)
+from haptisym.kernel.enclosures import Line, over_circle
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, at_rising_precision, expression_ball
 from haptisym.kernel.rootcount import routh
@@ -47,16 +36,23 @@ Numbers: TypeAlias = Sequence[Expr]
 
 _MOST_DOUBLINGS = 64
 _MOST_BITS = 2048  # up to where a root is told from the circle
-_ORDER, _FEW = 3, 3  # of Taylor's polynomials over a cell; one less where more numbers than these move
 _MOST_PIECES = 200  # of the axis, that are looked at for one polynomial
 
 
-def matrix(rows: list[list[Value]], columns: int | None = None) -> Any:
-    """A matrix, which may be of no size."""
+def matrix(rows: list[list[Any]], columns: int | None = None) -> Any:
+    """A matrix of real or complex balls, which may be of no size."""
     width = len(rows) if columns is None else columns
-    if not rows or not width:
-        return arb_mat(len(rows), width)
-    return joined(lambda entries: arb_mat(len(rows), width, entries), [x for row in rows for x in row])
+    entries = [x for row in rows for x in row] if width else []
+    return (acb_mat if _are_complex(entries) else arb_mat)(len(rows), width, entries)
+
+
+def _polynomial(row: Sequence[Any]) -> Any:
+    """By its coefficients, ascending, in real or complex balls."""
+    return (acb_poly if _are_complex(row) else arb_poly)(row)
+
+
+def _are_complex(numbers: Iterable[Any]) -> bool:
+    return any(isinstance(x, acb) for x in numbers)
 
 
 @dataclass(frozen=True)
@@ -78,7 +74,7 @@ class States:
     def rate(self) -> Ball:
         """About how fast the plant is, 1/s."""
         n = self.size
-        sizes = [float(abs(value(q)).mid()) ** (1 / (n - i)) for i, q in enumerate(self.Q[:n])]
+        sizes = [float(abs(q).mid()) ** (1 / (n - i)) for i, q in enumerate(self.Q[:n])]
         return arb(max([*sizes, 1.0]))
 
     @cached_property
@@ -93,15 +89,15 @@ class States:
         n = self.size
         return matrix([[c / self.rate ** (n - 1 - j) for j, c in enumerate(C)]], n)
 
-    def held(self, time: Value) -> Any:
+    def held(self, time: Ball) -> Any:
         """Where a unit force that is held for some time takes the plant from rest."""
         return column(self.integral(time), self.size - 1)
 
-    def moved(self, time: Value) -> Any:
+    def moved(self, time: Ball) -> Any:
         """exp(A time)."""
         return self._one + self.A * self.integral(time)
 
-    def integral(self, time: Value) -> Any:
+    def integral(self, time: Ball) -> Any:
         """int_0^time exp(A t) dt = time S(A time), S(X) = 1 + X/2! + X^2/3! + ...: by its series of a small X, which is doubled.
 
         As S(2 X) = S(X) + X S(X)^2/2, nothing is taken off what is nearly equal to it.
@@ -133,18 +129,17 @@ def column(M: Any, j: int) -> Any:
 
 
 def norm(X: Any) -> Ball:
-    """The largest sum of sizes in a row; of a jet that of all its coefficients: the norm of a block matrix that stands for it."""
+    """The largest sum of sizes in a row."""
     n = X.nrows()
-    return max(
-        (sum((abs(x).upper() for j in range(n) for x in parts(X[i, j])), arb(0)) for i in range(n)), default=arb(0)
-    )
+    return max((sum((abs(X[i, j]).upper() for j in range(n)), arb(0)) for i in range(n)), default=arb(0))
 
 
 def widened(M: Any, radius: Ball) -> Any:
-    """With so much more in each entry, and each of its Taylor coefficients."""
-    own, columns = arb(0, radius.upper()), range(M.ncols())
-    rows = [[like(M[i, j], [own for _ in parts(M[i, j])]) for j in columns] for i in range(M.nrows())]
-    return M + matrix(rows, len(columns))
+    """With so much more in each entry."""
+    more = arb(0, radius.upper())
+    more = acb(more, more) if isinstance(M, acb_mat) else more
+    rows = [[M[i, j] + more for j in range(M.ncols())] for i in range(M.nrows())]
+    return matrix(rows, M.ncols())
 
 
 def opposite_response(states: States, C: Any, period: Ball) -> Ball | None:
@@ -162,7 +157,7 @@ def opposite_response(states: States, C: Any, period: Ball) -> Ball | None:
     for share in _TANH[1:]:
         column = X * (X * column)
         found += column * arb(share)
-    most = max((abs(x).upper() for i in range(n) for x in parts(column[i, 0])), default=arb(0))
+    most = max((abs(column[i, 0]).upper() for i in range(n)), default=arb(0))
     found = widened(found, most * (4 / arb.pi() ** 2) ** (len(_TANH) - 1) / 3)
     direct = C[0, n - 1] if n else arb(0)
     return (direct + (C * found)[0, 0] if n else direct) * period / 2
@@ -193,15 +188,14 @@ class Plant:
 
     def samples(self, period: Expr, known: Mapping[Expr, Ball]) -> tuple[int, ...]:
         """Of each delay the whole samples."""
-        numbers = {symbol: value(x) for symbol, x in known.items()}
-        return tuple(_floor(lag / period, numbers) for lag, _ in self.terms)
+        return tuple(_floor(lag / period, known) for lag, _ in self.terms)
 
 
 def _floor(ratio: Expr, known: Mapping[Expr, Ball]) -> int:
     """The whole part of a number."""
 
     def whole(_: int) -> int | None:
-        found = expression_ball(ratio, known).floor().unique_fmpz()
+        found = acb(expression_ball(ratio, known)).real.floor().unique_fmpz()  # of a disc, that of all within it
         return None if found is None else int(found)
 
     if ratio.is_Rational:
@@ -310,10 +304,10 @@ class SampledLoop:
 
     def _row(self, moved: _Moved, known: Mapping[Expr, Ball]) -> list[Ball]:
         above, below = (
-            polynomial([expression_ball(x, known) for x in _shifted(row, self._size)])
+            _polynomial([expression_ball(x, known) for x in _shifted(row, self._size)])
             for row in (self.above, self.below)
         )
-        return coefficients(below * moved.below + above * moved.above)
+        return list((below * moved.below + above * moved.above).coeffs())
 
     def in_v(self, known: Mapping[Expr, Ball], always: int = 0) -> list[Ball]:
         """The coefficients in v, ascending, without so many roots that always lie at 1.
@@ -323,17 +317,9 @@ class SampledLoop:
         """
         moved = self._moved(known)
         c = about_axis(self._row(moved, known)[always:])
-        there = self._there(moved, self.at_minus_one, known) / (-2) ** always
+        above, below = (expression_ball(x, known) for x in self.at_minus_one)
+        there = (below * moved.below(arb(-2)) + above * moved.opposite) / (-2) ** always
         return [*c[:-1], there if len(c) % 2 else -there]
-
-    def opposite(self, rows: tuple[Expr, Expr], known: Mapping[Expr, Ball]) -> Ball:
-        """C at z = -1, of a controller's two polynomials there."""
-        return self._there(self._moved(known), rows, known)
-
-    @staticmethod
-    def _there(moved: _Moved, rows: tuple[Expr, Expr], known: Mapping[Expr, Ball]) -> Ball:
-        above, below = (expression_ball(x, known) for x in rows)
-        return below * moved.below(arb(-2)) + above * moved.opposite
 
     @cached_property
     def _is_of_numbers(self) -> bool:
@@ -366,8 +352,8 @@ def about_axis(row: Sequence[Ball]) -> list[Ball]:
     """The coefficients in v, ascending, of a polynomial in z - 1 = 2 v/(1 - v)."""
     n = len(row) - 1
     turned = sum((x * own for x, own in zip(row, _turned(n), strict=True)), arb_poly([]))
-    c = coefficients(turned)
-    return c + [arb(0)] * (n + 1 - len(c))
+    c = turned.coeffs()
+    return [*c, *[arb(0)] * (n + 1 - len(c))]
 
 
 def hurwitz(c: Sequence[Ball]) -> Ball:
@@ -384,8 +370,8 @@ def has_no_pair(c: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
     """Whether no polynomial with coefficients in these balls has roots v = +-j nu, nu > 0, proven.
 
     They would be zeros of E = c_0 - c_2 x + c_4 x^2 - ... and of O = c_1 - c_3 x + ..., x = nu^2. In wide balls that says more
-    than the determinant, in which their widths are multiplied. ``lines`` : how the coefficients move together over a cell. Of
-    E = E_0 + E_1 y_1 + E_2 y_2 ... and O likewise, E_i O - O_i E would be zero as well, in which y_i is not.
+    than the determinant, in which their widths are multiplied. ``lines`` : how the coefficients move together. With
+    E = E_0 + E_1 y and O likewise, E_1 O_0 - O_1 E_0 would be zero as well, in which y is not.
     """
     if len(c) < 3:
         return True
@@ -393,7 +379,8 @@ def has_no_pair(c: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
         return False
     halves = _halves(c)
     if lines:
-        halves += _without_each(lines)
+        (E_0, O_0), (E_1, O_1) = (map(arb_poly, _halves(x)) for x in zip(*lines, strict=True))
+        halves.append((E_1 * O_0 - O_1 * E_0).coeffs())
     both = [arb_poly(x) for x in halves], [arb_poly(x[::-1]) for x in halves]  # in x, and in 1/x
     waiting = deque((parts, 0.0, 1.0) for parts in both)
     for _ in range(_MOST_PIECES):
@@ -407,20 +394,6 @@ def has_no_pair(c: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
                 return False  # at this very place it stays open, however small the piece
             waiting += [(parts, low, middle), (parts, middle, high)]
     return not waiting
-
-
-def _without_each(lines: Sequence[Line]) -> list[list[Ball]]:
-    """Of each number that moves the coefficients, a combination of E and O without it: its coefficients in x."""
-    E_0, O_0 = map(arb_poly, _halves([x.at for x in lines]))
-    moves = [[*map(arb_poly, _halves(x))] for x in zip(*(x.slopes for x in lines), strict=True)]
-    found = []
-    for i, (E_i, O_i) in enumerate(moves):
-        own = E_i * O_0 - O_i * E_0
-        for j, (E_j, O_j) in enumerate(moves):
-            if j != i:
-                own += (E_i * O_j - O_i * E_j) * arb(0, 1)
-        found.append(own.coeffs())
-    return found
 
 
 def _halves(c: Sequence[Ball]) -> list[list[Ball]]:
@@ -437,37 +410,31 @@ def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, alway
     return c[0] if always else expression_ball(one, known), c[-1], hurwitz(c)
 
 
-def is_clear(
-    loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0, opposite: tuple[Expr, Expr] | None = None
-) -> bool:
+def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> bool:
     """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up to 0 in v.
 
-    ``opposite`` : ``at_minus_one``, if it is to be without a factor that is 0 nowhere.
-    Taylor's polynomials are asked, too: with a resonance between clock and hand, as behind a compliance, balls are up to a
-    thousand times as wide as what the coefficients do.
+    Of one number also by what the coefficients are on circles about it: with a resonance between clock and hand, as behind a
+    compliance, balls are up to a thousand times as wide as what the coefficients do.
     """
 
-    def told(numbers: Mapping[Expr, Value]) -> list[Value]:
-        """At z = 1, at z = -1, and the coefficients in v/T, of which more stay as they are where the clock's period is open."""
+    def told(numbers: Mapping[Expr, Any]) -> list[Any]:
+        """At z = 1, and the coefficients in v/T, of which more stay as they are where the clock's period is open."""
         T, c = expression_ball(loop.T, numbers), loop.in_v(numbers, always)
-        there = c[-1] if opposite is None else loop.opposite(opposite, numbers)
-        return [c[0] if always else expression_ball(one, numbers), there, *(x * T**i for i, x in enumerate(c))]
+        return [c[0] if always else expression_ball(one, numbers), *(x * T**i for i, x in enumerate(c))]
 
     if _is_clear(told(known)):
         return True
-    moved = {symbol: q for symbol, q in known.items() if q.rel_accuracy_bits() < flint.ctx.prec // 2}
-    if not moved:
+    if len(known) > 1:
         return False
-    middles, radii = zip(*((q.mid(), q.rad()) for q in moved.values()), strict=True)
-    order = _ORDER if len(moved) <= _FEW else _ORDER - 1
-    lines = over_cell(lambda x: told({**known, **dict(zip(moved, x, strict=True))}), middles, radii, order)
-    return _is_clear([x.ball for x in lines], lines[2:])
+    [(symbol, q)] = known.items()
+    lines = over_circle(lambda x: told({symbol: x}), q.mid(), q.rad())
+    return _is_clear([x.ball for x in lines], lines[1:])
 
 
 def _is_clear(told: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
-    """By what is at z = 1, what is at z = -1, and the coefficients."""
-    at_1, opposite, *c = told
-    if any(x.contains(0) or not x.is_finite() for x in (at_1, opposite)):
+    """By what is at z = 1, and the coefficients, the last of which tells what is at z = -1."""
+    at_1, *c = told
+    if any(x.contains(0) or not x.is_finite() for x in (at_1, c[-1])):
         return False
     return not hurwitz(c).contains(0) or has_no_pair(c, lines)
 
@@ -512,7 +479,7 @@ def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
         least = opposite_response(states, C, T) if late.is_zero() else None
         if least is not None:  # as narrow as its numbers, but no narrower than its series
             told.append((least + N[n]) * there)
-        opposite += (-1) ** (longest - 1 - ell) * narrowest(told)
+        opposite += (-1) ** (longest - 1 - ell) * min(told, key=lambda x: float(x.rad()))
     return _Moved(total, den * _power(longest), opposite)
 
 
@@ -528,12 +495,12 @@ def _leverrier(M: Any) -> tuple[Any, list[Any]]:
         N = moved + one * row[-1]
         if k < n:
             found.append(N)
-    return polynomial(row[::-1]), found[::-1]
+    return _polynomial(row[::-1]), found[::-1]
 
 
 def _between(C: Any, adjugate: list[Any], start: Any) -> Any:
     """C adj(x - M) start."""
-    return polynomial([(C * N * start)[0, 0] for N in adjugate])
+    return _polynomial([(C * N * start)[0, 0] for N in adjugate])
 
 
 @lru_cache(maxsize=64)

@@ -52,6 +52,7 @@ from haptisym.verbs.require.freeparameter import (
     missing,
     pieces,
     real_roots,
+    searched,
     zeros_of,
 )
 from haptisym.verbs.stability.clocked import clocked_roots, passages_in
@@ -107,7 +108,7 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
 
 def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
     """By counts between the values at which roots of the sampled loop reach the unit circle."""
-    loop, found = passages_in(scene, hand, free, (asked.low, asked.high))
+    loop, found = passages_in(scene, hand, free, searched(free, asked))
     criterion = stable_in(hand)
     turns = [Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found.found]
     beyond = (_rational(found.low), _rational(found.high))

@@ -6,9 +6,9 @@ is no root at z = 1, where B(1) Q(0) + A(1) N(0) = 0, D = A/B and G = N/Q; none 
 all of its values. From a value on such cells, in balls, follow each other, as long as they may be, up to one in which the number
 of roots changes; the zero of its test is closed in on, to any digits.
 
-Without end in two ways. Where the number stands in the controller, or over a polynomial of what moves, as stiffness and damping
-of a wall do, the loop is a polynomial in u = 1/q or -1/q, times a power of u, and is looked at down to u = 0. And what damps, or
-is mass or stiffness beside that, puts no root on the circle where that damps as Colgate and Schenkel's condition asks.
+How far it is asked about is bounded, and the answer says how far; 0 is reached where all values down to it are clear at once.
+Without end it is where what damps, or is mass or stiffness beside that, puts no root on the circle, as that damps as Colgate and
+Schenkel's condition asks.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from typing import Any, TypeAlias
 
 import flint
 from flint import acb_poly, arb, arb_mat
-from sympy import Expr, I, Integer, Poly, Rational, Symbol, pi
+from sympy import Expr, I, Integer, Rational, Symbol, pi
 
 from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.pulse import Numbers, Plant, SampledLoop, circle_tests, is_clear
+from haptisym.kernel.pulse import Plant, SampledLoop, circle_tests, is_clear
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import Roots, is_stable
@@ -316,24 +316,6 @@ class Swing(RealNumber):
             return theta / self.value.loop.period(q)
 
 
-@dataclass(frozen=True, repr=False)
-class Inverse(RealNumber):
-    """1/x, or -1/x, of a number x > 0.
-
-    >>> from sympy import Integer
-    >>> from haptisym.kernel.reals import ExactNumber
-    >>> Inverse(ExactNumber(Integer(3)), -1).digits(5)
-    '-0.33333'
-    """
-
-    number: RealNumber
-    sign: int
-
-    def ball(self, bits: int) -> Ball:
-        with flint.ctx.workprec(bits + 16):
-            return self.sign / self.number.ball(bits + 8)
-
-
 @dataclass(frozen=True)
 class Passage:
     """A ``value`` at which the number of roots with |z| >= 1 changes, from ``below`` to ``above``; ``omega`` : theirs, rad/s."""
@@ -343,15 +325,13 @@ class Passage:
     below: int
     above: int
 
-    def inverse(self, side: int) -> Passage:
-        """Of 1/value, or (side -1) of -1/value."""
-        ends = (self.above, self.below) if side > 0 else (self.below, self.above)
-        return Passage(Inverse(self.value, side), self.omega, *ends)
-
 
 _BITS = 128
 _ZERO = ExactNumber(Integer(0))
-_REACH = 10  # times that a value is doubled, and halved, at the most
+_REACH, _FAR = (
+    2**10,
+    10**6,
+)  # times as much, and as little, a value may be for its nearest limit; of a wall's, which are cheap
 _FINEST = Fraction(1, 1 << 24)  # of a value: where cells are shorter, it is asked whether more roots are behind them
 _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
 _DEEPEST = 8  # times that these are cut
@@ -391,6 +371,12 @@ class Opened:
         """Whether the number is nowhere in it."""
         return self.symbol not in self.loop.symbols
 
+    @cached_property
+    def is_of_wall(self) -> bool:
+        """Whether the number is in what is felt alone: what moves has the same modes for all of its values."""
+        own = self.loop.T, *self.loop.plant.denominator, *(lag for lag, _ in self.loop.plant.terms)
+        return not any(x.has(self.symbol) for x in own)
+
     def at(self, value: Rational) -> SampledLoop:
         """The loop at a number."""
         return self.loop.at({self.symbol: value})
@@ -406,11 +392,6 @@ class Opened:
         return self.loop.at_one
 
     @cached_property
-    def opposite(self) -> tuple[Expr, Expr] | None:
-        """What is at z = -1, where that is not told by the coefficients."""
-        return None
-
-    @cached_property
     def always(self) -> int:
         """How many roots lie at 1 whatever the number is."""
         return 0 if self.at_one != 0 else self.at(Rational(7919, 6007)).roots_at_one
@@ -422,7 +403,7 @@ class Opened:
     def is_clear(self, q: Ball) -> bool:
         """Whether no root is on the circle for any number in a ball, proven."""
         try:
-            return is_clear(self.loop, {self.symbol: q}, self.at_one, self.always, self.opposite)
+            return is_clear(self.loop, {self.symbol: q}, self.at_one, self.always)
         except (UndecidedError, ZeroDivisionError):
             return False
 
@@ -444,24 +425,25 @@ class Opened:
 
 @dataclass(frozen=True)
 class Walk:
-    """From a value on, cell after cell."""
+    """From a value on, cell after cell, up to ``ends``; ``home`` : the number of roots there."""
 
     loop: Opened
     start: Fraction
     home: int
     rule: Rule
+    ends: tuple[Fraction, Fraction]
 
     def towards(self, side: int) -> tuple[Passage | None, Fraction]:
         """The nearest change on one side, None where there is none, and as far as that is known."""
         scale = abs(self.start) or Fraction(1)
-        end = self._end(side, scale)
+        end = self.ends[side > 0]
         at, step, fine, growth = self.start, scale / 64, 0, _GROWTH
         for _ in range(_MOST_ON_A_SIDE):
             try:
                 tick()
             except LimitError:
                 break
-            if at == end:
+            if (end - at) * side <= 0:
                 found = self._at_0(at, side)
                 return found, Fraction(0) if found or self._is_clear_down_to_0(at, side) else at
             further = _short(at + side * step)
@@ -481,10 +463,6 @@ class Walk:
                 if fine > _MOST_FINE:
                     break
         return None, at
-
-    def _end(self, side: int, scale: Fraction) -> Fraction:
-        far: Fraction = self.start + side * scale * 2**_REACH
-        return far if side > 0 or self.rule is Rule.ANY else self.start / 2**_REACH
 
     def _is_clear(self, one: Fraction, other: Fraction) -> bool:
         with flint.ctx.workprec(_BITS):
@@ -556,7 +534,6 @@ def _short(x: Fraction) -> Fraction:
 
 
 _MOST_PASSAGES = 24
-_MOST_WALKS = 5  # of which each goes on to a thousandth of the inverse
 
 
 @dataclass(frozen=True)
@@ -572,142 +549,76 @@ def passages(scene: Scene, hand: Hand, free: Knob) -> Passages:
     """The nearest below the value that a number has, and the nearest above it. UndecidedError where that stays open."""
     if free.rule not in (Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY):
         raise UndecidedError("an order in a loop with a clock")
-    found = _Found(scene, hand, free)
-    if found.loop.is_fixed:
+    loop = opened(scene, hand, free)
+    if loop.is_fixed:
         return Passages(())
-    (below, low), (above, high) = (found.along(side, None, most=1) for side in (-1, 1))
-    if low is not None and low == high:
+    walk = _walk(loop, free)
+    times = _FAR if loop.is_of_wall else _REACH
+    more = (abs(walk.start) or 1) * times
+    walk = replace(walk, ends=(walk.start - more if free.rule is Rule.ANY else walk.start / times, walk.start + more))
+    found, low, high = _both_ways(walk, scene, hand, free, 1)
+    if low == high:
         tick()
         raise UndecidedError("how far a number may go next to whose value roots come to the unit circle")
     is_whole = low == 0 and free.rule is not Rule.ANY
-    return Passages((*below, *above), None if is_whole else low, high)
+    return Passages(found, None if is_whole else low, high)
 
 
-def passages_in(
-    scene: Scene, hand: Hand, free: Knob, between: tuple[Expr | None, Expr | None]
-) -> tuple[Opened, Passages]:
+def passages_in(scene: Scene, hand: Hand, free: Knob, ends: tuple[Expr, Expr]) -> tuple[Opened, Passages]:
     """The loop, and all passages between two values, as far as they are found.
 
     UndecidedError where that stays open from the value on that the number has.
     """
-    found = _Found(scene, hand, free)
-    if found.loop.is_fixed:
-        return found.loop, Passages(())
-    (below, low), (above, high) = (found.along(side, last) for side, last in zip((-1, 1), between, strict=True))
-    return found.loop, Passages((*below, *above), low, high)
+    loop = opened(scene, hand, free)
+    if loop.is_fixed:
+        return loop, Passages(())
+    low, high = (Fraction(float(x)) for x in ends)
+    walk = replace(_walk(loop, free), ends=(low, high))
+    found, first, last = _both_ways(walk, scene, hand, free, _MOST_PASSAGES)
+    return loop, Passages(found, None if first <= low else first, None if last is None or last >= high else last)
 
 
-@dataclass(frozen=True)
-class _Found:
-    """The passages of a number from the value on that it has."""
-
-    scene: Scene
-    hand: Hand
-    free: Knob
-
-    @cached_property
-    def loop(self) -> Opened:
-        return opened(self.scene, self.hand, self.free)
-
-    @cached_property
-    def _start(self) -> Walk:
-        start = start_of(self.loop, self.free.value)
-        home, on = self.loop.count(start)
-        if on:
-            raise UndecidedError("how far a number may go that has roots on the unit circle now")
-        return Walk(self.loop, Fraction(int(start.p), int(start.q)), home, self.free.rule)
-
-    def along(self, side: int, last: Expr | None, most: int = 0) -> tuple[list[Passage], Fraction | None]:
-        """The first on a side, as many as that or may be looked for, up to a last value, and how far these are all."""
-        most = most or _MOST_PASSAGES
-        if side > 0 and self._is_held(self._start.start):
-            return [], None
-        found, walk, is_ended = _along(self._start, side, last, most)
-        at = walk.start
-        if is_ended:
-            return found, at
-        if side > 0 and self._is_held(at):
-            return found, None
-        far = inverted(self.loop, side) if at * side > 0 else None
-        if far is None:
-            return found, at
-        walk = Walk(far, 1 / abs(at), walk.home, Rule.POSITIVE)
-        for _ in range(_MOST_WALKS):
-            beyond, walk, is_ended = _along(walk, -1, None, most - len(found))
-            found += [x.inverse(side) for x in beyond]
-            if is_ended or walk.start == 0:
-                break
-        return found, side / walk.start if walk.start else None
-
-    def _is_held(self, value: Fraction) -> bool:
-        return is_held(self.scene, self.hand, self.free, Rational(value.numerator, value.denominator))
+def _walk(loop: Opened, free: Knob) -> Walk:
+    """From the value on that a number has."""
+    start = start_of(loop, free.value)
+    home, on = loop.count(start)
+    if on:
+        raise UndecidedError("how far a number may go that has roots on the unit circle now")
+    at = Fraction(int(start.p), int(start.q))
+    return Walk(loop, at, home, free.rule, (at, at))
 
 
-def _along(walk: Walk, side: int, last: Expr | None, most: int) -> tuple[list[Passage], Walk, bool]:
-    """The first passages on a side, the walk from behind them; whether these are as many as may be, or up to a value."""
+def _both_ways(
+    walk: Walk, scene: Scene, hand: Hand, free: Knob, most: int
+) -> tuple[tuple[Passage, ...], Fraction, Fraction | None]:
+    """The first passages on each side, and between which values these are all: None where enough is damped from there on."""
+
+    def is_enough(value: Fraction) -> bool:
+        return is_held(scene, hand, free, Rational(value.numerator, value.denominator))
+
+    below, low = _along(walk, -1, most)
+    if is_enough(walk.start):
+        return tuple(below), low, None
+    above, high = _along(walk, 1, most)
+    return (*below, *above), low, None if len(above) < most and is_enough(high) else high
+
+
+def _along(walk: Walk, side: int, most: int) -> tuple[list[Passage], Fraction]:
+    """The first passages on a side, as many as may be looked for, and up to which value these are all.
+
+    In half of the time that is left: something is left for the other side, and for other numbers.
+    """
     found = list[Passage]()
     while True:
-        passage, known = in_half_the_time(walk, side)
-        walk = replace(walk, start=known)
-        if passage is not None:
-            found.append(passage)
-            walk = replace(walk, home=passage.above if side > 0 else passage.below)
-        is_ended = len(found) == most or (last is not None and (known - Fraction(float(last))) * side >= 0)
-        if passage is None or is_ended:
-            return found, walk, is_ended
-
-
-def in_half_the_time(walk: Walk, side: int) -> tuple[Passage | None, Fraction]:
-    """Something is left for the other side, and for other numbers."""
-    seconds = left()
-    with limited(seconds / 2 if seconds else None):
-        return walk.towards(side)
-
-
-@dataclass(frozen=True)
-class Inverted(Opened):
-    """A loop in which the symbol is 1/q > 0, all times a power of it."""
-
-    @cached_property
-    def at_one(self) -> Expr:
-        """C(1) times what is nowhere 0, a power of the symbol among it."""
-        return self._without_powers(self.loop.at_one)[0]
-
-    @cached_property
-    def opposite(self) -> tuple[Expr, Expr]:
-        """What is at z = -1, as the symbol may be a factor there: with Tustin's rule a damper is alone, its spring is not."""
-        above, below = self._without_powers(*self.loop.at_minus_one)
-        return above, below
-
-    def _without_powers(self, *given: Expr) -> list[Expr]:
-        """Polynomials without the power of the symbol that they have in common."""
-        powers = [n for x in given if x != 0 for (n,) in Poly(x, self.symbol).monoms()]
-        return [(x / self.symbol ** min(powers, default=0)).expand() for x in given]
-
-
-def inverted(loop: Opened, side: int) -> Inverted | None:
-    """The loop in u, q = 1/u or (side -1) q = -1/u; None where the number stands elsewhere than in what is multiplied out."""
-    own, q = loop.loop, loop.symbol
-    plant = own.plant
-    fixed = own.T, *plant.denominator, *(lag for lag, _ in plant.terms)
-    over = [N for _, N in plant.terms]
-    if any(x.has(q) for x in fixed) or not all(
-        x.is_polynomial(q) for row in (own.above, own.below, *over) for x in row
-    ):
-        return None
-    moved = max(_degree(row, q) for row in over)
-    most = max(_degree(own.above, q) + moved, _degree(own.below, q))
-
-    def turned(row: Numbers, power: int) -> tuple[Expr, ...]:
-        return tuple((x.xreplace({q: side / q}) * q**power).expand() for x in row)
-
-    terms = tuple((lag, turned(N, moved)) for lag, N in plant.terms)
-    above, below = turned(own.above, most - moved), turned(own.below, most)
-    return Inverted(SampledLoop(Plant(plant.denominator, terms), own.T, above, below), q)
-
-
-def _degree(row: Numbers, q: Symbol) -> int:
-    return max((int(Poly(x, q).degree()) for x in row if x.has(q)), default=0)
+        seconds = left()
+        with limited(seconds / 2 if seconds else None):
+            passage, known = walk.towards(side)
+        if passage is None:
+            return found, known
+        found.append(passage)
+        walk = replace(walk, start=known, home=passage.above if side > 0 else passage.below)
+        if len(found) == most:
+            return found, known
 
 
 def is_held(scene: Scene, hand: Hand, free: Knob, value: Rational) -> bool:
