@@ -125,7 +125,7 @@ class Stretch:
 _EITHER = arb(0, 1)
 
 
-_POINTS, _WIDER = 8, 8  # on the circle, and R/r
+_POINTS, _WIDER = 10, 6  # on the circle, and R/r
 
 
 class Line(NamedTuple):
@@ -141,7 +141,7 @@ class Line(NamedTuple):
 
 
 def over_circle(functions: Callable[[acb], Sequence[acb]], middle: Ball, radius: Ball) -> list[Line]:
-    """The values for real q, |q - middle| <= radius, of functions that are real there and analytic up to eight times as far.
+    """The values for real q, |q - middle| <= radius, of functions that are real there and analytic up to six times as far.
 
     Balls that are not finite where they are not.
 

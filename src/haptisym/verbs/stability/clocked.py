@@ -336,7 +336,7 @@ _FINEST = Fraction(1, 1 << 24)  # of a value: where cells are shorter, it is ask
 _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
 _DEEPEST = 8  # times that these are cut
 _GROWTH = Fraction(1, 2)  # of a cell, to the next
-_MOST_ON_A_SIDE, _MOST_FINE = 1000, 40  # on a side; of them the shortest
+_MOST_ON_A_SIDE, _MOST_FINE = 800, 40  # on a side; of them the shortest
 
 
 def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
