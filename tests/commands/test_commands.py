@@ -118,6 +118,31 @@ def test_an_answer_with_nothing_to_draw_is_given_all_the_same(call, tmp_path: Pa
     assert not figure.exists()
 
 
+CLOCKED = """
+environment = {{ {felt} }}
+effects = [{{ model = "sampled-loop", T = "1 ms", method = "backward-difference" }}, {{ model = "shunt", m = "0.1 kg", b = 2 }}]
+hand = {{ m = 0.1, b = 5, k = 100 }}
+"""
+
+
+@pytest.mark.parametrize(
+    ("felt", "reason"),
+    [
+        ('model = "mass-spring-damper", k = 300', "stiffness and damping"),
+        ('model = "expression", H = "k/(1 + b*s)", parameters = { k = 300, b = 2 }', "no linear function"),
+        ('model = "kelvin-voigt", k = 300, b = 2', ""),
+    ],
+)
+def test_a_plane_is_drawn_or_the_status_is_not_0(call, tmp_path: Path, felt: str, reason: str) -> None:  # type: ignore[no-untyped-def]
+    scene, figure = tmp_path / "wall.toml", tmp_path / "plane.svg"
+    scene.write_text(CLOCKED.format(felt=felt), encoding="utf-8")
+    status, out, err = call("stability", str(scene), "--figure", str(figure))
+    assert (status, figure.exists()) == ((2, False) if reason else (0, True))
+    assert "Prescribed motion" in out
+    assert reason in err
+    assert err.startswith("no figure: " if reason else "figure written")
+
+
 ASKED: dict[str, Callable[[str], Any]] = {
     "evaluate {} --digits 50 --tolerance 0.01 --regions": lambda x: hs.evaluate(x, 50, tolerance="0.01").with_regions(),
     "stability {} --hand postural-arm --digits 40": lambda x: hs.stability(x, hand="postural-arm", digits=40),

@@ -7,7 +7,6 @@ import random
 from collections.abc import Callable
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
-from itertools import product
 from math import nextafter, prod
 from typing import Any
 
@@ -48,7 +47,6 @@ import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import kelvin_voigt, mass_spring_damper
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
-from haptisym.kernel.pulse import Exponentials
 from haptisym.kernel.reals import (
     ExactNumber,
     Negative,
@@ -66,8 +64,8 @@ from haptisym.kernel.reals import (
 )
 from haptisym.kernel.rings import Polynomial, PolynomialRing, degree_in, omega, s
 from haptisym.kernel.roots import ALIKE_BITS, ascending, chart, each_once, ordered, sign_of_number
-from haptisym.kernel.turns import is_zero as is_zero_turn
-from haptisym.kernel.turns import vanishes
+from haptisym.kernel.waves import is_zero_number as is_zero_turn
+from haptisym.kernel.waves import vanishes
 
 a, b = Symbol("a", positive=True), Symbol("b", positive=True)
 m, k = hs.symbols("m k")
@@ -386,51 +384,6 @@ def test_the_sign_of_pi_minus_a_fraction_near_it_is_decided(digits: int) -> None
 
 def test_a_number_that_is_zero_is_known_to_be_zero() -> None:
     assert sign_of_number((pi + 1) ** 2 - pi**2 - 2 * pi - 1) == sign_of_number(1 / pi - pi / pi**2) == 0
-
-
-# Numbers made of roots and exponentials
-
-
-def test_exponentials_are_zero_where_their_exponents_are_equal() -> None:
-    """The roots of s^3 - 2 add up to 0, so the product of their exponentials is 1; no two of them alone make anything of the kind."""
-    ring = Exponentials([(-2, 0, 0, 1)], [fmpq(1)])
-    E = [ring.exponential(i, 0) for i in range(3)]
-    assert ring.is_zero(E[0] * E[1] * E[2] - 1)
-    assert not ring.is_zero(E[0] * E[1] - 1)
-    assert ring.is_zero(ring.root(0) * ring.root(1) * ring.root(2) - 2)
-    # sqrt 2 times itself in two factors: exp(sqrt 8) is exp(sqrt 2)^2, of either sign
-    both = Exponentials([(-2, 0, 1), (-8, 0, 1)], [fmpq(1)])
-    equal = [both.is_zero(both.exponential(0, 0) ** 2 - both.exponential(i, 0)) for i in (2, 3)]
-    assert sorted(equal) == [False, True]
-
-
-@pytest.mark.parametrize("p", [fmpq(1, 1), fmpq(99, 70), fmpq(47321, 33461)])
-def test_what_roots_nearly_make_zero_is_not(p: fmpq) -> None:
-    """Convergents of sqrt(2), and exp(z/2)^2 beside exp(z)."""
-    ring = Exponentials([(-2, 0, 1), (-1, -1, 1)], [fmpq(1, 2), fmpq(1)])
-    for i, side in product((0, 1), (1, -1)):
-        near, nothing = ring.root(i) + side * p, ring.root(i) ** 2 - 2
-        halves = ring.exponential(i, 0) ** 2 - ring.exponential(i, 1)
-        for own in (near, near * (ring.root(2) - 1), near * ring.exponential(i, 0), near + ring.pi * halves):
-            assert not ring.is_zero(own)
-            assert not ring.is_zero(own * nothing + own * p)
-            assert ring.is_zero(own * nothing)
-            assert ring.is_zero(own * halves)
-    assert ring.is_zero(ring.root(2) * ring.root(3) + 1)
-    assert ring.is_zero(ring.exponential(0, 0) * ring.exponential(1, 0) - 1)
-    assert not ring.is_zero(ring.exponential(2, 0) * ring.exponential(3, 0) - 1)  # the square root of e
-
-
-@pytest.mark.parametrize("digits", [1, 6, 40, 90])
-def test_roots_that_nearly_agree_are_two_numbers_however_large_they_are(digits: int) -> None:
-    """sqrt(n + 1) - sqrt(n) is less than any bound that sees 1, 0 and the coefficients of the difference alone."""
-    n = 10 ** (2 * digits) + 1
-    ring = Exponentials([(-n, 0, 1), (-n - 1, 0, 1)], [fmpq(1)])
-    for i, j in product((0, 1), (2, 3)):
-        x = ring.root(j) - ring.root(i)
-        assert not ring.is_zero(x)
-        assert ring.is_zero(x * (ring.root(j) + ring.root(i)) - 1)
-    assert ring.is_zero(ring.root(0) + ring.root(1))
 
 
 # Sums of cosines and sines of parts of a turn

@@ -11,7 +11,7 @@ import pytest
 from scipy.linalg import expm
 
 import haptisym as hs
-from haptisym.verbs.stability.clocked import clocked_roots
+from haptisym.verbs.stability.held import held
 
 
 @dataclass(frozen=True)
@@ -71,8 +71,9 @@ class Hidden:
 def test_roots_are_those_of_the_whole_loop(seed: int) -> None:
     case = next(x for x in (Hidden.drawn(seed + 100 * n) for n in range(50)) if x.is_clear())
     assert (np.sort(np.abs(case.sizes() - 1))[: case.on] < 1e-7).all()
-    found = clocked_roots(case.scene, case.scene.hands[0])
-    assert found.number == np.count_nonzero(case.sizes() > 1 - 1e-6)
+    found = held(case.scene, case.scene.hands[0])
+    assert case.on == 2 or found.stable is not None
+    assert found.unstable in (np.count_nonzero(case.sizes() > 1 - 1e-6), None)
 
 
 @pytest.mark.slow
@@ -81,10 +82,10 @@ def test_a_damper_in_series_with_a_spring_holds_no_handle_also_behind_a_hold() -
     text = (
         '[environment]\nmodel = "maxwell"\nk = "100 N/m"\nb = "5 N*s/m"\n{}[hand]\nm = "1 kg"\nb = "1 N*s/m"\nk = 0\n'
     )
-    held = hs.parse_scene(text.format('[[effects]]\nmodel = "zero-order-hold"\nT = "5 ms"\n'))
+    late = hs.parse_scene(text.format('[[effects]]\nmodel = "zero-order-hold"\nT = "5 ms"\n'))
     plain = hs.parse_scene(text.format(""))
-    assert [hs.stability(x).held[0].unstable for x in (held, plain)] == [1, 1]
-    assert hs.require(held, "hand.b", ("0.1", "20"), that=("stable",)).feasible == ()
+    assert [hs.stability(x).held[0].unstable for x in (late, plain)] == [1, 1]
+    assert hs.require(late, "hand.b", ("0.1", "20"), that=("stable",)).feasible == ()
 
 
 def test_a_handle_without_mass_damping_and_stiffness_at_the_end_of_a_search_ends_no_answer() -> None:

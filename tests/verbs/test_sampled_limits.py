@@ -148,7 +148,7 @@ def test_a_change_at_0_is_none_on_the_way_up() -> None:
     assert near.high is None or near.high > 500
 
 
-def test_a_value_far_away_is_found_by_its_inverse() -> None:
+def test_a_value_of_a_wall_is_found_far_away() -> None:
     """z = k/10^5: more than a thousand times as far as the number is from 0."""
     scene = placed(1 - k / 10**5 * w, {"k": 1})
     near = nearest(scene, "environment.k")

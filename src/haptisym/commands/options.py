@@ -659,15 +659,19 @@ def keep_figures(folder: Path, save: Callable[[], Sized]) -> None:
     written(f"{count} figures", folder)
 
 
-def drawn(found: Answer, path: Path | None) -> None:
-    """Write the figure of an answer where one was asked for, and tell so on standard error, or that there is nothing to draw."""
-    if path is None:
-        return
+def drawn(found: Answer, path: Path | None) -> bool:
+    """Write the figure of an answer where one was asked for; report on standard error that it is there, or why it is not.
+
+    False where it was asked for and is not there.
+    """
     try:
-        keep("figure", path, lambda: found.save_figure(path))
+        if path is not None:
+            keep("figure", path, lambda: found.save_figure(path))
     except NothingToDrawError as error:
         quiet()
         note(f"no figure: {error}")
+        return False
+    return True
 
 
 def proven(found: Answer, path: Path | None) -> None:

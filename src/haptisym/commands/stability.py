@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import click
@@ -57,6 +58,8 @@ def stability(
     Three statements, each proven by itself: stable in a hand (mass, damping and stiffness, of [hand] in the scene or a
     shipped one); stable under prescribed motion; passive, that is stable in the hand of any passive operator.
 
+    Exit status 2 where a figure was asked for that cannot be drawn; the answer is printed all the same.
+
     \b
     Examples:
       haptisym stability delayed-spring --hand light-touch
@@ -69,6 +72,8 @@ def stability(
     from haptisym.verbs.stability.entry import stability as of
 
     found = of(scene, names or None, paths, digits=digits or 15, limit=None)
-    drawn(found, figure)
+    is_drawn = drawn(found, figure)
     proven(found, certificate)
     hand_over(found, as_json=as_json)
+    if not is_drawn:
+        sys.exit(2)

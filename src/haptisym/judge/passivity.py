@@ -1,21 +1,14 @@
 """Whether every passive hand may hold a display, and whether the force under imposed motion is stable.
 
-Displays made of parts that only take energy: an environment that does, behind two-ports that do.
+Every passive hand may hold it where H_perc/s is positive real: Im H_perc(j omega) >= 0 on [0, infinity), with a clock up to pi/T;
+no poles in Re s > 0; those on the axis, at 0 and at infinity simple, with positive residues. The force is stable where all poles
+of H_perc lie in Re s < 0.
 
-A passive one-port behind passive two-ports is passive, however many poles it has: H_perc/s is positive real. And where the
-environment takes energy at every frequency and has no pole on the axis, H_perc has no pole there either: with the hand at rest
-no energy flows, so that the environment would be at rest, and with it, as a chain matrix has an inverse, all of the chain. So
-all poles of H_perc lie in Re s < 0, however near to the axis. Source: Youla, Castriota and Carlin (1959); Niemeyer and Slotine
-(1991) for the wave-variable link, which is a line without losses.
-
-Where poles may lie of what no passive hand can drive: F(s)/s, with F a dynamic stiffness, must be positive real.
-
-Beside Im F(j omega) >= 0 that asks of F/s: no poles in Re s > 0; those on the axis, at 0 and at infinity simple, with positive
-residues.
-
-Whether every passive hand may hold a display: H_perc/s is positive real. Judged on [0, infinity), with a clock up to pi/T.
-
-Whether the force under imposed motion is stable: all poles of H_perc in Re s < 0.
+A passive one-port behind passive two-ports is passive, however many poles it has. And where the environment takes energy at
+every frequency and has no pole on the axis, H_perc has no pole there either: with the hand at rest no energy flows, so that the
+environment would be at rest, and with it, as a chain matrix has an inverse, all of the chain. So all poles of H_perc lie in
+Re s < 0, however near to the axis. Source: Youla, Castriota and Carlin (1959); Niemeyer and Slotine (1991) for the wave-variable
+link, which is a line without losses.
 """
 
 from __future__ import annotations

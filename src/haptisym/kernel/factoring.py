@@ -25,8 +25,7 @@ from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.factors import AnalyticFactor, Level, PolynomialFactor, polynomial_factors
 from haptisym.kernel.rings import Polynomial, monomials
-from haptisym.kernel.turns import vanishes
-from haptisym.kernel.waves import WaveTerm
+from haptisym.kernel.waves import WaveTerm, vanishes
 from haptisym.kernel.zeros import Factor, is_clear
 
 Pieces: TypeAlias = list[tuple[Polynomial, int]]

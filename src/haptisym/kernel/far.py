@@ -1,8 +1,8 @@
 """What a real function of omega does far out: which sign it has beyond a frequency, or that it changes sign for ever.
 
-A function is a sum of powers of omega, each times a sum of waves: sines and cosines of multiples of angles. The waves of the
-highest power decide, where they keep clear of 0: from some frequency on all lower powers are less. Where they take both
-signs, they take both again and again, as sums of waves come back as near as one likes to every value that they have.
+A function is a sum of powers of omega, each times a sum of waves: sines and cosines of multiples of angles. The highest power
+decides where what does not turn in it outweighs all that does: from some frequency on all lower powers are less. Where its
+waves take both signs, they take both again and again, as sums of waves come back as near as one likes to every value they have.
 """
 
 from __future__ import annotations
@@ -13,22 +13,18 @@ from enum import Enum
 from functools import cached_property
 from itertools import product
 from math import prod
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import flint
 from flint import arb, fmpq
 from sympy import Integer, Rational, tan
 
 from haptisym.kernel.axis import CONSTANT, Axis, harmonics
-from haptisym.kernel.budget import tick
-from haptisym.kernel.factors import polynomial_factors
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.kernel.zeros import sign_of
 
 _BITS = 128
-_MOST_CELLS = 3000  # of the waves' angles, before a sign is given up
-_PIECES = 16  # into which each angle is cut at first
 _SAMPLES = 400
 _MOST_DOUBLINGS = 80
 _FIRST = Rational(1, 1 << 20)  # rad/s
@@ -64,7 +60,7 @@ def far(f: RationalFunction) -> Far:
     ...     ring = Ring.of([expression])
     ...     return far(on_axis(ring.convert(expression)).raw_imag).sense.name
     >>> of(s**2 + 3 * s), of(exp(-s)), of(2 * s + s * exp(-s)), of(s * (1 - exp(-s)))
-    ('POSITIVE', 'BOTH', 'POSITIVE', 'POSITIVE')
+    ('POSITIVE', 'BOTH', 'POSITIVE', 'UNKNOWN')
     """
     axis = f.ring
     assert isinstance(axis, Axis)
@@ -73,21 +69,12 @@ def far(f: RationalFunction) -> Far:
         return Far(Sense.POSITIVE)
     waves = _Waves(axis, polynomial)
     highest = max(waves.groups)
-    found = waves.sense(highest)
-    if found.sense is Sense.UNKNOWN:
-        return Far(waves.weakly)
-    if found.sense is Sense.BOTH:
-        return Far(Sense.BOTH)
-    radius = waves.prevails(highest, found.least)
-    return Far(Sense.UNKNOWN) if radius is None else Far(found.sense, radius)
-
-
-@dataclass(frozen=True)
-class _Clear:
-    """The sign of a sum of waves, and a bound that its size keeps above."""
-
-    sense: Sense
-    least: Ball = arb(0)
+    with flint.ctx.workprec(_BITS):
+        sign, least = waves.dominated(highest)
+        if not least > 0:
+            return Far(Sense.BOTH if waves.takes_both_signs(highest) else Sense.UNKNOWN)
+        radius = waves.prevails(highest, least)
+    return Far(Sense.UNKNOWN) if radius is None else Far(Sense(sign), radius)
 
 
 _Group: TypeAlias = dict[tuple[int, ...], Ball]
@@ -138,26 +125,20 @@ class _Waves:
             (prod((row[x] for row, x in zip(rows, waves, strict=True)), start=c) for waves, c in group.items()), arb(0)
         )
 
-    def sense(self, power: Rational) -> _Clear:
-        """Of the waves before one power of omega."""
-        with flint.ctx.workprec(_BITS):
-            group = self.groups[power]
-            found = self._dominated(group)
-            if found is not None:
-                return found
-            signs = set[int]()
-            for k in range(_SAMPLES if any(self.degrees) else 1):
-                signs |= {sign_of(self._along(group, k))} - {0}
-                if len(signs) == 2:
-                    return _Clear(Sense.BOTH)
-            return self._clear(group, Sense(signs.pop())) if signs else _Clear(Sense.UNKNOWN)
-
-    def _dominated(self, group: _Group) -> _Clear | None:
-        """Where what does not turn is more than all that does together."""
-        own = (CONSTANT,) * len(self.turning)
+    def dominated(self, power: Rational) -> tuple[int, Ball]:
+        """Of the waves before a power of omega: the sign of what does not turn, and by how much it outweighs all that does."""
+        group, own = self.groups[power], (CONSTANT,) * len(self.turning)
         still = group.get(own, arb(0))
-        margin = abs(still) - sum((abs(c) for x, c in group.items() if x != own), arb(0))
-        return _Clear(Sense(sign_of(still)), margin.lower()) if margin > 0 else None
+        return sign_of(still), (abs(still) - sum((abs(c) for x, c in group.items() if x != own), arb(0))).lower()
+
+    def takes_both_signs(self, power: Rational) -> bool:
+        """Whether these waves are seen to, at some frequencies: then they do again and again."""
+        signs = set[int]()
+        for k in range(_SAMPLES if any(self.degrees) else 1):
+            signs |= {sign_of(self._along(self.groups[power], k))} - {0}
+            if len(signs) == 2:
+                return True
+        return False
 
     def _along(self, group: _Group, k: int) -> Ball:
         """The waves at one of some frequencies, which turn the fastest angle by about 0.23 each."""
@@ -165,50 +146,16 @@ class _Waves:
         step = arb(fmpq(229, 500)) / max(rates, key=float, default=arb(1))
         return self._value(group, [rate * step * (k + 1) for rate in rates])
 
-    def _clear(self, group: _Group, sense: Sense) -> _Clear:
-        """A bound that keeps the waves clear of 0 all over their angles; UNKNOWN where none is found."""
-        cell = 2 * arb.pi() / _PIECES
-        cells = [
-            tuple(cell * n + arb(0).union(cell) if top else arb(0) for n, top in zip(place, self.degrees, strict=True))
-            for place in product(*(range(_PIECES if n else 1) for n in self.degrees))
-        ]
-        least, left = None, _MOST_CELLS
-        while cells:
-            tick()
-            box = cells.pop()
-            value = self._value(group, box) * sense.value
-            left -= 1
-            if not value > 0:
-                if left < len(cells):
-                    return _Clear(Sense.UNKNOWN)
-                cells += _halves(box)
-                continue
-            bound = value.lower()
-            least = bound if least is None or bound < least else least
-        return _Clear(sense, least)
-
     def prevails(self, power: Rational, least: Ball) -> Rational | None:
         """From where on ``least`` omega^power exceeds all lower powers together."""
-        with flint.ctx.workprec(_BITS):
-            weights = {p: sum(map(abs, group.values()), arb(0)) for p, group in self.groups.items() if p < power}
-            radius = _FIRST
-            for _ in range(_MOST_DOUBLINGS):
-                base = expression_ball(radius)
-                if least > sum((w * base ** expression_ball(p - power) for p, w in weights.items()), arb(0)):
-                    return radius
-                radius *= 2
+        weights = {p: sum(map(abs, group.values()), arb(0)) for p, group in self.groups.items() if p < power}
+        radius = _FIRST
+        for _ in range(_MOST_DOUBLINGS):
+            base = expression_ball(radius)
+            if least > sum((w * base ** expression_ball(p - power) for p, w in weights.items()), arb(0)):
+                return radius
+            radius *= 2
         return None
-
-    @property
-    def weakly(self) -> Sense:
-        """The sign that the waves before every power of omega have, 0 allowed; one angle, and rational numbers."""
-        if len(self.axis.angles) != 1 or len(self.turning) != 1 or self.axis.orders or self.polynomial.degrees()[1]:
-            return Sense.UNKNOWN
-        rows: dict[Rational, dict[int, Any]] = {}
-        for power, (k,), _, value in self._terms():
-            rows.setdefault(power, {})[k] = value
-        found = {_weak_sign([row.get(n, fmpq(0)) for n in range(max(row) + 1)]) for row in rows.values()}
-        return found.pop() if len(found) == 1 else Sense.UNKNOWN
 
 
 def _wave(wave: int, angle: Ball) -> Ball:
@@ -217,21 +164,3 @@ def _wave(wave: int, angle: Ball) -> Ball:
         return arb(1)
     turned = angle * (wave // 2 + 1)
     return turned.sin() if wave % 2 else turned.cos()
-
-
-def _halves(box: tuple[Ball, ...]) -> list[tuple[Ball, ...]]:
-    """A box in two, across its longest side."""
-    place = max(range(len(box)), key=lambda i: float(box[i].rad()))
-    middle, x = box[place].mid(), box[place]
-    return [(*box[:place], end.union(middle), *box[place + 1 :]) for end in (x.lower(), x.upper())]
-
-
-def _weak_sign(row: list[fmpq]) -> Sense:
-    """Of a polynomial on the whole real line: UNKNOWN where it takes both signs."""
-    _sign, lowest, _ = polynomial_factors(row)
-    for side in (1, -1):
-        mirrored = [c * side**n for n, c in enumerate(row)]
-        if any(n % 2 and factor.positive_roots() for factor, n in polynomial_factors(mirrored)[2]):
-            return Sense.UNKNOWN
-    near = next(c for c in row if c)
-    return Sense.UNKNOWN if lowest % 2 else Sense(1 if near > 0 else -1)

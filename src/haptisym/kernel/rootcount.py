@@ -1,25 +1,10 @@
-"""How many roots a characteristic function has in Re s >= 0, and what it takes to count them.
-
-Polynomials of dynamics by their powers of s, and how they begin at s = 0.
-
-How far a function turns along the imaginary axis: counted on a chart of the zeros of its real and imaginary part.
-
-|A|^2 - |B|^2 on the imaginary axis, of A(s) + B(s) exp(-s tau): where it is positive, no root of the sum lies on the axis.
-
-How small a polynomial of several exp(-s tau_i) becomes on s = j omega, whatever the delays are: on a torus of angles.
-
-A polynomial without a zero on the torus, where all |z_i| = 1, has one where all |z_i| <= 1 only if it has one where all z_i are
-alike (DeCarlo, Murray and Saeks, 1977); if it has none, it is nowhere there smaller than on the torus, by the maximum principle
-for 1/L.
-
-How many roots a characteristic function has in the closed right half plane: the argument principle, counted on a chart.
+"""How many roots a characteristic function has in the closed right half plane: the argument principle, counted on a chart.
 
 D(s) is a polynomial in s, delays exp(-s tau) and powers s^alpha. As omega goes from 0 to a reach R beyond which one power of s
 prevails, the turns of D(j omega) are read off the signs of its real and imaginary part; what is left of the contour is known
 from that power alone. Of A + B exp(-s tau) it is known from A, a polynomial, from where on |A| > |B|. Roots on the axis are
-passed on their left, so that they count.
-
-Whether a dynamics is stable: all poles in the open left half plane, proven or said to be undecided.
+passed on their left, so that they count. Whether all poles lie in the open left half plane is asked of rational dynamics by
+Routh's array.
 """
 
 from __future__ import annotations
@@ -29,18 +14,17 @@ from dataclasses import dataclass
 from enum import Enum
 from heapq import merge
 from itertools import groupby, pairwise, product
-from math import ceil, prod
+from math import ceil
 from typing import TypeAlias
 
 import flint
 from flint import acb, arb
 from sympy import Expr, I, Integer, Rational, factorial, pi
 
-from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in, monomials, s
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, at_rising_precision, expression_ball
+from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials, s
 from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
 
 _MOST_TERMS = 64  # of the expansion at s = 0 that are tried
@@ -225,52 +209,6 @@ def positive_from(terms: Terms, late: tuple[int, ...]) -> Rational | None:
     return None
 
 
-_BITS_TORUS = 64
-_MOST_CELLS = 20_000
-_LEAST = 1e-3  # of all sizes together: less takes many cells
-_SHARE = 0.5  # of the least value that was met: a bound that is as good as that will do
-
-_Box: TypeAlias = tuple[tuple[Ball, Ball], ...]
-"""Middle and half of what each angle is, in turns."""
-
-
-def least_on_torus(group: Mapping[tuple[int, ...], Expr]) -> Rational | None:
-    """A number > 0 that |L| is nowhere less than, where all |z_i| = 1: branch and bound. None where it is 0 somewhere, or nearly.
-
-    ``group`` : what stands before each product of powers of the z_i, real.
-
-    >>> from sympy import Integer
-    >>> least_on_torus({(0, 0): Integer(4), (1, 0): Integer(1), (0, 1): Integer(2)}) > Rational(1, 2)
-    True
-    >>> least_on_torus({(0, 0): Integer(3), (1, 0): Integer(1), (0, 1): Integer(2)}) is None
-    True
-    """
-    units = range(len(next(iter(group))))
-    with flint.ctx.workprec(_BITS_TORUS):
-        terms = [(expression_ball(c), turns) for turns, c in group.items()]
-        slopes = [2 * arb.pi() * sum((n[k] * abs(c) for c, n in terms), arb(0)) for k in units]
-        whole = sum((abs(c) for c, _ in terms), arb(0))
-        best = whole.upper()
-
-        def cell(box: _Box) -> tuple[float, _Box]:
-            nonlocal best
-            angles = [acb(0, 2) * arb.pi() * middle for middle, _ in box]
-            size = abs(sum((c * sum(x * k for x, k in zip(angles, n, strict=True)).exp() for c, n in terms), acb(0)))
-            best = min(best, size.upper())
-            bound = size - sum((slope * half for slope, (_, half) in zip(slopes, box, strict=True)), arb(0))
-            return float(bound.lower()), box
-
-        start = tuple((arb(0.5), arb(0.5)) for _ in units)
-        cells = Waiting([cell(start)], rank=lambda x: x[0], most=_MOST_CELLS, what="phases of delays")
-        for bound, box in cells:
-            if bound > 0 and bound >= _SHARE * float(best):
-                return Rational(bound)
-            if best < _LEAST * whole:
-                break
-            cells.add(*map(cell, _halves(box, slopes)))
-    return None
-
-
 def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
     """Whether L(1/z) is L(z) or -L(z) but for powers of z: with each zero in s, -s is one too, however long the delays are.
 
@@ -284,16 +222,9 @@ def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
     return len(group) > 1 and any(all(c == side * other[turns] for turns, c in group.items()) for side in (1, -1))
 
 
-def _halves(box: _Box, slopes: Sequence[Ball]) -> list[_Box]:
-    """A box in two, across the angle along which L may change most."""
-    k = max(range(len(box)), key=lambda i: float(slopes[i] * box[i][1]))
-    middle, half = box[k][0], box[k][1] / 2
-    return [(*box[:k], (middle + side * half, half), *box[k + 1 :]) for side in (-1, 1)]
-
-
+_MOST_BITS = 512  # of Routh's array
 _MOST_TURNING = 2000  # radians that the delays turn up to the reach: thousands of zeros take minutes
-_DEEPEST = 20  # times that a way is halved
-_FINEST = 64  # times that a bound is halved before it is given up
+_ARCS = 1 << 8, 1 << 13  # of the unit circle
 
 
 class RootChain(Enum):
@@ -322,7 +253,7 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
     ``rests`` : whether it is known that there is none but one at 0, unless a chain comes as near to the axis as one likes.
 
     Guaranteed: for polynomials, and with delays where the highest power of s outweighs its own delayed terms (else the chain of
-    roots that these make is recognised: exactly for one unit delay, and for independent ones that multiply it once each).
+    roots that these make is recognised exactly for one unit delay).
     Not decided: more than some hundred turns, delays whose chain is none of these, and functions with j among their numbers.
 
     >>> from sympy import exp
@@ -339,8 +270,6 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
         raise UndecidedError("the roots of a function with j among its numbers")
     polynomial = _without_shared_delays(polynomial, ring)
     terms = terms_of(polynomial, ring)
-    if (line := _root_of_line(terms)) is not None:
-        return line
     degree = max(terms)
     floor = RootChain.NEAR if rests and is_mirrored(terms[degree]) else floor_of(terms[degree], ring)
     if isinstance(floor, RootChain):
@@ -369,17 +298,6 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
     at_0 = [curve.points[0].omega] if order else []
     right = left_of_it - 2 * sum(map(times, passed))
     return Roots(left_of_it + at_least(order), right, (*at_0, *(p.omega for p in passed)))
-
-
-def _root_of_line(terms: Terms) -> Roots | None:
-    """The root of a s + b, if there is one; None of anything else."""
-    if not terms.keys() <= {0, 1} or any(any(turns) for group in terms.values() for turns in group):
-        return None
-    b, a = (sum(terms.get(Integer(n), {}).values(), Integer(0)) for n in (0, 1))
-    if not a or not b:
-        return Roots(int(bool(a)), 0, (ExactNumber(Integer(0)),) if a else ())
-    right = int(sign_of_number(a) != sign_of_number(b))
-    return Roots(right, right)
 
 
 def _turn_of_own(own: Polynomial, terms: Terms, reach: Expr, ring: Ring) -> Ball:
@@ -421,27 +339,7 @@ def floor_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | RootCh
     used = {i for turns in delayed for i, n in enumerate(turns) if n}
     if len(used) == 1:
         return _floor_of_one(group, used.pop())
-    if all(sum(turns) == 1 for turns in delayed) and _are_independent([ring.lags[i] for i in used]):
-        return RootChain.RIGHT if sign_of_number(margin) else RootChain.NEAR  # the phases oppose as nearly as one likes
-    return _floor_of_several(group)
-
-
-def _are_independent(lags: Sequence[Expr]) -> bool:
-    """Whether no sum of whole multiples of the delays is 0: they are rational multiples of different powers of pi."""
-    rests = [lag.as_coeff_Mul()[1] for lag in lags]
-    powers = all(rest == 1 or (rest.as_base_exp()[0] == pi and rest.as_base_exp()[1].is_Integer) for rest in rests)
-    return powers and len(set(rests)) == len(rests)
-
-
-def _floor_of_several(group: Mapping[tuple[int, ...], Expr]) -> Expr | RootChain:
-    """With unit delays that are taken as independent: as where all are one, if L is not 0 on the axis whatever they are."""
-    least = least_on_torus(group)
-    if least is None:
-        raise UndecidedError("the chain of roots of a neutral function with several delays")
-    alike: dict[tuple[int, ...], Expr] = {}
-    for turns, c in group.items():
-        alike[(sum(turns),)] = alike.get((sum(turns),), Integer(0)) + c
-    return least if not isinstance(_floor_of_one(alike, 0), RootChain) else RootChain.RIGHT
+    raise UndecidedError("the chain of roots of a neutral function with several delays")
 
 
 def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | RootChain:
@@ -454,31 +352,17 @@ def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | R
     inside = count_roots(w, ring)
     if inside.number or int(w.degrees()[0]) < n:
         return RootChain.RIGHT if inside.right else RootChain.NEAR
-    real, imag = parts_of(w, ring)
-    square = real.function * real.function + imag.function * imag.function
-    circle = ring.axis.convert((1 + _omega(ring) ** 2) ** n)
-    bound = Rational(1)
-    for _ in range(_FINEST):
-        excess = square - ring.axis.convert(bound**2) * circle
-        if _is_positive(excess.numerator, ring, 2 * n):
-            return bound
-        bound /= 2
+    with flint.ctx.workprec(BITS):
+        row = [expression_ball(c) for c in powers]
+        for arcs in _ARCS:
+            turns = (arb(i) / arcs + arb(0, 0.5 / arcs) for i in range(arcs))
+            on_arcs = (
+                abs(sum((c * acb(0, 2 * arb.pi() * x * k).exp() for k, c in enumerate(row)), acb(0))) for x in turns
+            )
+            least = float(min(x.lower() for x in on_arcs))
+            if least > 0:
+                return Rational(least) * Rational(999, 1000)
     raise UndecidedError("how near the chain of a neutral function comes to the axis")
-
-
-def _omega(ring: Ring) -> Expr:
-    return ring.axis.meanings[0]
-
-
-def _is_positive(even: Polynomial, ring: Ring, degree: int) -> bool:
-    """Whether a polynomial in omega is positive on [0, infinity], as is its coefficient of that degree, the highest it has."""
-    axis = ring.axis
-    reverse = {}
-    for exponents, value in monomials(even):
-        reverse[(degree - int(exponents[0]), *exponents[1:])] = value
-    sides = {"near": even, "far": axis.context.from_dict(reverse)}
-    table = chart({name: RealFunction(axis.function(p)) for name, p in sides.items()}, Integer(0), Integer(1))
-    return all(sign > 0 for point in table.points for sign in point.at.values())
 
 
 # The contour
@@ -536,31 +420,20 @@ def prevailing(degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) 
 def _own_turn(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> Ball:
     """The angle of L at j R, in quarters, beyond that of its undelayed term: 0 where one delay has made whole turns.
 
-    L has no zero where all |z| <= 1: its angle is that which it turns by on the way from 0 to z, along rho z.
+    Of several that term outweighs all others.
     """
     if len(_delays_of(group, ring)) <= 1:
         return arb(0)
+    own = next(c for turns, c in group.items() if not any(turns))
     with flint.ctx.workprec(BITS):
-        terms = [(factor_at({turns: c}, reach, ring), sum(turns)) for turns, c in group.items()]
-        return _turn_along(terms, arb(0), arb(1), _DEEPEST) * 2 / arb.pi()
-
-
-def _turn_along(terms: Sequence[tuple[acb, int]], low: Ball, high: Ball, depth: int) -> Ball:
-    """The angle by which a polynomial with these coefficients and powers turns: on pieces on which it stays in a half plane."""
-    between, start, end = (sum((c * x**n for c, n in terms), acb(0)) for x in (low.union(high), low, high))
-    if not (between.real.contains(0) and between.imag.contains(0)):
-        return (end / start).arg()
-    if not depth:
-        raise UndecidedError("how far the highest power of s turns with its delays")
-    middle = (low + high) / 2
-    return _turn_along(terms, low, middle, depth - 1) + _turn_along(terms, middle, high, depth - 1)
+        return (factor_at(group, reach, ring) / expression_ball(own)).arg() * 2 / arb.pi()
 
 
 def is_stable(dynamics: RationalFunction) -> bool | None:
     """Whether all finite poles of a dynamics in lowest terms lie in the open left half plane; None where not decided.
 
-    Rational dynamics: Routh's array, exact. With delays and powers of s: by ``count_roots`` of the denominator, and None where
-    that stays open, or a chain of poles comes as near to the axis as one likes.
+    Rational dynamics: Routh's array in balls. With delays and powers of s, and where that does not tell: by ``count_roots`` of
+    the denominator, and None where that stays open, or a chain of poles comes as near to the axis as one likes.
 
     >>> from haptisym.kernel.rings import s
     >>> from sympy import exp
@@ -577,8 +450,10 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
         if order and order > order_at_0(dynamics.numerator, ring):
             return False  # a pole at 0
         if not any(degree_in([dynamics.denominator], i) for i in range(ring.size, len(ring.meanings))):
-            explicit = min(int(e[0]) for e in dynamics.denominator.monoms())
-            return _routh(RationalFunction(ring, dynamics.numerator, dynamics.denominator / ring.variable**explicit))
+            row = ring.coefficients(dynamics.denominator / ring.variable ** int(order))
+            right = at_rising_precision(lambda _: routh([expression_ball(c) for c in row]), 128, _MOST_BITS)
+            if right is not None:
+                return right == 0
         found = count_roots(dynamics.denominator, ring)
     except UndecidedError:
         return None
@@ -587,42 +462,16 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
     return bool(found.number == ceil(order))
 
 
-def _routh(dynamics: RationalFunction) -> bool:
-    rows = _first_rows(dynamics)
-    while rows[1]:
-        # a zero in the first column already means a pole on or right of the imaginary axis
-        if _sign(rows[0][0]) * _sign(rows[1][0]) <= 0:
-            return False
-        rows = rows[1], _next_row(*rows)
-    return True
+def routh(c: Sequence[Ball]) -> int | None:
+    """How many roots a polynomial with ascending coefficients has in Re s > 0, none being on the axis: Routh's array.
 
-
-def _first_rows(dynamics: RationalFunction) -> tuple[list[RationalFunction], list[RationalFunction]]:
-    coefficients = _by_power(dynamics.denominator, dynamics)[::-1]
-    return coefficients[::2], coefficients[1::2]
-
-
-def _by_power(polynomial: Polynomial, of: RationalFunction) -> list[RationalFunction]:
-    """The coefficients of ascending powers of s, as elements of the same ring."""
-    ring = of.ring
-    rows: list[dict[tuple[int, ...], object]] = [{} for _ in range(int(polynomial.degrees()[0]) + 1)]
-    for (power, *others), value in monomials(polynomial):
-        rows[int(power)][(0, *others)] = value
-    return [ring.function(ring.context.from_dict(row)) for row in rows]
-
-
-def _next_row(above: list[RationalFunction], row: list[RationalFunction]) -> list[RationalFunction]:
-    factor = above[0] / row[0]
-    padded = [*row[1:], *[row[0].ring.zero] * (len(above) - len(row))]
-    return [(x - factor * y).reduced() for x, y in zip(above[1:], padded, strict=True)]
-
-
-def _sign(constant: RationalFunction) -> int:
-    return prod(_sign_of(p, constant.ring) for p in (constant.numerator, constant.denominator))
-
-
-def _sign_of(constant: Polynomial, ring: PolynomialRing) -> int:
-    if not constant.is_constant():  # it holds pi
-        return sign_of_number(ring.expression(constant))
-    number = constant.coeffs()[0] if constant else 0
-    return int(number > 0) - int(number < 0)
+    None where balls do not tell, as where two roots add up to 0.
+    """
+    above, own, signs = list(c[::-2]), list(c[-2::-2]), [c[-1]]
+    while own and not signs[-1].contains(0):
+        signs.append(own[0])
+        ratio = above[0] / own[0]
+        above, own = own, [x - ratio * y for x, y in zip(above[1:], [*own[1:], arb(0)], strict=False)]
+    if any(x.contains(0) or not x.is_finite() for x in signs):
+        return None
+    return sum(bool(x * y < 0) for x, y in pairwise(signs))

@@ -53,13 +53,13 @@ from haptisym.verbs.require.freeparameter import (
     missing,
     pieces,
     real_roots,
+    searched,
     zeros_of,
 )
-from haptisym.verbs.stability.chains import RightRoots, Tendency
 from haptisym.verbs.stability.clocked import clocked_roots, passages_in
 from haptisym.verbs.stability.critical import Tally, meetings
 from haptisym.verbs.stability.entry import chosen
-from haptisym.verbs.stability.loops import Gap, Loop, Meetings
+from haptisym.verbs.stability.loops import Gap, Loop, Meetings, Tendency
 from haptisym.verbs.tolerances.heldbox import count_at
 
 _MOST_WINDOWS = 8
@@ -90,7 +90,7 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
         return _with_a_clock(scene, hand, free, asked)
     loop = Loop.of(scene, hand, free)
     window = window_of(loop, free, asked)
-    one_by_one, one_way, tally = RightRoots(loop), Tendency(loop), Tally(loop, window)
+    one_way, tally = Tendency(loop), Tally(loop, window)
     criterion = stable_in(hand)
     turns = [
         Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS if x.omega is not None else Kind.FAR),))
@@ -103,13 +103,13 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
     return Question(
         turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x),
         exists=lambda x: allowed(scene, free, x), gone=missing(scene, free), gaps=window.gaps,
-        fails=lambda low, high: one_by_one.everywhere(low, high) or one_way.everywhere(low, high), own=free.value,
+        fails=one_way.everywhere, own=free.value,
     ).solve()  # fmt: skip
 
 
 def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
-    """By Schur and Cohn's count between the values at which roots of the sampled loop reach the unit circle."""
-    loop, found = passages_in(scene, hand, free, (asked.low, asked.high))
+    """By counts between the values at which roots of the sampled loop reach the unit circle."""
+    loop, found = passages_in(scene, hand, free, searched(free, asked))
     criterion = stable_in(hand)
     turns = [Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found.found]
     beyond = (_rational(found.low), _rational(found.high))

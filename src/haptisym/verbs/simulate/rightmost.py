@@ -301,8 +301,6 @@ def clocked_root(scene: Scene, hand: Hand) -> Rightmost | None:
     """ln z/T of the largest root z, all of them being enclosed; None where that loop is not known."""
     try:
         loop = loop_of(scene, hand)
-        if any(loop.hidden):
-            return None
         with flint.ctx.workprec(_BITS_CLOCKROOT):
             found = acb_poly(loop.balls()).roots(tol=arb(2) ** -100, maxprec=8 * _BITS_CLOCKROOT)
             T = expression_ball(loop.T)

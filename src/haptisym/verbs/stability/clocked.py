@@ -1,25 +1,14 @@
 """A display with a clock in a hand: its loop, its roots, and how far a number may go before roots reach the unit circle.
 
-A display with a clock in a hand: the loop through controller, hold and what moves, and how many of its roots have |z| >= 1.
+The loop goes through controller, hold and what moves. In v, z = (1 + v)/(1 - v), the circle is the imaginary axis: where there
+is no root at z = 1, where B(1) Q(0) + A(1) N(0) = 0, D = A/B and G = N/Q; none at z = -1, where the highest coefficient in v is
+0; nor a pair +-j nu, where a determinant of Hurwitz is 0, for any values of a cell, the number of roots with |z| >= 1 is one for
+all of its values. From a value on such cells, in balls, follow each other, as long as they may be, up to one in which the number
+of roots changes; the zero of its test is closed in on, to any digits.
 
-Whether a loop with a clock has roots on the unit circle for some values of a box: excluded in balls, cell by cell.
-
-In v, z = (1 + v)/(1 - v), the circle is the imaginary axis: where there is no root at z = 1, at z = -1, nor a pair +-j nu for
-any values of a cell, the number of roots with |z| >= 1 is one for all of its values.
-
-Values at which a root of a loop with a clock reaches the unit circle, and how fast it goes round there: to any digits.
-
-How far a number may go before a display with a clock shakes: where roots of its loop reach the unit circle, by balls.
-
-There is a root z = 1 where B(1) Q(0) + A(1) N(0) = 0, D = A/B and G = N/Q; a root z = -1 where the highest coefficient in v is 0,
-z = (1 + v)/(1 - v); a pair on the circle where a determinant of Hurwitz is. From a value on, cells in which none of the three
-vanishes follow each other, as long as they may be, up to one in which the number of roots changes; its zero is closed in on.
-
-All values of a number at which roots of a loop with a clock reach the unit circle, between two values.
-
-Without end in two ways. Where the number stands in the controller, or over a polynomial of what moves, as stiffness and damping
-of a wall do, the loop is a polynomial in u = 1/q or -1/q, times a power of u, and is looked at down to u = 0. And what damps, or
-is mass or stiffness beside that, puts no root on the circle where that damps as Colgate and Schenkel's condition asks.
+How far it is asked about is bounded, and the answer says how far; 0 is reached where all values down to it are clear at once.
+Without end it is where what damps, or is mass or stiffness beside that, puts no root on the circle, as that damps as Colgate and
+Schenkel's condition asks.
 """
 
 from __future__ import annotations
@@ -28,46 +17,30 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 import flint
 from flint import acb_poly, arb, arb_mat
-from sympy import Expr, I, Integer, Poly, Rational, Symbol, pi
+from sympy import Expr, I, Integer, Rational, Symbol, pi
 
 from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.nearone import about_one, at_minus_one, at_one, circle_tests, is_clear
-from haptisym.kernel.pulse import Numbers, Plant, SampledLoop, count_on_circle
+from haptisym.kernel.pulse import Plant, SampledLoop, circle_tests, is_clear
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
-from haptisym.kernel.rootcount import Roots, count_roots, is_stable
+from haptisym.kernel.rootcount import Roots, is_stable
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import CLOCKS, SAMPLED_LOOP, Effect, Hand, controller, device
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene
 
-_BITS = 256
-
 
 def clocked_roots(scene: Scene, hand: Hand) -> Roots:
     """The roots in |z| >= 1 of a display with a clock in a hand; those outside the circle are its ``right``."""
-    found = loop_of(scene, hand).circle()  # in 1/z
-    return Roots(found.inside + found.on, found.inside)
-
-
-def roots_at_one(loop: SampledLoop) -> int:
-    """How many roots lie at z = 1: exactly, as long as they are two at most. UndecidedError otherwise."""
-    if at_one(loop) != 0:
-        return 0
-    if not any(loop.above) or not any(x for _, N in loop.plant.terms for x in N):  # the poles of what moves, alone
-        return next(n for n, x in enumerate(loop.plant.denominator) if x != 0)
-    with flint.ctx.workprec(_BITS):
-        _, slope, *_ = about_one(loop, {})
-    if slope.contains(0):
-        raise UndecidedError("how many roots of a loop with a clock lie at z = 1")
-    return 1
+    outside, at_1 = loop_of(scene, hand).unstable()
+    return Roots(outside + at_1, outside)
 
 
 def clock_of(scene: Scene) -> tuple[int, Effect]:
@@ -92,7 +65,6 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
     G = (ring.one / impedance(ring, behind, ring.convert(hand.Z))).reduced()
     above: tuple[Expr, ...] = (Integer(1),)
     below: tuple[Expr, ...] = (Integer(1),)
-    hidden = (0, 0)
     if clock.model == SAMPLED_LOOP:
         D = controller(clock)
         above, below = (tuple(D.ring.coefficients(p)) for p in (D.numerator, D.denominator))
@@ -104,39 +76,20 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
         if H.is_zero:  # the clock holds nothing, and what moves has its own modes alone
             above = (Integer(0),)
         else:
-            G, hidden = seen_by_the_clock(G * H)
-    return SampledLoop(plant_of(G, ring), clock.parameters[0].value, above, below, hidden)
+            G = _seen_by_the_clock(G * H)
+    return SampledLoop(plant_of(G, ring), clock.parameters[0].value, above, below)
 
 
-def seen_by_the_clock(G: RationalFunction) -> tuple[RationalFunction, tuple[int, int]]:
-    """What moves and the force before the clock, in a row; and how many modes, Re p > 0 and Re p = 0, the clock does not see.
+def _seen_by_the_clock(G: RationalFunction) -> RationalFunction:
+    """What moves and the force before the clock, in a row, without modes that cancel and fade.
 
     What the force does not see remains a mode of what moves, and what the motion does not reach one of the force: exp(p T) is
-    a root of the loop for each p that cancels. Those that fade are left out; pairs +-p, which balls do not tell from the circle,
-    are counted by themselves; all others are left in place.
+    a root of the loop for each p that cancels. Those that do not fade are left in place.
     """
     ring, common = G.ring, G.numerator.gcd(G.denominator)
     cancelled = RationalFunction(ring, ring.one.numerator, common)
-    if _has_symbols(cancelled):
-        return G.monic(), (0, 0)
-    if common.is_constant() or is_stable(cancelled):
-        return G.reduced(), (0, 0)
-    power = min(int(e[0]) for e in common.monoms())
-    rest = common / ring.variable**power
-    mirrored = ring.context.from_dict({e: x * (-1) ** int(e[0]) for e, x in rest.to_dict().items()})
-    pairs = rest.gcd(mirrored)
-    if pairs.is_constant():
-        return G.monic(), (0, 0)
-    assert isinstance(ring, Ring)
-    found = count_roots(pairs, ring)
-    assert found.number is not None
-    assert found.right is not None
-    left = RationalFunction(ring, G.numerator / pairs, G.denominator / pairs).monic()
-    return left, (found.right, found.number - found.right)
-
-
-def _has_symbols(G: RationalFunction) -> bool:
-    return any(degree_in([G.denominator], i) for i in range(2, G.ring.size))
+    is_open = any(degree_in([common], i) for i in range(2, ring.size))
+    return G.monic() if is_open or not (common.is_constant() or is_stable(cancelled)) else G.reduced()
 
 
 def impedance(ring: Ring, effects: tuple[Effect, ...], hand: RationalFunction) -> RationalFunction:
@@ -193,7 +146,7 @@ def _by_delay(ring: Ring, polynomial: Polynomial) -> Mapping[tuple[int, ...], tu
     return {turns: tuple(row.get(n, Integer(0)) for n in range(max(row) + 1)) for turns, row in rows.items()}
 
 
-_BITS_ONCIRCLE = 96
+_BITS_OF_CELLS = 96
 _MOST_CELLS = 3000
 
 Cell: TypeAlias = tuple[tuple[Fraction, Fraction], ...]
@@ -213,7 +166,7 @@ class OnCircle:
         display = {p.path: p.symbol for p in scene.parameters if p.symbol in ranges}
         own = {p.symbol.name: p.symbol for p in hand.parameters if p.symbol in ranges}
         found = cls(loop_of(scene.with_values(display), hand.with_values(own)), ranges)
-        if found._at_one == 0:
+        if found.loop.at_one == 0:
             raise UndecidedError("the roots of a sampled loop of which one stays at z = 1, for all values at once")
         return found
 
@@ -229,9 +182,9 @@ class OnCircle:
 
     def is_clear(self, cell: Cell) -> bool:
         """Whether no root is on the circle for any values of a cell, proven."""
-        with flint.ctx.workprec(_BITS_ONCIRCLE):
+        with flint.ctx.workprec(_BITS_OF_CELLS):
             try:
-                return is_clear(self.loop, self._at(cell), self._at_one)
+                return is_clear(self.loop, self._at(cell), self.loop.at_one)
             except (UndecidedError, ZeroDivisionError, ValueError):
                 return False
 
@@ -240,8 +193,7 @@ class OnCircle:
 
         Counted before anything cancels: what is hidden at these values alone is not at others.
         """
-        found = self.loop.at(values).circle()  # in 1/z
-        return True if found.inside + found.on == 0 else False if self.hides_none else None
+        return True if self.loop.at(values).unstable() == (0, 0) else False if self.hides_none else None
 
     @cached_property
     def hides_none(self) -> bool:
@@ -250,7 +202,7 @@ class OnCircle:
         The plant's poles have Re s < 0, by Hurwitz, but for some at s = 0, which would show at z = 1; those of the controller
         have |z| <= 1, as their coefficients tell.
         """
-        with flint.ctx.workprec(_BITS_ONCIRCLE):
+        with flint.ctx.workprec(_BITS_OF_CELLS):
             known = self._at(((Fraction(0), Fraction(1)),) * len(self.ranges))
             plant = list(self.loop.plant.denominator)
             while plant[0] == 0:
@@ -269,10 +221,6 @@ class OnCircle:
         terms = formula.expand().as_ordered_terms()
         lows = [self.ranges[x][0] for x in formula.free_symbols]
         return all(x.as_coeff_Mul()[0] >= 0 for x in terms) and all(sign_of_number(x) >= 0 for x in lows)
-
-    @cached_property
-    def _at_one(self) -> Expr:
-        return at_one(self.loop)
 
     def _at(self, cell: Cell) -> dict[Expr, Ball]:
         """The values of a cell, in balls; at the current working precision."""
@@ -306,27 +254,11 @@ def _ball(x: Fraction) -> Any:
     return arb(x.numerator) / arb(x.denominator)
 
 
-class Loop(Protocol):
-    """A loop with a clock, in which one number is open."""
-
-    def tests(self, value: Ball) -> tuple[Ball, ...]:
-        """Three functions of the number, of which one vanishes where a root is on the unit circle."""
-        ...
-
-    def angle(self, value: Ball, bits: int) -> Ball:
-        """At which angle a pair is there."""
-        ...
-
-    def period(self, value: Ball) -> Ball:
-        """Of the clock, s."""
-        ...
-
-
 @dataclass(frozen=True, repr=False)
 class CriticalValue(RealNumber):
     """The zero of one of the three tests between two values at which its signs differ."""
 
-    loop: Loop
+    loop: Opened
     test: int
     low: Fraction
     high: Fraction
@@ -343,7 +275,7 @@ class CriticalValue(RealNumber):
 def _bisected(zero: CriticalValue, bits: int) -> Ball:
     """A ball around it of about that relative accuracy: by regula falsi, until signs on both sides of a point confirm it."""
     with flint.ctx.workprec(2 * bits + 64):
-        low, high = _exactly(zero.low), _exactly(zero.high)
+        low, high = _ball(zero.low), _ball(zero.high)
         f, g = (zero.value(x).mid() for x in (low, high))
         width = abs(high) * arb(2) ** -bits
         while (high - low) > 2 * width:
@@ -384,24 +316,6 @@ class Swing(RealNumber):
             return theta / self.value.loop.period(q)
 
 
-@dataclass(frozen=True, repr=False)
-class Inverse(RealNumber):
-    """1/x, or -1/x, of a number x > 0.
-
-    >>> from sympy import Integer
-    >>> from haptisym.kernel.reals import ExactNumber
-    >>> Inverse(ExactNumber(Integer(3)), -1).digits(5)
-    '-0.33333'
-    """
-
-    number: RealNumber
-    sign: int
-
-    def ball(self, bits: int) -> Ball:
-        with flint.ctx.workprec(bits + 16):
-            return self.sign / self.number.ball(bits + 8)
-
-
 @dataclass(frozen=True)
 class Passage:
     """A ``value`` at which the number of roots with |z| >= 1 changes, from ``below`` to ``above``; ``omega`` : theirs, rad/s."""
@@ -411,24 +325,18 @@ class Passage:
     below: int
     above: int
 
-    def inverse(self, side: int) -> Passage:
-        """Of 1/value, or (side -1) of -1/value."""
-        ends = (self.above, self.below) if side > 0 else (self.below, self.above)
-        return Passage(Inverse(self.value, side), self.omega, *ends)
 
-
-def _exactly(x: Fraction) -> Ball:
-    return arb(x.numerator) / arb(x.denominator)
-
-
-_BITS_CLOCKCRITICAL = 128
+_BITS = 128
 _ZERO = ExactNumber(Integer(0))
-_REACH = 10  # times that a value is doubled, and halved, at the most
+_REACH, _FAR = (
+    2**10,
+    10**6,
+)  # times as much, and as little, a value may be for its nearest limit; of a wall's, which are cheap
 _FINEST = Fraction(1, 1 << 24)  # of a value: where cells are shorter, it is asked whether more roots are behind them
 _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
 _DEEPEST = 8  # times that these are cut
 _GROWTH = Fraction(1, 2)  # of a cell, to the next
-_MOST_CELLS_CLOCKCRITICAL, _MOST_FINE = 1000, 40  # on a side; of them the shortest
+_MOST_ON_A_SIDE, _MOST_FINE = 800, 40  # on a side; of them the shortest
 
 
 def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
@@ -444,7 +352,7 @@ def start_of(loop: Opened, value: Expr) -> Rational:
     if isinstance(value, Rational):
         return value
     near = Rational(float(value))
-    with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
+    with flint.ctx.workprec(_BITS):
         q = expression_ball(value).union(expression_ball(near))
         if any(x.contains(0) or not x.is_finite() for x in loop.tests(q)):
             raise UndecidedError("how far a number may go that is no rational one")
@@ -461,15 +369,13 @@ class Opened:
     @cached_property
     def is_fixed(self) -> bool:
         """Whether the number is nowhere in it."""
-        plant = self.loop.plant
-        every = (
-            self.loop.T,
-            *self.loop.above,
-            *self.loop.below,
-            *plant.denominator,
-            *(x for lag, N in plant.terms for x in (lag, *N)),
-        )
-        return not any(x.has(self.symbol) for x in every)
+        return self.symbol not in self.loop.symbols
+
+    @cached_property
+    def is_of_wall(self) -> bool:
+        """Whether the number is in what is felt alone: what moves has the same modes for all of its values."""
+        own = self.loop.T, *self.loop.plant.denominator, *(lag for lag, _ in self.loop.plant.terms)
+        return not any(x.has(self.symbol) for x in own)
 
     def at(self, value: Rational) -> SampledLoop:
         """The loop at a number."""
@@ -477,36 +383,18 @@ class Opened:
 
     def count(self, value: Rational) -> tuple[int, int]:
         """The roots with |z| >= 1 at a number, and those on the circle that are not there at any number."""
-        found = self.at(value).circle()
-        return found.inside + found.on, found.on - self.always - self.loop.hidden[1]
+        outside, at_1 = self.at(value).unstable()
+        return outside + at_1, at_1 - self.always
 
     @cached_property
     def at_one(self) -> Expr:
         """C(1) times what is nowhere 0."""
-        return at_one(self.loop)
-
-    @cached_property
-    def opposite(self) -> tuple[Expr, Expr] | None:
-        """What is at z = -1, where that is not told by the coefficients."""
-        return None
+        return self.loop.at_one
 
     @cached_property
     def always(self) -> int:
         """How many roots lie at 1 whatever the number is."""
-        if self.at_one != 0:
-            return 0
-        found = count_on_circle(self.at(Rational(7919, 6007)))
-        return found.on
-
-    def row(self, q: Ball) -> list[Ball]:
-        """The coefficients at a ball of numbers, but for the roots that are always at 1."""
-        row = self.loop.balls({self.symbol: q})
-        for _ in range(self.always):
-            rest = [row[-1]]
-            for x in row[-2:0:-1]:
-                rest.append(x + rest[-1])
-            row = rest[::-1]
-        return row
+        return 0 if self.at_one != 0 else self.at(Rational(7919, 6007)).roots_at_one
 
     def tests(self, q: Ball) -> tuple[Ball, Ball, Ball]:
         """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle."""
@@ -515,17 +403,19 @@ class Opened:
     def is_clear(self, q: Ball) -> bool:
         """Whether no root is on the circle for any number in a ball, proven."""
         try:
-            return is_clear(self.loop, {self.symbol: q}, self.at_one, self.always, self.opposite)
+            return is_clear(self.loop, {self.symbol: q}, self.at_one, self.always)
         except (UndecidedError, ZeroDivisionError):
             return False
 
     def angle(self, q: Ball, bits: int) -> Ball:
         """Of the pair on the circle: its argument, to so many bits; not finite where balls do not tell."""
         try:
-            roots = acb_poly(self.row(q)).roots(tol=arb(2) ** -bits, maxprec=2 * flint.ctx.prec)
+            roots = acb_poly(self.loop.in_v({self.symbol: q}, self.always)).roots(
+                tol=arb(2) ** -bits, maxprec=2 * flint.ctx.prec
+            )
         except ValueError:
             return arb("nan")
-        found = [z.arg() for z in roots if abs(z).overlaps(arb(1)) and z.imag > 0]
+        found = [2 * v.imag.atan() for v in roots if v.real.contains(0) and v.imag > 0]
         return found[0] if len(found) == 1 else arb("nan")
 
     def period(self, q: Ball) -> Ball:
@@ -535,24 +425,25 @@ class Opened:
 
 @dataclass(frozen=True)
 class Walk:
-    """From a value on, cell after cell."""
+    """From a value on, cell after cell, up to ``ends``; ``home`` : the number of roots there."""
 
     loop: Opened
     start: Fraction
     home: int
     rule: Rule
+    ends: tuple[Fraction, Fraction]
 
     def towards(self, side: int) -> tuple[Passage | None, Fraction]:
         """The nearest change on one side, None where there is none, and as far as that is known."""
         scale = abs(self.start) or Fraction(1)
-        end = self._end(side, scale)
+        end = self.ends[side > 0]
         at, step, fine, growth = self.start, scale / 64, 0, _GROWTH
-        for _ in range(_MOST_CELLS_CLOCKCRITICAL):
+        for _ in range(_MOST_ON_A_SIDE):
             try:
                 tick()
             except LimitError:
                 break
-            if at == end:
+            if (end - at) * side <= 0:
                 found = self._at_0(at, side)
                 return found, Fraction(0) if found or self._is_clear_down_to_0(at, side) else at
             further = _short(at + side * step)
@@ -573,13 +464,9 @@ class Walk:
                     break
         return None, at
 
-    def _end(self, side: int, scale: Fraction) -> Fraction:
-        far: Fraction = self.start + side * scale * 2**_REACH
-        return far if side > 0 or self.rule is Rule.ANY else self.start / 2**_REACH
-
     def _is_clear(self, one: Fraction, other: Fraction) -> bool:
-        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
-            return self.loop.is_clear(_ball_in_clockcritical(one).union(_ball_in_clockcritical(other)))
+        with flint.ctx.workprec(_BITS):
+            return self.loop.is_clear(_ball(one).union(_ball(other)))
 
     def _over(self, one: Fraction, step: Fraction) -> tuple[Passage | None, Fraction]:
         """Past values where balls do not tell: a change there, None if there is none, and how far that goes."""
@@ -598,8 +485,8 @@ class Walk:
     def _has_none(self, low: Fraction, high: Fraction, depth: int) -> bool:
         """Whether no value between two puts a root on the circle, proven; in ever smaller pieces, as beside one that does."""
         tick()
-        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
-            if self.loop.is_clear(_ball_in_clockcritical(low).union(_ball_in_clockcritical(high))):
+        with flint.ctx.workprec(_BITS):
+            if self.loop.is_clear(_ball(low).union(_ball(high))):
                 return True
         middle = (low + high) / 2
         return depth > 0 and self._has_none(low, middle, depth - 1) and self._has_none(middle, high, depth - 1)
@@ -609,8 +496,8 @@ class Walk:
         low, high = sorted((one, other))
         side = 1 if other > one else -1
         below, above = (self.home, count) if side > 0 else (count, self.home)
-        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
-            ends = [self.loop.tests(_ball_in_clockcritical(x)) for x in (low, high)]
+        with flint.ctx.workprec(_BITS):
+            ends = [self.loop.tests(_ball(x)) for x in (low, high)]
             changed = [i for i, (x, y) in enumerate(zip(*ends, strict=True)) if x * y < 0]
         if len(changed) != 1:
             raise UndecidedError("where roots reach the unit circle together")
@@ -632,8 +519,8 @@ class Walk:
         except UndecidedError:
             return None
         left = (self.loop.at_one / self.loop.symbol).expand()
-        with flint.ctx.workprec(_BITS_CLOCKCRITICAL):
-            q = arb(0).union(_ball_in_clockcritical(at))
+        with flint.ctx.workprec(_BITS):
+            q = arb(0).union(_ball(at))
             rest = expression_ball(left, {self.loop.symbol: q}), *self.loop.tests(q)[1:]
             clear = not any(x.contains(0) or not x.is_finite() for x in rest)
         if count == self.home or not clear or left.has(1 / self.loop.symbol) or self.loop.always:
@@ -646,12 +533,7 @@ def _short(x: Fraction) -> Fraction:
     return Fraction(float(x))
 
 
-def _ball_in_clockcritical(x: Fraction) -> Any:
-    return arb(x.numerator) / arb(x.denominator)
-
-
 _MOST_PASSAGES = 24
-_MOST_WALKS = 5  # of which each goes on to a thousandth of the inverse
 
 
 @dataclass(frozen=True)
@@ -667,142 +549,76 @@ def passages(scene: Scene, hand: Hand, free: Knob) -> Passages:
     """The nearest below the value that a number has, and the nearest above it. UndecidedError where that stays open."""
     if free.rule not in (Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY):
         raise UndecidedError("an order in a loop with a clock")
-    found = _Found(scene, hand, free)
-    if found.loop.is_fixed:
+    loop = opened(scene, hand, free)
+    if loop.is_fixed:
         return Passages(())
-    (below, low), (above, high) = (found.along(side, None, most=1) for side in (-1, 1))
-    if low is not None and low == high:
+    walk = _walk(loop, free)
+    times = _FAR if loop.is_of_wall else _REACH
+    more = (abs(walk.start) or 1) * times
+    walk = replace(walk, ends=(walk.start - more if free.rule is Rule.ANY else walk.start / times, walk.start + more))
+    found, low, high = _both_ways(walk, scene, hand, free, 1)
+    if low == high:
         tick()
         raise UndecidedError("how far a number may go next to whose value roots come to the unit circle")
     is_whole = low == 0 and free.rule is not Rule.ANY
-    return Passages((*below, *above), None if is_whole else low, high)
+    return Passages(found, None if is_whole else low, high)
 
 
-def passages_in(
-    scene: Scene, hand: Hand, free: Knob, between: tuple[Expr | None, Expr | None]
-) -> tuple[Opened, Passages]:
+def passages_in(scene: Scene, hand: Hand, free: Knob, ends: tuple[Expr, Expr]) -> tuple[Opened, Passages]:
     """The loop, and all passages between two values, as far as they are found.
 
     UndecidedError where that stays open from the value on that the number has.
     """
-    found = _Found(scene, hand, free)
-    if found.loop.is_fixed:
-        return found.loop, Passages(())
-    (below, low), (above, high) = (found.along(side, last) for side, last in zip((-1, 1), between, strict=True))
-    return found.loop, Passages((*below, *above), low, high)
+    loop = opened(scene, hand, free)
+    if loop.is_fixed:
+        return loop, Passages(())
+    low, high = (Fraction(float(x)) for x in ends)
+    walk = replace(_walk(loop, free), ends=(low, high))
+    found, first, last = _both_ways(walk, scene, hand, free, _MOST_PASSAGES)
+    return loop, Passages(found, None if first <= low else first, None if last is None or last >= high else last)
 
 
-@dataclass(frozen=True)
-class _Found:
-    """The passages of a number from the value on that it has."""
-
-    scene: Scene
-    hand: Hand
-    free: Knob
-
-    @cached_property
-    def loop(self) -> Opened:
-        return opened(self.scene, self.hand, self.free)
-
-    @cached_property
-    def _start(self) -> Walk:
-        start = start_of(self.loop, self.free.value)
-        home, on = self.loop.count(start)
-        if on:
-            raise UndecidedError("how far a number may go that has roots on the unit circle now")
-        return Walk(self.loop, Fraction(int(start.p), int(start.q)), home, self.free.rule)
-
-    def along(self, side: int, last: Expr | None, most: int = 0) -> tuple[list[Passage], Fraction | None]:
-        """The first on a side, as many as that or may be looked for, up to a last value, and how far these are all."""
-        most = most or _MOST_PASSAGES
-        if side > 0 and self._is_held(self._start.start):
-            return [], None
-        found, walk, is_ended = _along(self._start, side, last, most)
-        at = walk.start
-        if is_ended:
-            return found, at
-        if side > 0 and self._is_held(at):
-            return found, None
-        far = inverted(self.loop, side) if at * side > 0 else None
-        if far is None:
-            return found, at
-        walk = Walk(far, 1 / abs(at), walk.home, Rule.POSITIVE)
-        for _ in range(_MOST_WALKS):
-            beyond, walk, is_ended = _along(walk, -1, None, most - len(found))
-            found += [x.inverse(side) for x in beyond]
-            if is_ended or walk.start == 0:
-                break
-        return found, side / walk.start if walk.start else None
-
-    def _is_held(self, value: Fraction) -> bool:
-        return is_held(self.scene, self.hand, self.free, Rational(value.numerator, value.denominator))
+def _walk(loop: Opened, free: Knob) -> Walk:
+    """From the value on that a number has."""
+    start = start_of(loop, free.value)
+    home, on = loop.count(start)
+    if on:
+        raise UndecidedError("how far a number may go that has roots on the unit circle now")
+    at = Fraction(int(start.p), int(start.q))
+    return Walk(loop, at, home, free.rule, (at, at))
 
 
-def _along(walk: Walk, side: int, last: Expr | None, most: int) -> tuple[list[Passage], Walk, bool]:
-    """The first passages on a side, the walk from behind them; whether these are as many as may be, or up to a value."""
+def _both_ways(
+    walk: Walk, scene: Scene, hand: Hand, free: Knob, most: int
+) -> tuple[tuple[Passage, ...], Fraction, Fraction | None]:
+    """The first passages on each side, and between which values these are all: None where enough is damped from there on."""
+
+    def is_enough(value: Fraction) -> bool:
+        return is_held(scene, hand, free, Rational(value.numerator, value.denominator))
+
+    below, low = _along(walk, -1, most)
+    if is_enough(walk.start):
+        return tuple(below), low, None
+    above, high = _along(walk, 1, most)
+    return (*below, *above), low, None if len(above) < most and is_enough(high) else high
+
+
+def _along(walk: Walk, side: int, most: int) -> tuple[list[Passage], Fraction]:
+    """The first passages on a side, as many as may be looked for, and up to which value these are all.
+
+    In half of the time that is left: something is left for the other side, and for other numbers.
+    """
     found = list[Passage]()
     while True:
-        passage, known = in_half_the_time(walk, side)
-        walk = replace(walk, start=known)
-        if passage is not None:
-            found.append(passage)
-            walk = replace(walk, home=passage.above if side > 0 else passage.below)
-        is_ended = len(found) == most or (last is not None and (known - Fraction(float(last))) * side >= 0)
-        if passage is None or is_ended:
-            return found, walk, is_ended
-
-
-def in_half_the_time(walk: Walk, side: int) -> tuple[Passage | None, Fraction]:
-    """Something is left for the other side, and for other numbers."""
-    seconds = left()
-    with limited(seconds / 2 if seconds else None):
-        return walk.towards(side)
-
-
-@dataclass(frozen=True)
-class Inverted(Opened):
-    """A loop in which the symbol is 1/q > 0, all times a power of it."""
-
-    @cached_property
-    def at_one(self) -> Expr:
-        """C(1) times what is nowhere 0, a power of the symbol among it."""
-        return self._without_powers(at_one(self.loop))[0]
-
-    @cached_property
-    def opposite(self) -> tuple[Expr, Expr]:
-        """What is at z = -1, as the symbol may be a factor there: with Tustin's rule a damper is alone, its spring is not."""
-        above, below = self._without_powers(*at_minus_one(self.loop))
-        return above, below
-
-    def _without_powers(self, *given: Expr) -> list[Expr]:
-        """Polynomials without the power of the symbol that they have in common."""
-        powers = [n for x in given if x != 0 for (n,) in Poly(x, self.symbol).monoms()]
-        return [(x / self.symbol ** min(powers, default=0)).expand() for x in given]
-
-
-def inverted(loop: Opened, side: int) -> Inverted | None:
-    """The loop in u, q = 1/u or (side -1) q = -1/u; None where the number stands elsewhere than in what is multiplied out."""
-    own, q = loop.loop, loop.symbol
-    plant = own.plant
-    fixed = own.T, *plant.denominator, *(lag for lag, _ in plant.terms)
-    over = [N for _, N in plant.terms]
-    if any(x.has(q) for x in fixed) or not all(
-        x.is_polynomial(q) for row in (own.above, own.below, *over) for x in row
-    ):
-        return None
-    moved = max(_degree(row, q) for row in over)
-    most = max(_degree(own.above, q) + moved, _degree(own.below, q))
-
-    def turned(row: Numbers, power: int) -> tuple[Expr, ...]:
-        return tuple((x.xreplace({q: side / q}) * q**power).expand() for x in row)
-
-    terms = tuple((lag, turned(N, moved)) for lag, N in plant.terms)
-    above, below = turned(own.above, most - moved), turned(own.below, most)
-    return Inverted(SampledLoop(Plant(plant.denominator, terms), own.T, above, below), q)
-
-
-def _degree(row: Numbers, q: Symbol) -> int:
-    return max((int(Poly(x, q).degree()) for x in row if x.has(q)), default=0)
+        seconds = left()
+        with limited(seconds / 2 if seconds else None):
+            passage, known = walk.towards(side)
+        if passage is None:
+            return found, known
+        found.append(passage)
+        walk = replace(walk, start=known, home=passage.above if side > 0 else passage.below)
+        if len(found) == most:
+            return found, known
 
 
 def is_held(scene: Scene, hand: Hand, free: Knob, value: Rational) -> bool:

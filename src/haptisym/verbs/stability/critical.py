@@ -1,19 +1,9 @@
-"""How far a number may go before the display shakes.
+"""How far a number may go before the display shakes: the nearest values at which the number of roots that shake changes.
 
-Where a loop meets the imaginary axis, whatever its open number stands in: branch and bound over frequency and value.
-
-In windows about a value that grow, cells are left out where C(j omega; q) is nowhere 0, proven in Taylor models. In the others
-Newton's step in balls proves that there is just one pair of frequency and value. What is neither is a gap.
-
-How far a number may go before the display shakes: the nearest values at which the number of roots that shake changes.
-
-At which values of one open number roots lie on the imaginary axis, and at which frequencies: all of them, certified.
-
-How many roots shake at one value after another: counted once, and from there on by those that come and go.
-
-Those in Re s >= 0 but for what drifts, as nothing holds the handle in place.
-
-How far a number may go before the display shakes: the nearest values at which the number of unstable roots changes.
+Those are roots in Re s >= 0 but for what drifts, as nothing holds the handle in place; counted once, and from there on by those
+that come and go. Where one equation in omega does not tell all values with roots on the axis, they are searched over frequency
+and value: in windows about a value that grow, cells are left out where C(j omega; q) is nowhere 0, proven in Taylor models, and
+in the others Newton's step in balls proves that there is just one pair. What is neither is a gap.
 """
 
 from __future__ import annotations
@@ -35,18 +25,18 @@ from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball, rational_between
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, rational_between
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.roots import each_once, is_told, ordered
 from haptisym.kernel.where import Array, halves
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.programs.onaxis import OnAxis
-from haptisym.verbs.stability.chains import Switches, cells, from_infinity, is_neutral, neutral_meetings
 from haptisym.verbs.stability.clocked import passages
 from haptisym.verbs.stability.held import drifts, need_roots
 from haptisym.verbs.stability.loops import (
     ALLOWED,
+    BesideChains,
     Characteristic,
     Curve,
     Gap,
@@ -54,15 +44,17 @@ from haptisym.verbs.stability.loops import (
     Meeting,
     Meetings,
     Pair,
+    Switches,
+    clear_of_chains,
     curve_of,
+    from_infinity,
     minus,
-    reach_of_axis,
 )
 
 _WINDOWS = 7
 _SMALLEST = Rational(1, 1024)  # as what a value of 0 counts for the first window
 _MOST_CELLS, _DEEPEST = 80_000, 60  # of one strip of values, and how often one is cut
-_MOST_STRIPS, _THINNEST = 128, 64  # parts of a strip, where a bound on the frequency is not known
+_THINNEST = 64  # part of the first window, for which a bound on the frequency must be known
 _COLUMNS = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 64)])
 _NEAR, _STRAIGHT, _WIDER = (
     1.6,
@@ -70,7 +62,6 @@ _NEAR, _STRAIGHT, _WIDER = (
     3.0,
 )  # in halves of a cell: how far a pair is off, C bends, and the proof's box goes
 _ROUNDING = 1e-14  # in shares
-_MOST_TURNING = 2000  # radians
 _BITS = 96
 
 _LEFT = "where roots meet the imaginary axis, as a search left it open"
@@ -90,8 +81,9 @@ def searched(loop: Loop, value: Expr, reason: str) -> Iterator[Meetings]:
     strips = [(ends[0], ends[1])]
     for j in range(1, _WINDOWS + 1):
         for strip in strips:
-            pairs, left = _in_strip(form, *strip)
-            found, gaps = [*found, *pairs], [*gaps, *left]
+            cells = _Cells(form, *strip)
+            gaps += [_gap(*strip, _FAR)] if cells.axis.reach is None else _joined(cells.settle())
+            found += cells.found
         yield Meetings(tuple(found), ends[0], ends[1], tuple(gaps))
         strips = []
         for i, side in enumerate((-1, 1)):
@@ -124,23 +116,6 @@ def _ends(gap: Gap) -> tuple[Expr, Expr]:
     return gap.low.value, gap.high.value
 
 
-def _in_strip(form: Characteristic, low: Rational, high: Rational) -> tuple[list[Meeting], list[Gap]]:
-    """Of values from one to another: cut where the highest power of s prevails for some of them alone."""
-    found: list[Meeting] = []
-    gaps: list[Gap] = []
-    waiting = Waiting([(low, high)], most=_MOST_STRIPS, what="intervals of values")
-    for a, b in waiting:
-        cells = _Cells(form, a, b)
-        if cells.axis.reach is not None:
-            gaps += cells.settle()
-            found += cells.found
-        elif b - a > (high - low) / _THINNEST:
-            waiting.add((a, (a + b) / 2), ((a + b) / 2, b))
-        else:
-            gaps.append(_gap(a, b, _FAR))
-    return found, _joined([*gaps, *(_gap(a, b, _FAR) for a, b in waiting.rest)])
-
-
 def _joined(gaps: list[Gap]) -> list[Gap]:
     """Those that touch as one."""
     found: list[Gap] = []
@@ -161,11 +136,6 @@ class _Cells:
         loop = form.loop
         polynomial = loop.top / loop.ring.variable**form.shared
         self.axis = OnAxis(loop.ring, polynomial, {loop.symbol: (low, high)})
-        if self.axis.reach is None and not loop.turns:  # it takes phases as if all of them could oppose
-            radius = reach_of_axis(loop).radius(
-                expression_ball(low).union(expression_ball(high)), _MOST_TURNING, inverse=False
-            )
-            self.axis.reach = None if radius is None else float(radius) * (1 + _ROUNDING)
         self.found: list[Meeting] = []
         self._known: list[tuple[Array, Array]] = []
         """Middle and size of each box that holds one pair."""
@@ -296,17 +266,17 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
         return
     far_out = from_infinity(loop)
     if loop.turns:
-        if _has_chain(loop, value):  # whatever the delay, as long as there is one
-            yield Meetings((*far_out, Meeting(ExactNumber(Integer(0)), None)))
-        elif loop.rests:
-            yield _at_0(loop, far_out)
-        else:
-            found, last = Switches.of(loop).up_to(value)
-            yield Meetings((*_at_0(loop, far_out).found, *found), below=last)
+        yield _of_a_delay(loop, value, far_out)
         return
-    if is_neutral(loop) and not cells(loop, far_out):
-        yield Meetings(far_out)
-        return
+    home, others = None, tuple[Gap, ...]()
+    if any(any(turns) for turns in loop.leading):
+        here = ExactNumber(value)
+        clear = [Gap(a, b) for a, b in clear_of_chains(loop, far_out)]
+        home = next((x for x in clear if x.holds(here, here)), None)
+        others = tuple(x for x in clear if x is not home)
+        if home is None:
+            yield Meetings(far_out, gaps=others)
+            return
     if loop.rests:
         yield _at_0(loop, far_out)
         return
@@ -316,17 +286,28 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
         yield Meetings(far_out)
         return
     if curve.condition.is_zero:  # one value alone puts roots there, everywhere
-        here = ValueAt(RealFunction(curve.value.reduced()), ExactNumber(Integer(1)))
-        yield Meetings((*far_out, Meeting(here, None)))
+        alone = ValueAt(RealFunction(curve.value.reduced()), ExactNumber(Integer(1)))
+        yield Meetings((*far_out, Meeting(alone, None)))
         return
     settled = far(curve.condition)
     if settled.sense in _SETTLED:
         yield Meetings((*far_out, *curve.meetings(_near(settled.radius, loop))))
         return
-    if is_neutral(loop):
-        yield from neutral_meetings(loop, curve, far_out)
-    else:
-        yield from _windows(loop, curve, value, far_out)
+    if home is not None and home.low is not None and (beside := BesideChains.of(loop)) is not None:
+        for near in beside.meetings(curve, home.low, home.high):
+            yield Meetings((*far_out, *near.found), gaps=(*others, *near.gaps))
+        return
+    yield from _windows(loop, curve, value, far_out)
+
+
+def _of_a_delay(loop: Loop, value: Expr, far_out: tuple[Meeting, ...]) -> Meetings:
+    """Or of an order of s."""
+    if _has_chain(loop, value):  # whatever the delay, as long as there is one
+        return Meetings((*far_out, Meeting(ExactNumber(Integer(0)), None)))
+    if loop.rests:
+        return _at_0(loop, far_out)
+    found, last = Switches.of(loop).up_to(value)
+    return Meetings((*_at_0(loop, far_out).found, *found), below=last)
 
 
 def _at_0(loop: Loop, far_out: tuple[Meeting, ...]) -> Meetings:

@@ -1,11 +1,4 @@
-"""Does it shake: imposed motion, a hand that holds the display, and every passive hand; the answer.
-
-Whether a display shakes, as an answer: imposed, held, every passive hand, each said apart.
-
-Does it shake: whether a display is stable under imposed motion, in a hand, and in every passive hand.
-
-The certificate of an answer about stability: poles and roots in Re s >= 0, with a proof (docs/certificates.md).
-"""
+"""Does it shake: whether a display is stable under imposed motion, in a hand, and in every passive hand; certificates of that."""
 
 from __future__ import annotations
 

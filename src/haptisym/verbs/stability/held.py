@@ -1,12 +1,6 @@
-"""Held in a hand, in a box of hands, in every passive hand: how many roots have Re s >= 0.
+"""Held in a hand, in a box of hands, in every passive hand: how many roots H_perc + m s^2 + b s + k has in Re s >= 0.
 
-Held in a hand: how many roots H_perc + m s^2 + b s + k has in Re s >= 0, in lowest terms.
-
-Every passive hand: whether H_perc/s is positive real, where the display is active, and the damping that stops it.
-
-A hand given by ranges: whether a display is stable in all hands of the box, in none, or in some.
-
-Roots of H_perc + m s^2 + b s + k lie on the axis, at omega, for some hand of the box where four functions of omega are not
+Of a hand given by ranges: roots lie on the axis, at omega, for some hand of the box where four functions of omega are not
 negative: -Im H_perc/omega lies in the range of b, and -Re H_perc is some k - m omega^2 of the box. Where that is nowhere so,
 one count holds for all.
 """
@@ -19,7 +13,7 @@ from enum import Enum
 from itertools import count, product
 from typing import Any
 
-from sympy import Expr, I, Integer, Rational, prime
+from sympy import Expr, I, Integer, prime
 
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity, environment_alone, force_is_stable, passivity, rests
@@ -29,12 +23,12 @@ from haptisym.kernel.far import Sense, far
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, omega
-from haptisym.kernel.rootcount import RootChain, Roots, at_least, count_roots, order_at_0, terms_of
+from haptisym.kernel.rootcount import RootChain, Roots, at_least, count_roots, order_at_0
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import WHOLE_NUMBERS, Parameter, values
 from haptisym.model.scene import Scene, clocks
-from haptisym.verbs.stability.clocked import OnCircle, clocked_roots, loop_of, roots_at_one
+from haptisym.verbs.stability.clocked import OnCircle, clocked_roots, loop_of
 
 
 def unstable_roots(scene: Scene, hand: Hand) -> Roots:
@@ -164,7 +158,7 @@ def drifts(scene: Scene, hand: Hand) -> int | None:
 def _at_rest(scene: Scene, hand: Hand) -> int:
     """The number of roots at s = 0, or z = 1."""
     if clocks(scene):
-        return roots_at_one(loop_of(scene, hand))
+        return loop_of(scene, hand).roots_at_one
     perceived = scene.closed.perc
     ring = ring_of(perceived)
     top = characteristic(perceived, ring.convert(hand.Z))
@@ -322,8 +316,6 @@ def _sampled(scene: Scene, hand: Hand) -> Box:
 
 def _decided(perceived: RationalFunction, hand: Hand) -> Box:
     counts = [roots_in_hand(perceived, x) for x in _corners(hand)]
-    if all(x.chain is RootChain.RIGHT for x in counts) and _is_outweighed(perceived, hand):
-        return Box(Share.NONE)
     stable = [x.number == 0 for x in counts]
     try:
         meeting = _meeting(perceived, hand)
@@ -335,28 +327,9 @@ def _decided(perceived: RationalFunction, hand: Hand) -> Box:
         if any(stable):
             return Box(Share.SOME, meeting)
         raise UndecidedError("whether any hand of the box is stable: its corners are not, and the count changes within")
-    if len({_kind(x) for x in counts}) > 1 and any(stable) == all(stable):
+    if len({(x.number, x.chain) for x in counts}) > 1 and any(stable) == all(stable):
         raise UndecidedError("the count of roots that come from infinity within the box")
     return Box(Share.ALL if all(stable) else Share.SOME if any(stable) else Share.NONE)
-
-
-def _is_outweighed(perceived: RationalFunction, hand: Hand) -> bool:
-    """Whether one delayed term outweighs what else stands with the highest power of s in all hands, if it does at the corners.
-
-    Both are linear in the mass: where c + m e keeps its sign, the masses of |c + m e| > |a + m d| hang together.
-    """
-    ring, signs = ring_of(perceived), dict[Rational, set[tuple[object, ...]]]()
-    for corner in _corners(hand):
-        terms = terms_of(characteristic(perceived, ring.convert(corner.Z)), ring)
-        degree = max(terms)
-        signs.setdefault(degree, set()).add(
-            tuple((turns, sign_of_number(c)) for turns, c in terms[degree].items() if any(turns))
-        )
-    return all(len(found) == 1 and all(len(delayed) == 1 for delayed in found) for found in signs.values())
-
-
-def _kind(x: Roots) -> tuple[object, object]:
-    return x.number, x.chain
 
 
 def _meeting(perceived: RationalFunction, hand: Hand) -> RealNumber | None:

@@ -1,33 +1,29 @@
-"""A display in a hand with one number left open, and where on its way roots meet the imaginary axis: the functions.
+"""A display in a hand with one number left open: its characteristic function C(s; q), and where it meets the imaginary axis.
 
-A display in a hand with one number left open: its characteristic function C(s; q), and where on its way C meets the axis.
+Pairs of a frequency and a value with a root on the axis are proven by Newton's step: f(omega, q) = C(j omega; q), each term
+c(q) exp(p(q) log(j omega) - j omega lag(q)), is 0 in real and imaginary part. Where the step of a box of both, in balls, stays
+inside the box, there is one pair in it and no other.
 
-How far out roots of a loop can meet the imaginary axis, for all values of its open number in an interval at once: in balls.
-
-With one delayed product, A(s; q) + B(s; q) exp(-s tau), they do where |A|^2 - |B|^2, a polynomial in omega^2, vanishes: nowhere
-beyond a frequency from which on its first terms outweigh all others, and so also where the first is lost but the second is
-positive, as at the value at which a chain of roots comes to the axis from its left. With several, |L| has a least value
-where all |exp(-s tau)| <= 1, and no root lies in Re s >= 0 from where the highest power of s, times that, outweighs all others.
-
-Pairs of a frequency and a value of the open number at which a loop has a root on the imaginary axis: proven by Newton's step.
-
-f(omega, q) = C(j omega; q), each term c(q) exp(p(q) log(j omega) - j omega lag(q)), is 0 in real and imaginary part. Where the
-step of a box of both, in balls, stays inside the box, there is one pair in it and no other.
-
-The curve on which one open number puts roots on the imaginary axis: over frequency, the value that does it.
-
-C(s; q) = A + q B is real on the axis where q = -Re(A/B) and Im(A/B) = 0: one equation in omega. Of a higher degree in q, real and
+C = A + q B is real on the axis where q = -Re(A/B) and Im(A/B) = 0: one equation in omega. Of a higher degree in q, real and
 imaginary part have a root q in common where their resultant vanishes; their last remainder before it, linear in q, tells it.
+A(s) + B(s) exp(-s tau) is 0 where |A| = |B|, again and again. At a frequency where |A/B| grows through 1 roots go to the right,
+at every such delay, and to the left where it falls (Cooke and van den Driessche, 1986). From each frequency omega they come
+once in 2 pi/omega seconds: the highest one is one of the first kind, and so there are ever more roots on the right in the end.
+
+Roots, or a chain of infinitely many, come from infinity where what multiplies the highest power of s, L(z; q) with
+z = exp(-s tau), is lost or has a zero with |z| = 1. Which way roots cross the axis as q > 0 grows is told by the phase of -A/B:
+to the right where it grows with omega (the root tendency). Beyond some frequency delays make it one of the two: then what meets
+the axis there only adds roots on the right, or only takes them away, one infinitely long sequence after the other.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import combinations, groupby, pairwise, product
 from math import comb, perm
-from typing import Any
 
 import flint
 from flint import acb, arb, fmpq
@@ -39,10 +35,10 @@ from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Sense, far
-from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, expression_ball
+from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, expression_ball, rational_between
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials, omega
 from haptisym.kernel.rootcount import Roots, Row, late_turns, squares, terms_of
-from haptisym.kernel.roots import Point, chart, ordered, sign_of_number
+from haptisym.kernel.roots import ALIKE_BITS, Point, chart, each_once, ordered, sign_of_number
 from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import Rule, values
 from haptisym.model.scene import Knob, Scene
@@ -190,137 +186,9 @@ def coefficients(polynomial: Polynomial, index: int | None) -> list[Polynomial]:
     return [context.from_dict(row) for row in rows]
 
 
-_BITS = 192
-_STEP = Rational(5, 4)
-_ARCS = 64
-
-
-@dataclass(frozen=True)
-class Reach(ABC):
-    """Beyond which frequency no root meets the axis; ``longest``: the longest delay, s."""
-
-    longest: Expr
-
-    def radius(self, q: Ball, turning: int, *, inverse: bool) -> Rational | None:
-        """For all values in a ball; None where delays turn further than that up to it. ``inverse``: for 1/q in the ball.
-
-        Guaranteed where there is no chain of roots on the right, or on the axis but at the ends of the ball.
-        """
-        with flint.ctx.workprec(_BITS):
-            weights = self._weights(q, inverse=inverse)
-            if weights is None:
-                return None
-            last = Rational(turning) / Rational(str(float(self.longest)))
-            at = last / 1024
-            while at <= last:
-                if self._prevails(expression_ball(at), weights):
-                    return at
-                at *= _STEP
-        return None
-
-    @abstractmethod
-    def _weights(self, q: Ball, *, inverse: bool) -> Any:
-        """What does not depend on the frequency; None where it proves nothing."""
-
-    @abstractmethod
-    def _prevails(self, at: Ball, weights: Any) -> bool:
-        """Whether no root meets the axis there and beyond."""
-
-
-def reach_of(loop: Loop) -> Reach:
-    """The bound for a loop, by the sharper way where it goes."""
-    turns = {x for group in loop.table.values() for x in group if any(x)}
-    longest = max((lag_of(x, loop) for x in turns), default=Integer(1))
-    late = late_turns(turns, [*loop.table])
-    if late is not None and any(not any(x) for x in loop.leading):
-        return _Squares(longest, squares(loop.table, late))
-    return _sums(loop, turns, longest)
-
-
-def reach_of_axis(loop: Loop) -> Reach:
-    """The bound for roots on the axis itself, guaranteed whether or not there is a chain on the right."""
-    turns = {x for group in loop.table.values() for x in group if any(x)}
-    return _sums(loop, turns, max((lag_of(x, loop) for x in turns), default=Integer(1)))
-
-
-def _sums(loop: Loop, turns: set[tuple[int, ...]], longest: Expr) -> Reach:
-    units = {i for x in turns for i, n in enumerate(x) if n}
-    return _Sums(longest, loop.table, units.pop() if len(units) == 1 else None)
-
-
 def lag_of(turns: Sequence[int], loop: Loop) -> Expr:
     """How late a product of unit delays is, s."""
     return sum((n * x for n, x in zip(turns, loop.ring.lags, strict=True)), Integer(0))
-
-
-def _value(row: Row, q: Ball, *, inverse: bool) -> Ball:
-    """Of a polynomial in the open number; ``inverse``: times q^-n, n being the length of all rows less 1, at 1/q."""
-    total = arb(0)
-    for c in row if inverse else reversed(row):
-        total = total * q + expression_ball(c)
-    return total
-
-
-@dataclass(frozen=True)
-class _Squares(Reach):
-    """``rows`` : of |A|^2 - |B|^2 by falling powers of omega^2."""
-
-    rows: Sequence[Row]
-
-    def _weights(self, q: Ball, *, inverse: bool) -> Sequence[Ball]:
-        """Lower bounds of the coefficients; the first is not negative where no chain lies on the right."""
-        first, *others = (_value(row, q, inverse=inverse).lower() for row in self.rows)
-        return [first.max(arb(0)), *others[:1], *(x.min(arb(0)) for x in others[1:])]
-
-    def _prevails(self, at: Ball, weights: Sequence[Ball]) -> bool:
-        total = weights[0] * at**2
-        for i, weight in enumerate(weights[1:]):
-            total += weight / at ** (2 * i)
-        return bool(total > 0)
-
-
-@dataclass(frozen=True)
-class _Sums(Reach):
-    """``table`` : as that of the loop. ``unit`` : the one unit delay, where there is one."""
-
-    table: Mapping[Rational, Mapping[tuple[int, ...], Row]]
-    unit: int | None
-
-    def _weights(self, q: Ball, *, inverse: bool) -> Mapping[Rational, Ball] | None:
-        """The least |L|, and of the lower powers how much they may be, negative, by how much lower they are."""
-        degree = max(self.table)
-        leading = {turns: _value(row, q, inverse=inverse) for turns, row in self.table[degree].items()}
-        floor = self._floor(leading)
-        if floor is None:
-            return None
-        found = {Integer(0): floor}
-        for p, group in self.table.items():
-            if p < degree:
-                found[p - degree] = -sum(
-                    (abs(_value(row, q, inverse=inverse)).upper() for row in group.values()), arb(0)
-                )
-        return found
-
-    def _floor(self, leading: Mapping[tuple[int, ...], Ball]) -> Ball | None:
-        own = next((x for turns, x in leading.items() if not any(turns)), arb(0))
-        margin = abs(own).lower() - sum((abs(x).upper() for turns, x in leading.items() if any(turns)), arb(0))
-        if margin > 0:
-            return margin.lower()
-        return None if self.unit is None else _least_on_circle({t[self.unit]: x for t, x in leading.items()})
-
-    def _prevails(self, at: Ball, weights: Mapping[Rational, Ball]) -> bool:
-        return bool(sum((x * at ** expression_ball(p) for p, x in weights.items()), arb(0)) > 0)
-
-
-def _least_on_circle(leading: Mapping[int, Ball]) -> Ball | None:
-    """Of |L(z)| for |z| = 1, and so for |z| <= 1, as it has no zero there."""
-    least = None
-    for i in range(_ARCS):
-        angle = arb(i, 0) / _ARCS + arb(0, 0.5 / _ARCS)
-        z = (acb(0, 2) * arb.pi() * angle).exp()
-        here = abs(sum((x * z**n for n, x in leading.items()), acb(0))).lower()
-        least = here if least is None else least.min(here)
-    return least if least is not None and least > 0 else None
 
 
 _BITS_PAIRS = 128
@@ -643,3 +511,344 @@ def _remainder(f: Polynomial, g: Polynomial, index: int) -> tuple[Polynomial, Po
         if f.is_zero():
             return None
         f, g = g, f
+
+
+_MOST_DELAYED = 5
+
+
+def from_infinity(loop: Loop) -> tuple[Meeting, ...]:
+    """All values at which roots come from infinity, and perhaps others. UndecidedError where delays meet in another way."""
+    leading = loop.leading
+    delayed = [turns for turns in leading if any(turns)]
+    units = {i for turns in delayed for i, n in enumerate(turns) if n}
+    if len(units) > 1 and any(loop.symbol in loop.ring.lags[i].free_symbols for i in units):
+        raise UndecidedError("where a chain of roots comes to the axis, as delays meet that are no multiples of one")
+    if not any(any(row[1:]) for row in leading.values()):
+        return ()
+    if loop.low is None and any(any(row[2:]) for row in leading.values()):
+        raise UndecidedError("where a chain of roots comes to the axis, of a number that may be negative")
+    if _is_product(leading):
+        return tuple(Meeting(x, None) for x in zeros(next(iter(leading.values()))))
+    if len(delayed) > (1 if len(units) == 1 else _MOST_DELAYED):
+        raise UndecidedError("where a chain of roots comes to the axis, as delays meet in the highest power of s")
+    own = leading.get((0,) * len(loop.ring.lags), [Integer(0)])
+    found = list[RealNumber]()
+    for signs in product((1, -1), repeat=len(delayed)):  # |own| = sum of |delayed|, whatever their signs are
+        found += zeros(_sum([own, *([sign * c for c in leading[x]] for sign, x in zip(signs, delayed, strict=True))]))
+    return tuple(Meeting(x, None) for x in found)
+
+
+def _is_product(leading: Mapping[tuple[int, ...], Row]) -> bool:
+    """Whether L = c(q) A(z): its zeros are the same for all q, and all of them are lost where c is 0."""
+    first, *others = leading.values()
+    places = list(combinations(range(len(first)), 2))
+    return not any(sign_of_number(first[i] * row[k] - first[k] * row[i]) for row in others for i, k in places)
+
+
+def _sum(rows: list[Row]) -> Row:
+    longest = max(map(len, rows))
+    return [sum((row[i] for row in rows if i < len(row)), Integer(0)) for i in range(longest)]
+
+
+def clear_of_chains(loop: Loop, far_out: Sequence[Meeting]) -> list[tuple[RealNumber | None, RealNumber | None]]:
+    """Between which values, of those at which chains of roots come to the axis, there is none on the right or at the axis."""
+    low, high = (None if x is None else ExactNumber(x) for x in (loop.low, loop.high))
+    inside = [x.value for x in far_out if _is_between(x.value, low, high)]
+    found = pairwise([low, *each_once(inside, lambda x: x), high])
+    return [(a, b) for a, b in found if loop.at(rational_between(a, b)).chain is None]
+
+
+_RADIANS = 40, 120  # that the delay turns up to where roots are looked for beside a chain
+_HALVINGS = 40  # of values beside a chain
+
+
+@dataclass(frozen=True)
+class BesideChains:
+    """Of a loop A + B exp(-s tau), beyond which frequency no value of some puts roots on the axis.
+
+    Where |A|^2 - |B|^2, a polynomial in omega^2 with these ``rows`` of coefficients, is positive: also where the first of them is
+    lost, as at a value at which a chain comes to the axis. ``lag`` : tau.
+    """
+
+    rows: Sequence[Row]
+    lag: Expr
+
+    @classmethod
+    def of(cls, loop: Loop) -> BesideChains | None:
+        """None of a loop of another form."""
+        turns = {x for group in loop.table.values() for x in group if any(x)}
+        late = late_turns(turns, [*loop.table])
+        if late is None or not any(not any(x) for x in loop.leading):
+            return None
+        return cls(squares(loop.table, late), lag_of(late, loop))
+
+    def meetings(self, curve: Curve, low: RealNumber, high: RealNumber | None) -> Iterator[Meetings]:
+        """All between two values, between which no chain is on the right nor at the axis, but for gaps, which become smaller."""
+        for turning in _RADIANS:
+            last = Rational(turning) / Rational(str(float(self.lag)))
+            pieces = [*self._pieces(low, high, last, _HALVINGS)]
+            known = [radius for _, _, radius in pieces if radius is not None]
+            runs = [list(run) for is_open, run in groupby(pieces, lambda x: x[2] is None) if is_open]
+            gaps = tuple(Gap(run[0][0], run[-1][1]) for run in runs)
+            yield Meetings(curve.meetings(max(known)) if known else (), gaps=gaps)
+            if not gaps:
+                return
+
+    def _pieces(
+        self, low: RealNumber, high: RealNumber | None, last: Rational, depth: int
+    ) -> Iterator[tuple[RealNumber, RealNumber | None, Rational | None]]:
+        radius = self._radius(low, high, last)
+        middle = ExactNumber(2 * rational_between(low, None) if high is None else rational_between(low, high))
+        if radius is not None or not depth or not any(x and self._radius(x, x, last) for x in (low, middle, high)):
+            yield low, high, radius
+            return
+        yield from self._pieces(low, middle, last, depth - 1)
+        yield from self._pieces(middle, high, last, depth - 1)
+
+    def _radius(self, low: RealNumber, high: RealNumber | None, last: Rational) -> Rational | None:
+        """For all values between two; without end of 1/q, over a power of q."""
+        with flint.ctx.workprec(_BITS):
+            a, inverse = low.ball(_BITS), high is None
+            if inverse and not a > 0:
+                return None
+            q = (1 / a).union(arb(0)) if high is None else a.union(high.ball(_BITS))
+            own = [_horner(row[::-1] if inverse else row, q)[0].lower() for row in self.rows]
+            weights = [own[0].max(arb(0)), *own[1:2], *(x.min(arb(0)) for x in own[2:])]
+            at = last / 1024
+            while at <= last:
+                if sum((x * expression_ball(at) ** (2 - 2 * i) for i, x in enumerate(weights)), arb(0)) > 0:
+                    return at
+                at *= Rational(5, 4)
+        return None
+
+
+_FURTHER = 8  # turns of a delay beyond its value
+_MOST_FURTHER = 300  # of all frequencies together, where that tells of all delays
+_BITS = 192
+
+
+@dataclass(frozen=True, repr=False)
+class DelayAt(RealNumber):
+    """The delay for which A + B exp(-j omega tau) vanishes at a frequency where both are of one size, and ``turn`` more turns.
+
+    ``is_real`` : whether -A/B is a real number there, and so 1 or -1: balls around an angle of 0 or pi do not tell.
+    """
+
+    ratio: tuple[RealFunction, RealFunction]
+    omega: RealNumber
+    turn: int
+    multiple: Expr
+    is_real: bool = False
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            x = self.omega.ball(bits)
+            real, imag = (part.ball(x) for part in self.ratio)
+            angle = -acb(real, 0 if self.is_real else imag).arg()  # exp(-j omega tau) = -A/B
+            return (angle + 2 * arb.pi() * self.turn) / (x * expression_ball(self.multiple))
+
+
+@dataclass(frozen=True)
+class Switches:
+    """The first delays >= 0 at the frequencies where |A| = |B|, each with the sense in which |A/B| goes through 1 there.
+
+    ``is_still`` : whether |A| and |B| differ at omega = 0.
+    """
+
+    firsts: tuple[DelayAt, ...]
+    senses: tuple[int, ...]
+    is_still: bool
+
+    @classmethod
+    def of(cls, loop: Loop) -> Switches:
+        """Of a loop with an open delay and without a chain of roots on the right. UndecidedError where it has another form."""
+        ratio, multiple = _ratio(loop)
+        condition = minus(squared_modulus(ratio).function, Integer(1))
+        settled = far(condition)
+        if settled.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
+            raise UndecidedError("where roots meet the imaginary axis")
+        response = on_axis(ratio)
+        functions = {"": RealFunction(condition.reduced()), "imag": response.imag}
+        table = chart(functions, Integer(0), max(settled.radius, Integer(1)))
+        if any("" in point.undecided for point in table.points):
+            raise UndecidedError("whether a root touches the imaginary axis")
+        first, *points = table.points
+        found = [x for x in points if x.orders.get("", 0) > 0]
+        real = [response.imag.is_zero or x.orders.get("imag", 0) > 0 for x in found]
+        parts = response.real, response.imag
+        each = (DelayAt(parts, x.omega, 0, multiple, is_real=y) for x, y in zip(found, real, strict=True))
+        senses = tuple((x.after[""] - x.before[""]) // 2 for x in found)
+        return cls(tuple(map(_first, each)), senses, first.orders.get("", 0) <= 0)
+
+    def up_to(self, value: Expr) -> tuple[tuple[Meeting, ...], Rational | None]:
+        """All delays >= 0 up to some turns beyond a value, and up to which delay these are all; None where no others come."""
+        if not self.firsts:
+            return (), None
+        end = self._end(value)
+        found = tuple(
+            x
+            for first, sense in self._each
+            for x in _turned(first, _turns(first, end), sense if self.is_still else None)
+        )
+        last = min((2 * _turns(x, end) - 1) * 3.14 / _rate(x) for x in self.firsts)
+        return found, Rational(last).limit_denominator(10**9)
+
+    def _end(self, value: Expr) -> float:
+        """As far as all that comes after can be told, if that is not too far."""
+        last = self.unstable_from
+        if last is None:
+            return float(value)
+        many = sum(float(last) * _rate(x) / 6.28 for x in self.firsts)
+        return max(float(value), float(last)) if many < _MOST_FURTHER else float(value)
+
+    @cached_property
+    def unstable_from(self) -> Rational | None:
+        """A delay beyond which there are roots on the right for all delays; None where that is not shown.
+
+        Of a frequency whose delays begin at theta/omega, theta from 0 to 2 pi, at least (omega tau - theta)/(2 pi) have come at
+        tau, and at most one more. So there are roots where the sum of senses omega tau is beyond what is lost at the beginning.
+        """
+        if not self.is_still:
+            return None
+        with flint.ctx.workprec(_BITS):
+            slope, lost = arb(0), arb(0)
+            for first, sense in self._each:
+                rate = first.omega.ball(_BITS) * expression_ball(first.multiple)
+                slope += sense * rate
+                lost += sense * _beginning(first.ball(_BITS) * rate) + (2 * arb.pi() if sense < 0 else 0)
+            if not slope > 0:
+                return None
+            return Rational(str(float((lost / slope).upper()) * (1 + 1e-9))) + Rational(1, 10**12)
+
+    @property
+    def _each(self) -> list[tuple[DelayAt, int]]:
+        return [*zip(self.firsts, self.senses, strict=True)]
+
+
+def _first(x: DelayAt) -> DelayAt:
+    """Without a turn, or one turn later where that is negative."""
+    return replace(x, turn=1) if x.ball(_BITS) < 0 else x
+
+
+def _beginning(angle: Ball) -> Ball:
+    """Of a frequency, the angle > 0 of the first delay that is one; all up to 2 pi where a ball does not tell."""
+    return angle if angle > 0 else arb(0).union(2 * arb.pi())
+
+
+def _rate(x: DelayAt) -> float:
+    return float(x.omega) * float(x.multiple)
+
+
+def _turns(x: DelayAt, end: float) -> int:
+    return int(_rate(x) * end / 6.28) + _FURTHER
+
+
+def _turned(first: DelayAt, turns: int, sense: int | None) -> Iterator[Meeting]:
+    """Of one frequency, from its first delay on."""
+    for turn in range(turns + 1):
+        delay = replace(first, turn=first.turn + turn)
+        if delay.ball(_BITS).is_zero():
+            yield Meeting(ExactNumber(Integer(0)), first.omega)
+        elif float(delay) > 0:
+            yield Meeting(delay, first.omega, sense)
+
+
+def _ratio(loop: Loop) -> tuple[RationalFunction, Expr]:
+    """-A/B and how often the open delay is in the exponent."""
+    ring, symbol = loop.ring, loop.symbol
+    units = [i for i, lag in enumerate(ring.lags) if symbol in lag.free_symbols]
+    if len(units) != 1 or any(symbol in x.free_symbols for x in ring.orders):
+        raise UndecidedError("a number that is in several delays")
+    rows = coefficients(loop.top, ring.size + units[0])
+    late = [n for n, row in enumerate(rows) if n and row]
+    if len(late) != 1:
+        raise UndecidedError("a delay that comes back several times")
+    multiple = late[0] * ring.lags[units[0]] / symbol
+    if multiple.free_symbols or degree_in([loop.top], ring.meanings.index(symbol)):
+        raise UndecidedError("a delay that comes back several times")
+    plain = [ring.expression(x) for x in (rows[0], rows[-1])]
+    target = Ring.of(plain)
+    above, below = map(target.convert, plain)
+    return (-above / below).reduced(), multiple
+
+
+_MOST_TURNING = 400  # radians that a delay turns up to where roots cross either way
+
+
+@dataclass(frozen=True)
+class _Settled:
+    """The ``sense`` of the ``rate`` of g's phase beyond a frequency.
+
+    ``curve`` : of the loop. ``known`` : all values with roots on the axis below that frequency, or at infinity.
+    """
+
+    sense: int
+    rate: RationalFunction
+    curve: Curve
+    known: tuple[RealNumber, ...]
+
+
+@dataclass(frozen=True)
+class Tendency:
+    """Of a loop and its open number."""
+
+    loop: Loop
+
+    def everywhere(self, low: RealNumber | None, high: RealNumber | None) -> bool:
+        """Whether each value from one to another is proven to have a root in Re s >= 0; an end that is None is endless."""
+        with suppress(UndecidedError):
+            return self._of_a_delay(low) if self.loop.turns else self._from_an_end(low, high)
+        return False
+
+    def _of_a_delay(self, low: RealNumber | None) -> bool:
+        last = Switches.of(self.loop).unstable_from
+        return low is not None and last is not None and ordered(ExactNumber(last), low) >= 0
+
+    def _from_an_end(self, low: RealNumber | None, high: RealNumber | None) -> bool:
+        """From the end on at which roots lie on the right already, if from there on they cross to the right alone."""
+        side = 1 if low is not None and float(low) >= 0 else -1 if high is not None and float(high) <= 0 else 0
+        if not side or self._settled is None:
+            return False
+        found = self._settled
+        if any(_is_between(x, low, high) for x in found.known):
+            return False
+        start = low if side * found.sense > 0 else high
+        return start is not None and self._has_some_beyond(start, found)
+
+    @cached_property
+    def _settled(self) -> _Settled | None:
+        """None where the phase goes both ways for ever, or up to a frequency to which delays turn very often."""
+        if len(self.loop.powers) != 2 or (curve := curve_of(self.loop)) is None or curve.condition.is_zero:
+            return None
+        rate = _turning_of(curve)
+        found = far(rate)
+        if found.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
+            return None
+        if any(float(found.radius * lag) > _MOST_TURNING for lag in self.loop.ring.lags):
+            return None
+        near = curve.meetings(max(found.radius, Integer(1)))
+        known = (*Characteristic(self.loop).at_0(), *(x.value for x in (*near, *from_infinity(self.loop))))
+        return _Settled(found.sense.value, rate, curve, known)
+
+    def _has_some_beyond(self, start: RealNumber, found: _Settled) -> bool:
+        """Whether roots lie on the right beside a value, on the side to which others can only join them."""
+        if isinstance(start, ExactNumber) and isinstance(start.value, Rational):
+            return bool(self.loop.at(start.value).right)
+        if not isinstance(start, ValueAt):
+            return False
+        with flint.ctx.workprec(ALIKE_BITS):  # those on the axis itself, if it is there that the value puts them
+            omega, curve = start.omega.ball(ALIKE_BITS), found.curve
+            rate, own, zero = (RealFunction(f).ball(omega) for f in (found.rate, curve.value, curve.condition))
+            return bool(own.overlaps(start.ball(ALIKE_BITS)) and zero.contains(0) and found.sense * rate > 0)
+
+
+def _turning_of(curve: Curve) -> RationalFunction:
+    """Of the phase of g over frequency, times something positive."""
+    u, v = curve.value, curve.condition  # g is u - j v, both over the same square
+    axis = RealFunction(u).axis
+    turned = [axis.derivative(x.numerator) * axis.function(y.numerator) for x, y in ((u, v), (v, u))]
+    return turned[0] - turned[1]
+
+
+def _is_between(x: RealNumber, low: RealNumber | None, high: RealNumber | None) -> bool:
+    return (low is None or ordered(low, x) > 0) and (high is None or ordered(x, high) > 0)
