@@ -1,14 +1,10 @@
-"""Every table in the docs, measured anew with one command.
+"""All measurements that the docs summarise, made anew with one command.
 
     python benchmarks/all.py             all scripts of this folder, one after the other; trust them on an idle machine
     python benchmarks/all.py cost        only this one
     python benchmarks/all.py --list      what there is, what each leaves out, versions and hardware; nothing is measured
 
-Each script's output goes to benchmarks/results/NAME.txt. A block of a page in docs/ that says where it comes from,
-
-    <!-- cost.py: hard cases -->
-
-followed by a fenced text, is filled with what the script prints between the line ``=== hard cases ===`` and the next of its kind.
+Each script's output goes to benchmarks/results/NAME.txt, which the pages of docs/ summarise.
 """
 
 from __future__ import annotations
@@ -25,8 +21,7 @@ from pathlib import Path
 from timing import machine
 
 HERE = Path(__file__).parent
-RESULTS, DOCS = HERE / "results", HERE.parent / "docs"
-BLOCK = re.compile(r"(<!-- (\w+)\.py: ([^>]+?) -->\n```text\n)(.*?)(^```)", re.DOTALL | re.MULTILINE)
+RESULTS = HERE / "results"
 
 
 def scripts() -> list[Path]:
@@ -65,30 +60,8 @@ def measure(script: Path) -> bool:
     return True
 
 
-def section(name: str, title: str) -> str:
-    """A part of a script's output; KeyError where there is none of that title."""
-    text = (RESULTS / f"{name}.txt").read_text(encoding="utf-8")
-    found = dict(re.findall(r"^=== (.*?) ===\n(.*?)(?=^=== |\Z)", text, re.DOTALL | re.MULTILINE))
-    return found[title].strip("\n")
-
-
-def fill_pages() -> None:
-    """Put the results into the pages that ask for them."""
-    for page in [*sorted(DOCS.glob("*.md")), *sorted((DOCS / "tables").glob("*.md"))]:
-        text = page.read_text(encoding="utf-8")
-        filled = BLOCK.sub(_filled, text)
-        if filled != text:
-            page.write_text(filled, encoding="utf-8")
-            print(f"{page.name} filled")
-
-
-def _filled(block: re.Match[str]) -> str:
-    before, name, title, old, after = block.groups()
-    return f"{before}{section(name, title) + chr(10) if (RESULTS / f'{name}.txt').exists() else old}{after}"
-
-
 def main() -> None:
-    """Run what is asked for, then fill the pages."""
+    """Run what is asked for."""
     asked = [x.removesuffix(".py") for x in sys.argv[1:] if x != "--list"]
     chosen = [x for x in scripts() if not asked or x.stem in asked]
     unknown = set(asked) - {x.stem for x in chosen}
@@ -100,7 +73,6 @@ def main() -> None:
     if "--list" in sys.argv:
         return
     failed = [script.name for script in chosen if not measure(script)]
-    fill_pages()
     if failed:
         sys.exit(f"failed: {', '.join(failed)}")
 

@@ -14,6 +14,7 @@ import api
 import click
 from make_notebook import cells
 
+import haptisym as hs
 from haptisym.cli import VERBS, app
 from haptisym.model.scenefile import scene_text
 from haptisym.writing.schemas import json_schema, schema_names
@@ -26,7 +27,13 @@ def write(folder: Path) -> None:
     import gallery
 
     folder.mkdir(exist_ok=True)
-    pages: dict[str, Page] = {"verbs": verbs, "schemas": schemas, "derivations": derivations, **api.PAGES}
+    pages: dict[str, Page] = {
+        "verbs": verbs,
+        "schemas": schemas,
+        "thresholds": thresholds,
+        "derivations": derivations,
+        **api.PAGES,
+    }
     pages |= {f"derivation-{path.stem}": partial(derivation, path) for path in DERIVATIONS.glob("*.py")}
     pages |= gallery.pages(folder)
     for path in folder.glob("*.md"):
@@ -73,6 +80,24 @@ def _schema(name: str) -> str:
     schema = json_schema(name)
     head = f"## {schema['title']}\n\n{schema['description']}\n\n| key | type | content |\n|---|---|---|"
     return "\n".join([head, *_rows(schema, "", schema.get("$defs", {})), ""])
+
+
+def thresholds() -> str:
+    """Return the page of published thresholds: a row for each, with how much of its source was read."""
+    lead = (
+        'After this page you can choose a published threshold by its name, `jnd = { like = "NAME" }`. '
+        "[Evidence](../evidence.md#published-thresholds) compares them.\n"
+    )
+    head = "| name | JND | criterion | of what | reference | source | read |\n|---|---|---|---|---|---|---|"
+    return "\n".join(["# Published thresholds\n", lead, head, *map(_threshold, hs.published()), ""])
+
+
+def _threshold(x: hs.Published) -> str:
+    criterion = f"{float(100 * x.criterion):g} %" if x.criterion else ""
+    source = f"{x.source} [{x.doi}](https://doi.org/{x.doi})" if x.doi else x.source
+    reference = f"{x.reference}; not for a scene: {x.apart}" if x.apart else x.reference
+    cells = f"`{x.name}`", x.written, criterion, x.quantity, reference, source, x.read
+    return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
 
 
 def derivations() -> str:

@@ -15,7 +15,7 @@ import click
 
 from haptisym import __version__
 from haptisym.commands.options import ReaderLeft, interrupts, note, prepare, to_standard_output
-from haptisym.kernel.errors import HaptisymError, UndecidedError
+from haptisym.kernel.errors import HaptisymError, UndecidedError, meant
 
 VERBS = (
     "evaluate", "derive", "effects", "require", "stability", "sensitivity", "tolerances", "sweep", "metrics", "cost", "simulate",
@@ -32,6 +32,13 @@ class _Sisters(click.Group):
 
     def get_command(self, _context: click.Context, name: str) -> click.Command | None:
         return resolve_name(f"haptisym.commands.{name}:{name}") if name in VERBS else None
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and (hint := meant(args[0], VERBS)) and args[0] not in VERBS:
+            ctx.fail(f'unknown command "{args[0]}": {hint.rstrip()}')
+        return super().resolve_command(ctx, args)
 
     def make_context(self, *args: Any, **options: Any) -> click.Context:
         with to_standard_output():  # where the help goes

@@ -159,9 +159,9 @@ def shunt(m: SignedMass = 0, b: SignedDamping = 0, k: SignedStiffness = 0, Z: Fo
     """
     given = bool(m or b or k)
     if Z is not None and given:
-        raise SceneError("a shunt takes either Z or some of m, b, k")
+        raise SceneError("shunt: give either Z, or some of m, b, k")
     if Z is None and not given:
-        raise SceneError("a shunt needs Z or at least one of m, b, k")
+        raise SceneError("shunt: give Z, or at least one of m, b, k")
     return _shunt(m * s**2 + b * s + k if Z is None else Z)
 
 
@@ -175,7 +175,7 @@ def compliance(k: PositiveStiffness = 0, b: PositiveDamping = 0) -> Matrix:
     (1, 0, 1/5000, 1)
     """
     if not (k or b):
-        raise SceneError("a compliance needs at least one of k, b")
+        raise SceneError("compliance: give at least one of k, b")
     return (1, 0, 1 / (k + b * s), 1)
 
 

@@ -38,7 +38,7 @@ def mass_spring_damper(m: Mass = 0, b: Damping = 0, k: Stiffness = 0) -> Expr:
     9*s**2/5 + 15*s + 100
     """
     if not (m or b or k):
-        raise SceneError("a mass-spring-damper needs at least one of m, b, k")
+        raise SceneError("mass-spring-damper: give at least one of m, b, k")
     return m * s**2 + b * s + k
 
 
@@ -88,7 +88,7 @@ def prony(k0: Stiffness, k: StiffnessList, b: DampingList) -> Expr:
     True
     """
     if len(k) != len(b):
-        raise SceneError(f"k and b must have as many entries as each other, not {len(k)} and {len(b)}")
+        raise SceneError(f"k and b need equally many entries, not {len(k)} and {len(b)}")
     return k0 + sum(ki * bi * s / (ki + bi * s) for ki, bi in zip(k, b, strict=True))
 
 

@@ -55,7 +55,7 @@ def dynamics(system: System) -> Expr:
         if found is not None:
             return found
     raise SceneError(
-        f"{_shown(system)} is no system known here: give a SymPy expression in s, a pair of numerator and denominator, or a "
+        f"{_shown(system)} is not a system: give a SymPy expression in s, a pair of numerator and denominator, or a "
         "continuous-time system of sympy.physics.control, control or scipy.signal"
     )
 
@@ -125,7 +125,7 @@ def to_frd(response: Measurement) -> Any:
 def _series_gain(effect: Effect) -> Expr:
     gain, *others = effect.matrix
     if others != [0, 0, 1]:
-        raise SceneError(f"{effect.name} is not an effect in series: it has no transfer function of its own")
+        raise SceneError(f"{effect.name} is not an effect in series: it has no transfer function")
     return gain
 
 
@@ -218,7 +218,7 @@ def _number(given: Any) -> Expr:
     """An exact number, or an expression in parameters; of a complex number, its real part if that is all."""
     if isinstance(given, complex | np.complexfloating):
         if given.imag != 0:
-            raise SceneError(f"{given} is a complex coefficient: a system that can be built has real ones")
+            raise SceneError(f"{given} is complex: give real coefficients")
         given = given.real
     return quantity(given, Dimension.ANY).value
 
@@ -254,9 +254,7 @@ def _floats(system: System) -> tuple[list[float], list[float]]:
     above, below = _fraction(system)
     symbols = sorted({x.name for e in [*above, *below] for x in e.free_symbols})
     if symbols:
-        raise SceneError(
-            f"{', '.join(symbols)} must have values: {'it is a symbol' if len(symbols) == 1 else 'they are symbols'}"
-        )
+        raise SceneError(f"{', '.join(symbols)} {'is a symbol' if len(symbols) == 1 else 'are symbols'}: give values")
     return [float(ExactNumber(x)) for x in above], [float(ExactNumber(x)) for x in below]
 
 
@@ -264,7 +262,7 @@ def _package(module: str, name: str) -> ModuleType:
     try:
         return import_module(module)
     except ImportError:
-        raise SceneError(f"{name} is not installed: it is needed to export to it") from None
+        raise SceneError(f"{name} is not installed: pip install it") from None
 
 
 def _shown(given: object) -> str:

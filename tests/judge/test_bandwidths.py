@@ -871,7 +871,7 @@ def test_of_several_numbers_with_ranges_of_their_own_the_ends_alone_are_told() -
 
 def test_a_box_has_no_side_for_a_scale() -> None:
     asked = hs.Scene(PAPER.environment, PAPER.effects, PAPER.band, {**DIAMOND, "scale": [1, 2]})
-    with pytest.raises(hs.SceneError, match="a range of scale, which is no side of a box"):
+    with pytest.raises(hs.SceneError, match="a range of scale is for haptisym evaluate"):
         hs.tolerances(asked)
     assert asked.aside_keys()["nominal"] == {"evaluation.jnd.scale": [1.0, 2.0]}
 

@@ -197,7 +197,7 @@ def test_side_by_side_each_region_says_what_it_says_alone(name: str) -> None:
 
 def test_a_polygon_that_moves_has_no_half_widths() -> None:
     corners = [[0.1, 0], [0, 0.1], [-0.1, 0], [0, "-0.1 - 0.001*omega"]]
-    with pytest.raises(hs.SceneError, match="half widths"):
+    with pytest.raises(hs.SceneError, match="polygon that depends on omega"):
         hs.evaluate(
             hs.Scene(PAPER.environment, PAPER.effects, PAPER.band, {"shape": "polygon", "corners": corners}),
             regions=True,

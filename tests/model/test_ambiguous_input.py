@@ -82,7 +82,7 @@ omega_c = "500 Hz"
 [evaluation]
 band = ["0 Hz", "100 Hz"]
 """
-    with pytest.raises(hs.SceneError, match="-100000 N/m.*must be >= 0.*expression.*shunt"):
+    with pytest.raises(hs.SceneError, match="needs k >= 0 .*-100000 N/m.*expression.*shunt"):
         hs.parse_scene(scene.format('mass-spring-damper"\nm = "2 kg"\nk = "-100000 N/m'))
     way = 'expression"\nH = "m*s^2 + k"\nparameters = { m = "2 kg", k = "-100000 N/m" }\ntitle = "'
     found = hs.evaluate(hs.parse_scene(scene.format(way).replace('title = ""\n', "")))
@@ -100,7 +100,7 @@ def test_lines_at_the_ends_of_a_band_are_in(tmp_path: Path) -> None:
 def test_what_was_meant_is_named_where_another_was_written() -> None:
     with pytest.raises(hs.SceneError, match='did you mean "kHz"'):
         hs.effects.first_order_lag("1 khz")
-    with pytest.raises(hs.SceneError, match='k alone: model = "mass-spring-damper"'):
+    with pytest.raises(hs.SceneError, match='needs b .*model = "mass-spring-damper" with k only'):
         hs.environments.kelvin_voigt(k=100)
-    with pytest.raises(hs.SceneError, match="omega: must be real numbers"):
+    with pytest.raises(hs.SceneError, match="omega: give real frequencies"):
         hs.distort(hs.environments.mass_spring_damper(k=100), hs.effects.first_order_lag(20)).compile()([1 + 2j])

@@ -119,7 +119,6 @@ def test_a_wrong_dimension_is_refused_with_the_unit_expected(text: str, dimensio
     with pytest.raises(hs.SceneError) as refused:
         quantity(text, dimension)
     assert text in str(refused.value)
-    assert "expected" in str(refused.value)
     for unit in {*dimension.value} - {"1"}:
         assert unit in str(refused.value)
 
@@ -297,8 +296,8 @@ def test_a_range_is_told_by_its_per_cent_only_where_it_is_even_and_leaves_out_ze
     ("given_", "told"),
     [
         ("0 N/m +- 5 %", "percentage of zero"), ("0 N/m +- 5 N/m", ""), ("3 N/m +- -1 N/m", "must be >= 0"), ("3 N/m +- -5 %", "must be >= 0"),
-        ("3 N/m +- 1", "units alike"), ("3 +- 1 N/m", "units alike"), ("3 +- 1 +- 1", "is not a range"), ("+- 1", "is not a range"),
-        ("3 +-", "is not a range"), ("3 N/m +- 2 m", "is not a stiffness"), ([1], "must be a pair"), ([1, 2, 3, 4], "or three"), ([2, 1], "must not be above"),
+        ("3 N/m +- 1", "units of the same kind"), ("3 +- 1 N/m", "units of the same kind"), ("3 +- 1 +- 1", "is not a range"), ("+- 1", "is not a range"),
+        ("3 +-", "is not a range"), ("3 N/m +- 2 m", "is not a stiffness"), ([1], "is not a range"), ([1, 2, 3, 4], "or three"), ([2, 1], "must not be above"),
         ([1, 3, 2], "must lie between"), ([1, "2 N/m"], "units of the same kind"), (["1 N/m", 2, "3 N/m"], "same kind"), (["1 N/m", "2 N*m/rad"], "same kind"),
         ([1, Symbol("x")], "must be numbers"), ([1, Symbol("x"), 2], "must be numbers"), ([1, 1], ""), ([1, 1, 2], ""), ([1, 2, 2], ""),
     ],
@@ -416,8 +415,8 @@ def test_a_formula_may_go_up_to_its_limits(text: str) -> None:
 @pytest.mark.parametrize(
     ("text", "told", "at"),
     [
-        ("x^2^3", "needs parentheses", 3), ("2*exp(x)", "a delay is an effect", 2), ("2*exq(x)", 'write "exq*("', 2), ("sqrt(x)", "s^0.5", 0),
-        ("1+cosh(x)", "wave-variables", 2), ("x(2)", 'write "x*("', 0), ("e^x", "a delay", 0), ("x^y", "must be a number", 2), ("x^(1/100)", "up to 99", 3),
+        ("x^2^3", "needs parentheses", 3), ("2*exp(x)", 'model = "delay"', 2), ("2*exq(x)", 'write "exq*("', 2), ("sqrt(x)", "s^0.5", 0),
+        ("1+cosh(x)", "wave-variables", 2), ("x(2)", 'write "x*("', 0), ("e^x", 'model = "delay"', 0), ("x^y", "must be a number", 2), ("x^(1/100)", "up to 99", 3),
         ("x^(2", 'expected ")"', 4), ("x*", "found the end", 2), ("x^61", "higher than 60", 1), ("1/0", "division by zero", 1), ("x # y", "not allowed", 2),
         ("1 + x*y", 'unknown name "y"', 6), ("x" + "+x" * 40 + "+y" + "+x" * 30, 'unknown name "y"', None),
     ],
@@ -507,8 +506,8 @@ def test_any_unicode_text_as_dynamics_is_either_a_formula_or_an_error_of_ours(te
 
 
 DYNAMICS: dict[str, tuple[str, str]] = {
-    "a zero within": ("s + 1/(1/(s - s))", "zero"), "a root of a number": ("2^0.5", "of s alone"), "a root of pi": ("pi^0.5*s", "of s alone"),
-    "a root of a sum": ("m*(s + 1)^0.5", "no power of s"), "a root of a square": ("m*(s^2)^0.5", "no power of s"), "a name": ("m*s + c", "known are s, pi, m"),
+    "a zero within": ("s + 1/(1/(s - s))", "zero"), "a root of a number": ("2^0.5", "only s has fractional powers"), "a root of pi": ("pi^0.5*s", "only s has fractional powers"),
+    "a root of a sum": ("m*(s + 1)^0.5", "only s has fractional powers"), "a root of a square": ("m*(s^2)^0.5", "only s has fractional powers"), "a name": ("m*s + c", "valid are s, pi, m"),
     "a delay": ("m*exp(-s*m)", "delay"), "a decimal quotient as exponent": ("m*s^(0.5/2)", "whole numbers"),
 }  # fmt: skip
 
@@ -521,7 +520,7 @@ def test_what_is_no_dynamics_is_refused(name: str) -> None:
 
 def test_names_of_parameters_may_not_hide_the_variable() -> None:
     for name in ("s", "omega", "pi", "j", "1x", "a b", "", "a-b"):
-        with pytest.raises(hs.SceneError, match="cannot name a parameter"):
+        with pytest.raises(hs.SceneError, match="no name for a parameter"):
             expression("s", parameters={name: 1})
 
 
@@ -538,9 +537,7 @@ def test_pi_in_a_formula_is_exact_as_it_is_in_a_frequency_in_hertz(hertz: str) -
 
 @pytest.mark.parametrize("given", ["12 Hz", ["5 Hz", "12 Hz"]])
 def test_a_value_in_hertz_beside_pi_is_refused_as_its_turns_would_count_twice(given: object) -> None:
-    with pytest.raises(
-        hs.SceneError, match="a pi of its own, as of a value in Hz: leave pi out of the formula, or give f in 1/s"
-    ):
+    with pytest.raises(hs.SceneError, match="already contains 2 pi .*: leave pi out of the formula, or give f in 1/s"):
         hs.effects.series("1/(1 + s/(2*pi*f))", parameters={"f": given})
     hs.effects.series("1/(1 + s/(2*pi*f))*g/(s + g)", parameters={"f": "12 1/s", "g": "12 rad/s"})
     hs.effects.series("1/(1 + s/f)", parameters={"f": given})

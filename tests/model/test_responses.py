@@ -111,7 +111,7 @@ def test_a_bound_on_a_slope_tells_by_its_unit_what_it_bounds(
 
 @pytest.mark.parametrize(
     ("given_", "told"),
-    [(40, "has no unit"), ("40", "has no unit"), ("-1 ms", "must be >= 0"), ("-1 N*s/m", "must be >= 0"), ("3 kg", "bounds no slope"), ("1 N/m", "bounds no slope")],
+    [(40, "has no unit"), ("40", "has no unit"), ("-1 ms", "must be >= 0"), ("-1 N*s/m", "must be >= 0"), ("3 kg", "is no bound of a slope"), ("1 N/m", "is no bound of a slope")],
 )  # fmt: skip
 def test_what_bounds_no_slope_is_said(given_: Any, told: str) -> None:
     assert told in refusal(read_slope, given_)
@@ -124,11 +124,11 @@ def test_what_bounds_no_slope_is_said(given_: Any, told: str) -> None:
     ("keys", "told"),
     [
         ({}, ""), ({"omega": [0, 1, 2]}, ""), ({"omega": [-1e-300, 1, 2]}, "line 1: omega: -1e-300 must"), ({"omega": [1, 2, np.inf]}, "line 3: omega: inf must"),
-        ({"omega": [1, 3, 2]}, "line 3: the frequency 2 rad/s comes after 3"), ({"omega": [1, 2, 2]}, "is there twice"), ({"H": [1, 2, np.inf]}, "line 3: H: "),
+        ({"omega": [1, 3, 2]}, "line 3: the frequency 2 rad/s follows 3"), ({"omega": [1, 2, 2]}, "is there twice"), ({"H": [1, 2, np.inf]}, "line 3: H: "),
         ({"coherence": [0, 1, 0.5], "averages": 2}, ""), ({"coherence": [0, 1.0000001, 0.5], "averages": 2}, "line 2: coherence"),
-        ({"coherence": [-1e-9, 1, 0.5], "averages": 2}, "line 1: coherence"), ({"coherence": [1, 1, 1], "averages": 1.99}, "from 2 on"),
+        ({"coherence": [-1e-9, 1, 0.5], "averages": 2}, "line 1: coherence"), ({"coherence": [1, 1, 1], "averages": 1.99}, "at least 2"),
         ({"coherence": [1, 1, 1], "averages": np.inf}, "averages: inf"), ({"coherence": [1, 1, 1], "averages": True}, "averages: True"),
-        ({"coherence": [1, 1, 1], "averages": "9"}, "averages: 9 must"), ({"coherence": [1, 1, 1]}, "averages is missing"), ({"averages": 3}, "no coherence"),
+        ({"coherence": [1, 1, 1], "averages": "9"}, "averages: 9 must"), ({"coherence": [1, 1, 1]}, "averages is missing"), ({"averages": 3}, "needs the column coherence"),
         ({"radius": [0, np.inf, 1]}, ""), ({"radius": [0, 1, -1e-9]}, "line 3: radius"), ({"radius": [0, np.nan, 1]}, "line 2: radius"), ({"radius": [1, 1]}, "radius has 2"),
         ({"radius": [1, 1, 1j]}, "must be real"), ({"radius": [1, 1, 1], "coherence": [1, 1, 1], "averages": 3}, "leave out one"), ({"confidence": 0}, "between 0 and 1"),
         ({"confidence": 1}, "confidence"), ({"confidence": True}, "confidence"), ({"confidence": "0.9"}, "confidence"), ({"slope": "1 N*s/m"}, ""), ({"slope": "1 N*m*s/rad"}, ""),
@@ -151,7 +151,7 @@ def test_lines_on_a_band_are_those_between_its_ends_and_a_billionth_beyond() -> 
     for low, high, told in (
         (3, 3, "must be above the low end"),
         (3, 1, "must be above"),
-        (5, 6, "no line of measured lies"),
+        (5, 6, "measured has no frequency point"),
     ):
         with pytest.raises(hs.SceneError, match=told):
             felt.on_band(low, high)
@@ -223,13 +223,13 @@ def test_a_response_may_be_a_magnitude_and_a_phase_over_hertz(tmp_path: Path, de
 
 HEAD, ROW = "omega,real,imag\n", "omega,real,imag\nrad/s,N/m,N/m\n1,2,3\n"
 NO_TABLES: list[tuple[str, str]] = [
-    (HEAD + "1,2,3 # begun\n4,5,6\n", ""), ('"omega";"real";"imag"\n"1";"2";"3"\n', ""), (ROW.replace("omega,", "omega [rad/s],"), "and so has the header"),
+    (HEAD + "1,2,3 # begun\n4,5,6\n", ""), ('"omega";"real";"imag"\n"1";"2";"3"\n', ""), (ROW.replace("omega,", "omega [rad/s],"), "units are in the header and in line 2"),
     (ROW.replace("rad/s,N/m,N/m", "rad/s,N/m"), "line 2 has 2 units"), (ROW.replace("1,2,3\n", ""), "no lines of numbers"), (ROW.replace("rad/s", "kHz"), "frequency_hz"),
     (ROW.replace("omega", "frequency_hz"), "call the column omega"), (ROW.replace("rad/s", "m"), '"m"'), (ROW.replace("N/m,N/m", "N*m/rad,N/m"), "cannot be mixed"),
     (ROW.replace("N/m,N/m", "kg,kg"), "is not a stiffness"), (HEAD + "1_0,2,3\n1,2,3\n", '"1_0"'), (HEAD + "1,2,3\n4,1_0,3\n", 'line 3: real: "1_0"'),
     (HEAD + "1,2,3\n4,5,6,7,8,9\n", "line 3 has 6 cells, .* decimal commas"), (HEAD + "1,2,3\n4,5,6,7\n", "line 3 has 4 cells"),
     ("omega\treal\timag\n1\t2\t3\n0\t5\t6\n", "line 3: the frequency 0"), ("# a\n\nomega,real,imag\n\n1,2,3\n\n# c\n4,,6\n", "line 8: real: the cell is empty"),
-    ("omega\n1\n", "there are omega"), ("1,2\n", "line 1 holds numbers"), ("omega,real,imag,magnitude,phase_deg\n1,2,3,4,5\n", "is written real, imag or"), ("t,position,force\n1,2,3\n", "record in time"),
+    ("omega\n1\n", "there are omega"), ("1,2\n", "line 1 has numbers"), ("omega,real,imag,magnitude,phase_deg\n1,2,3,4,5\n", "give the response in columns real, imag or"), ("t,position,force\n1,2,3\n", "records in time"),
     (HEAD + "1,nan,2\n", "line 2: H: nan"), (HEAD + "1,1e999,2\n", "line 2: H: inf"), (HEAD + "-1,1,2\n", "line 2: omega: -1"),
 ]  # fmt: skip
 
@@ -246,7 +246,7 @@ def test_a_line_far_down_is_named_by_its_number_whatever_stands_before_it(tmp_pa
     lines = [f"{i + 1},{i}.5,-{i}" for i in range(rows)]
     for at in {1, rows - 1}:
         for bad, told in (
-            ("0,1,2", f"line {at + 4}: the frequency 0 rad/s comes after {at}"),
+            ("0,1,2", f"line {at + 4}: the frequency 0 rad/s follows {at}"),
             ("\n# a pause\n77777,x,2", f'line {at + 6}: real: "x"'),
         ):
             text = "\n".join(["# first", "omega,real,imag", "", *lines[:at], bad, *lines[at:]])
@@ -351,11 +351,11 @@ def test_a_file_of_matlab_holds_a_response(tmp_path: Path, table: dict[str, Any]
 @pytest.mark.parametrize(
     ("table", "told"),
     [
-        ({"H": H}, "hold the frequencies once"), ({"omega": OMEGA, "frequency_hz": OMEGA, "H": H}, "hold the frequencies once"), ({"omega": OMEGA, "real": H.real}, "H, or real and imag"),
+        ({"H": H}, "give the frequencies as one variable"), ({"omega": OMEGA, "frequency_hz": OMEGA, "H": H}, "give the frequencies as one variable"), ({"omega": OMEGA, "real": H.real}, "H, or real and imag"),
         ({"omega": OMEGA, "H": H[:2]}, "as many numbers"), ({"omega": OMEGA, "H": np.ones((3, 2))}, "one row or column"), ({"omega": OMEGA, "H": "text"}, "one row or column"),
-        ({"omega": [[1, 2], [3, 4]], "H": H}, "one row or column"), ({"omega": H, "H": H}, "omega: must be real"), ({"omega": OMEGA[::-1], "H": H}, "sort the lines"),
+        ({"omega": [[1, 2], [3, 4]], "H": H}, "one row or column"), ({"omega": H, "H": H}, "omega: must be real"), ({"omega": OMEGA[::-1], "H": H}, "sort by frequency"),
         ({"omega": OMEGA, "H": H * np.nan}, "line 1: H"), ({"omega": OMEGA, "H": H, "coherence": OMEGA / 7}, "averages is missing"), ({"omega": 1.0, "H": 2.0}, ""),
-        ({"omega": OMEGA, "H": H, "radius": [1, 2]}, "as many numbers"), ({"omega": OMEGA, "H": H, "radius": [[1], [2], [3]]}, ""), ({"omega": [True, False, True], "H": H}, "comes after 1"),
+        ({"omega": OMEGA, "H": H, "radius": [1, 2]}, "as many numbers"), ({"omega": OMEGA, "H": H, "radius": [[1], [2], [3]]}, ""), ({"omega": [True, False, True], "H": H}, "follows 1"),
     ],
 )  # fmt: skip
 def test_variables_of_matlab_are_rows_of_one_length(tmp_path: Path, table: dict[str, Any], told: str) -> None:
@@ -577,9 +577,9 @@ def test_the_chance_of_a_cube_is_that_of_a_normal_number_either_way() -> None:
         (64, {"segment": 16, "overlap": 0}, ""), (63, {"segment": 16, "overlap": 0}, "3 segments of 16"), (64, {"segment": 15, "overlap": 0}, "4 segments of 15"),
         (40, {"segment": 16, "overlap": 0.5}, ""), (9, {"segment": 16}, "0 segments of 16"), (128, {}, ""), (127, {}, "segments of 15"), (400, {"overlap": 0.9}, ""),
         (400, {"overlap": 0.91}, "from 0 to 0.9"), (400, {"overlap": -0.01}, "overlap"), (400, {"overlap": True}, "overlap"), (400, {"overlap": "0.5"}, "overlap"),
-        (900, {"every": 55}, ""), (900, {"every": 56}, "no line that is kept"), (9000, {"every": 100}, ""), (9000, {"every": 101}, "every: 101"), (400, {"every": 0}, "every: 0"),
+        (900, {"every": 55}, ""), (900, {"every": 56}, "no frequency point is left"), (9000, {"every": 100}, ""), (9000, {"every": 101}, "every: 101"), (400, {"every": 0}, "every: 0"),
         (400, {"segment": 0}, "must be > 0"), (400, {"window": "hannn"}, 'did you mean "hann"'), (400, {"estimator": "h1"}, ""), (400, {"estimator": "H4"}, "valid are H1, H2, joint"),
-        (400, {"reference": np.ones(400)}, "all samples"), (400, {"reference": np.arange(400)}, "H1 takes none"), (400, {"estimator": "joint"}, "needs the reference"),
+        (400, {"reference": np.ones(400)}, "all samples"), (400, {"reference": np.arange(400)}, "H1 needs none"), (400, {"estimator": "joint"}, "needs reference, the signal"),
         (400, {"estimator": "joint", "reference": np.arange(9)}, "reference has 9 samples"),
     ],
     ids=str,
@@ -776,7 +776,7 @@ def test_a_model_of_a_shipped_bench_run_holds_the_truth() -> None:
 
 RECORD = "t,position,force\n" + "".join(f"{i / 50},{np.sin(i**2):.5f},{np.cos(i**2):.5f}\n" for i in range(400))
 NO_RECORDS: list[tuple[str, dict[str, Any], str]] = [
-    (RECORD, {"estimator": "joint"}, "needs a column reference"), (RECORD, {"segment": "4 s"}, "at least 4"), (RECORD, {"segment": "4 kg"}, "segment"),
+    (RECORD, {"estimator": "joint"}, "needs the column reference"), (RECORD, {"segment": "4 s"}, "at least 4"), (RECORD, {"segment": "4 kg"}, "segment"),
     (RECORD.replace("t,position", "t,motion"), {}, 'unknown column "motion"'), ("t,force\n0,1\n", {}, "no column position"), (RECORD.replace("\n2.0,", "\nnan,"), {}, "line 102: t: must be finite"),
     (RECORD.replace("t,position,force", "t [s],position [kg],force"), {}, "position"), (RECORD.replace("t,position,force", "t [s],position [rad],force [N]"), {}, "translation and rotation"),
     ("t,position,force\n" + "".join(f"{i},1,{i % 7}\n" for i in range(99)), {}, "all samples are 1"), ("t,position,force\n0,1,1\n", {}, "t: must rise"), (ROW, {}, 'unknown column "omega"'),

@@ -96,33 +96,33 @@ NO_SCENES: list[tuple[str, str]] = [
     ("this is not TOML", "TOML"), ('title = "x', "TOML"), ("[environment]\nmodel='maxwell'\nmodel='maxwell'", "TOML"), ("a = " + "[" * 20_000, "nested"),
     (env(f"{MSD}k = {'9' * 10_000}"), "TOML"), ("k = 100 N/m", "goes in quotes"), ("k = N", "goes in quotes"), ("omega,real,imag\n1,2,3", "table of lines"), ("# x\n\na;b\n", "table of lines"),
     ("a\tb\n", "table of lines"), ("a, b = 3", "not valid TOML"), ("[effects]\n[effects]", r"\[\[effects\]\]"), ("", r"\[environment\] is missing"), ("environment = 3", '"3" must be a table'),
-    ("[[environment]]\nk = 1", "with an s"), (f"title = 3\n{ENV}", "title: "), (f"source = []\n{ENV}", "source: "), (f'titel = "x"\n{ENV}', 'did you mean "title"'),
+    ("[[environment]]\nk = 1", r"write \[environment\] for one"), (f"title = 3\n{ENV}", "title: "), (f"source = []\n{ENV}", "source: "), (f'titel = "x"\n{ENV}', 'did you mean "title"'),
     (more("[evaluation]\nbandd = [0, 1]"), 'unknown key "bandd"'), (f"evaluation = 2\n{ENV}", "must be a table"), (ENV.replace('model = "kelvin-voigt"\n', ""), "model is missing"),
     (ENV.replace("kelvin-voigt", "kelvin-void"), 'did you mean "kelvin-voigt"'), (ENV.replace('"kelvin-voigt"', "3"), 'unknown model "3"'), (more("q = 1"), "valid are k, b"),
-    (ENV.replace("b = 2\n", ""), "parameter b is missing"), (f"effects = 3\n{ENV}", r"\[\[effects\]\]"), (more("[effects]\nx = 1"), r"\[\[effects\]\]"), (f"effects = [3]\n{ENV}", r"effects\[1\]"),
-    (effect(f'{DELAY}\nname = ""\ntau = 1'), "not empty"), (effect(f"{DELAY}\nname = 3\ntau = 1"), "must be a string"), (effect(DELAY), "tau is missing"), (effect('model = "dely"'), 'did you mean "delay"'),
-    (effect('model = "series"\nG = "1"\nparameters = 3'), "must be a table"), (ENV + '[[effects]]\nmodel = "shunt"\nk = 1\n' * (MOST_EFFECTS + 1), "at most 100 effects, this one has 101"),
+    (ENV.replace("b = 2\n", ""), "kelvin-voigt needs b"), (f"effects = 3\n{ENV}", r"\[\[effects\]\]"), (more("[effects]\nx = 1"), r"\[\[effects\]\]"), (f"effects = [3]\n{ENV}", r"effects\[1\]"),
+    (effect(f'{DELAY}\nname = ""\ntau = 1'), "give a name"), (effect(f"{DELAY}\nname = 3\ntau = 1"), "give a name"), (effect(DELAY), "delay needs tau"), (effect('model = "dely"'), 'did you mean "delay"'),
+    (effect('model = "series"\nG = "1"\nparameters = 3'), "must be a table"), (ENV + '[[effects]]\nmodel = "shunt"\nk = 1\n' * (MOST_EFFECTS + 1), "at most 100, not 101"),
     ("environments = []", r"\[\[environments\]\]"), ("environments = 3", r"\[\[environments\]\]"), (TWO + "[environment]\nk = 1", "give either"), (TWO + "[rendered]\nk = 1", "give either"),
-    ("environments = [3]", r"environments\[1\]"), (TWO.replace('"wall"', '""'), r"environments\[2\]: name"), (TWO.replace("k = 1\n", "k = 0\n"), r'environments\[2\] "wall": k: .* must be > 0'),
-    (TWO + 'rendered = { model = "maxwell", k = "environment.q", b = 7 }', "no parameter of the environment"), (more('[rendered]\nmodel = "maxwell"\nk = 1'), "rendered: parameter b is missing"),
+    ("environments = [3]", r"environments\[1\]"), (TWO.replace('"wall"', '""'), r"environments\[2\]: name"), (TWO.replace("k = 1\n", "k = 0\n"), r'environments\[2\] "wall": maxwell needs k > 0'),
+    (TWO + 'rendered = { model = "maxwell", k = "environment.q", b = 7 }', "no parameter of the environment"), (more('[rendered]\nmodel = "maxwell"\nk = 1'), "rendered: maxwell needs b"),
     (more("[hand]\nm = -1"), "hand: m: "), (more("[hand]\nq = -1"), "valid are m, b, k, source"), (more("[hand]\nsource = 1"), "must be a string"), (f"hand = 3\n{ENV}", "must be a table"),
     (f"hands = 3\n{ENV}", r"\[\[hands\]\]"), (more('[[hands]]\nname = ""'), r"hands\[1\]: name"), (FELT, "this scene is measured"), (env('file = "x"'), "this scene is measured"),
     # values
-    (env(f"{MSD}m='3 stones'"), "stones"), (env(f"{MSD}m='3 N'"), '"3 N" .*expected kg'), (env(f"{MSD}k='3 Hz'"), "expected N/m"), (env(f"{MSD}m='3 kg'\nk='3 N*m/rad'"), "rotational"),
-    (env(f"{MSD}m='3 kg^9^9^9'"), "9"), (env(f"{MSD}m='kg'"), "number"), (env(f"{MSD}m=[1, 2, 3, 4]"), "pair"), (env(f"{MSD}m=true"), "m: true"), (env(f"{MSD}m=2019-01-01"), "2019-01-01"),
-    (env(f"{MSD}m='-3 kg'"), "must be >= 0"), (env(f"{MSD}m=nan"), "NaN"), (env(f"{MSD}m=inf"), "Infinity"), (env(f"{MSD}m='1e999999999 kg'"), "300"), (env(f"{MSD}m='1/0 kg'"), "zero"),
+    (env(f"{MSD}m='3 stones'"), "stones"), (env(f"{MSD}m='3 N'"), '"3 N" is not a mass.*kg'), (env(f"{MSD}k='3 Hz'"), "is not a stiffness.*N/m"), (env(f"{MSD}m='3 kg'\nk='3 N*m/rad'"), "rotational"),
+    (env(f"{MSD}m='3 kg^9^9^9'"), "9"), (env(f"{MSD}m='kg'"), "number"), (env(f"{MSD}m=[1, 2, 3, 4]"), "is not a range"), (env(f"{MSD}m=true"), "m: true"), (env(f"{MSD}m=2019-01-01"), "2019-01-01"),
+    (env(f"{MSD}m='-3 kg'"), "needs m >= 0"), (env(f"{MSD}m=nan"), "NaN"), (env(f"{MSD}m=inf"), "Infinity"), (env(f"{MSD}m='1e999999999 kg'"), "300"), (env(f"{MSD}m='1/0 kg'"), "zero"),
     (env(MSD), "m, b, k"), (effect('model="two-port"\nA="1"\nB="0"\nC="0"\nD="0"'), "infinite"), (effect('model="shunt"\nm=1\nZ="s"'), "Z"),
     (more("[evaluation]\nband = [3, 3]"), "above"), (more("[evaluation]\nband = ['15 rad/s', 0]"), "above"), (more("[evaluation]\nband = ['6.29', '1 Hz']"), "above"),
-    (more("[evaluation]\nband = [-1, 3]"), ">= 0"), (more("[evaluation]\nband = [1]"), "two frequencies"), (more("[evaluation]\nband = 3"), "must be a list"), (more("[evaluation]\nband = [0, 1, 2]"), "two"),
+    (more("[evaluation]\nband = [-1, 3]"), ">= 0"), (more("[evaluation]\nband = [1]"), "two frequencies"), (more("[evaluation]\nband = 3"), "give two frequencies"), (more("[evaluation]\nband = [0, 1, 2]"), "two"),
     (more("[evaluation]\nband = ['0 s', '3 s']"), "rad/s"), (more('[evaluation]\nband = [0, "1e300 THz"]'), "1e300"), (more("[evaluation]\njnd = 0"), "> 0"),
-    (env("model='expression'\nH='__import__(1)'"), "__import__"), (env("model='expression'\nH='s'\nparameters={ s = 3 }"), "cannot name"), (env("model='expression'\nH='s'\nparameters=3"), "3"),
+    (env("model='expression'\nH='__import__(1)'"), "__import__"), (env("model='expression'\nH='s'\nparameters={ s = 3 }"), "no name for a parameter"), (env("model='expression'\nH='s'\nparameters=3"), "3"),
     (env("model='expression'"), "H"),
     # references to the environment's parameters
     *((f'{ENV}[rendered]\nmodel = "kelvin-voigt"\nb = 2\nk = {line}\n', told) for line, told in (
         ('"environment.kk"', 'did you mean "environment.k"'), ('"enviroment.k"', 'did you mean "environment.k"'), ('"rendered.b"', "valid are environment.k, environment.b"),
-        ('"effects.device.k"', "no parameter of the environment"), ('"environment.b"', r"is not a stiffness: expected N/m or N\*m/rad"), ('"environment.k +- 5 %"', "stands alone"),
-        ('"0.5*environment.k"', "stands alone"), ('"environment."', "stands alone"), ('["environment.k", "600 N/m"]', "finite number"))),
-    (env('model = "kelvin-voigt"\nk = "environment.b"\nb = 3'), "only what is rendered"), (effect('model = "shunt"\nk = "environment.k"'), "only what is rendered"),
+        ('"effects.device.k"', "no parameter of the environment"), ('"environment.b"', r"is not a stiffness.*N\*m/rad"), ('"environment.k +- 5 %"', "write a reference alone"),
+        ('"0.5*environment.k"', "write a reference alone"), ('"environment."', "write a reference alone"), ('["environment.k", "600 N/m"]', "finite number"))),
+    (env('model = "kelvin-voigt"\nk = "environment.b"\nb = 3'), "only .rendered. can refer"), (effect('model = "shunt"\nk = "environment.k"'), "only .rendered. can refer"),
     (env(f"{MSD}k = 0\nb = 1") + '[rendered]\nmodel = "maxwell"\nb = 1\nk = "environment.k"', "must be > 0"),
     (env(f"{MSD}k = ['0 N/m', '2 N/m']\nb = 1") + '[rendered]\nmodel = "maxwell"\nb = 1\nk = "environment.k"', "must be > 0"),
     (env("model = 'expression'\nH = '3 + s'") + '[rendered]\nmodel = "kelvin-voigt"\nk = "environment.q"\nb = 1', "it has none"),
@@ -140,9 +140,9 @@ def test_what_is_no_scene_is_told_with_its_place(text: str, told: str) -> None:
 
 
 NO_MEASURED = [
-    (FELT, ""), (FELT + "slope = '1 ms'\n", ""), (FELT + "confidence = '50 %'\n", ""), (FELT + "[evaluation]\nband = [3, 4]\n", ""), ("effects = []\n" + FELT, "effects: does not go with"),
-    (FELT.replace('model = "kelvin-voigt"\nk = 100\nb = 2', 'file = "bench.csv"'), ""), (FELT.replace("[environment]", "[rendered]\nk = 1\n[environment]"), "rendered: does not go with"),
-    ("hand = 1\n" + FELT, "hand: does not"), ("hands = []\n" + FELT, "hands: does not"), ("environments = []\n" + FELT, "environments: does not"), ("titel = 1\n" + FELT, 'unknown key "titel"'),
+    (FELT, ""), (FELT + "slope = '1 ms'\n", ""), (FELT + "confidence = '50 %'\n", ""), (FELT + "[evaluation]\nband = [3, 4]\n", ""), ("effects = []\n" + FELT, "effects: a measured scene has"),
+    (FELT.replace('model = "kelvin-voigt"\nk = 100\nb = 2', 'file = "bench.csv"'), ""), (FELT.replace("[environment]", "[rendered]\nk = 1\n[environment]"), "rendered: a measured scene has"),
+    ("hand = 1\n" + FELT, "hand: a measured"), ("hands = []\n" + FELT, "hands: a measured"), ("environments = []\n" + FELT, "environments: a measured"), ("titel = 1\n" + FELT, 'unknown key "titel"'),
     ('[perceived]\nfile = "bench.csv"', "is missing"), ('[environment]\nfile = "bench.csv"', "is missing"), ("perceived = 3\n" + ENV, "must be a table"), (FELT.replace('"bench.csv"', "3"), "file: give"),
     (FELT.replace('"bench.csv"', '"a\\u0000b"'), "file: give"), (FELT.replace("bench.csv", "none.csv"), "no such file"), (FELT + "averages = 'x'\n", "averages: "), (FELT + "overlap = 0.5\n", "estimator is missing"),
     (FELT + "estimator = 'H1'\n", 'unknown column "omega"'), (FELT + "slope = 3\n", "slope: "), (FELT + "confidence = 2\n", "confidence: "), (FELT + "[evaluation]\njnd = 0\n", "jnd: real"),
@@ -188,13 +188,13 @@ def test_a_file_is_read_with_a_mark_of_byte_order_from_a_pipe_and_up_to_a_millio
     path.write_text(ENV + "#" * (1_000_000 - len(ENV)), encoding="utf-8")
     assert hs.load_scene(path).environment.model == "kelvin-voigt"
     path.write_text(ENV + "#" * (1_000_001 - len(ENV)), encoding="utf-8")
-    assert "more than 1000000 bytes" in refusal(hs.load_scene, path)
+    assert "at most 1000000 bytes" in refusal(hs.load_scene, path)
     path.write_text(ENV, encoding="utf-16")
     assert "UTF-16: save it as UTF-8" in refusal(hs.load_scene, path)
     path.write_bytes(b"\x89PNG\xff\xfe\x00")
     assert "not a text file" in refusal(hs.load_scene, path)
     for name, said in (("mine", 'did you mean "mine.toml"'), ("mine.tml", 'did you mean "mine.toml"'), ("fu2018", 'did you mean "fu2019"'), ("fu2091", 'did you mean "fu2019"'),
-                       ("zzz", "fu2019"), ("no/such/file.toml", "fu2019"), (".", "fu2019"), ("\0", "fu2019"), ("\n", "this is a scene's text")):  # fmt: skip
+                       ("zzz", "fu2019"), ("no/such/file.toml", "fu2019"), (".", "fu2019"), ("\0", "fu2019"), ("\n", "this is the text of a scene")):  # fmt: skip
         assert said in refusal(hs.load_scene, name)
 
 
@@ -206,7 +206,7 @@ def test_a_pipe_with_a_wrong_scene_and_a_device_without_end_are_named(tmp_path: 
     with pytest.raises(hs.SceneError, match=rf'{pipe}: unknown key "k"'):
         hs.load_scene(pipe)
     writer.join()
-    with pytest.raises(hs.SceneError, match="/dev/zero: the file has more than 1000000 bytes"):
+    with pytest.raises(hs.SceneError, match="/dev/zero: a scene has at most 1000000 bytes"):
         hs.load_scene("/dev/zero")
 
 
@@ -287,12 +287,12 @@ SPRING = hs.environments.mass_spring_damper(k="100 N/m")
 
 WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "one effect": (lambda: hs.Scene(SPRING, LAG), "effects: "),  # type: ignore[arg-type]
-    "a name for effects": (lambda: hs.Scene(SPRING, "delay"), 'effects: "delay" will not do'),  # type: ignore[arg-type]
-    "a name among effects": (lambda: hs.Scene(SPRING, ("delay",)), 'effects: "delay" will not do'),  # type: ignore[arg-type]
+    "a name for effects": (lambda: hs.Scene(SPRING, "delay"), 'effects: "delay"'),  # type: ignore[arg-type]
+    "a name among effects": (lambda: hs.Scene(SPRING, ("delay",)), 'effects: "delay"'),  # type: ignore[arg-type]
     "an environment among effects": (lambda: hs.Scene(SPRING, (SPRING,)), "give effects of haptisym.effects"),  # type: ignore[arg-type]
     "an effect to feel": (lambda: hs.Scene(LAG), "give one of haptisym.environments"),  # type: ignore[arg-type]
     "an effect to render": (lambda: hs.Scene(SPRING, rendered=LAG), "rendered: "),  # type: ignore[arg-type]
-    "a band of one end": (lambda: hs.Scene(SPRING, (LAG,), 15), 'band: "15" will not do'),  # type: ignore[arg-type]
+    "a band of one end": (lambda: hs.Scene(SPRING, (LAG,), 15), 'band: "15"'),  # type: ignore[arg-type]
     "one hand": (lambda: hs.Scene(SPRING, hands=hs.Hand("h", m=1)), "hands: "),  # type: ignore[arg-type]
     "effects in a list": (lambda: hs.distort(SPRING, [LAG]), "effects: "),  # type: ignore[arg-type]
     "a scene's name to distort": (lambda: hs.distort("fu2019"), 'environment: "fu2019"'),  # type: ignore[arg-type]
@@ -301,7 +301,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "a range of one end": (lambda: hs.require("fu2019", "zeta", 5), "the range has two ends"),  # type: ignore[arg-type]
     "one range for two": (lambda: hs.design_map("fu2019", ["omega_n", "zeta"], [(60, 200)]), "one for each of the two"),
     "a list to vary": (lambda: hs.sweep("fu2019", ["zeta"]), "vary: "),  # type: ignore[arg-type]
-    "a number for a hand": (lambda: hs.stability("fu2019", 5), 'hand: "5" will not do'),  # type: ignore[arg-type]
+    "a number for a hand": (lambda: hs.stability("fu2019", 5), 'hand: "5"'),  # type: ignore[arg-type]
     "a number to be free": (lambda: hs.stability("fu2019", "light-touch", free=3), 'free: "3"'),  # type: ignore[arg-type]
     "a number to keep": (lambda: hs.derive("fu2019", keep=-1), 'keep: "-1"'),  # type: ignore[arg-type]
     "a language that is none": (lambda: hs.scene_code("fu2019", "python"), "is none of numpy, c, octave"),
@@ -383,8 +383,8 @@ def soft(k: Any = 100, *between: hs.Effect, **keys: Any) -> Scene:
 def test_a_family_has_one_to_a_hundred_scenes_of_one_display() -> None:
     one, lag, pade = soft(), effects.first_order_lag, effects.pade_delay
     assert len(named(("x", one) for _ in range(100))) == 100
-    assert "101 were given" in refusal(named, [("x", one)] * 101)
-    assert "0 were given" in refusal(SceneFamily, {})
+    assert "1 to 100, not 101" in refusal(named, [("x", one)] * 101)
+    assert "1 to 100, not 0" in refusal(SceneFamily, {})
     assert list(named([("x", one), ("x", one), ("x-2", one), ("y", one)])) == ["x", "x-2", "x-2-2", "y"]
     for other in (
         soft(100, lag(21)),
@@ -393,9 +393,7 @@ def test_a_family_has_one_to_a_hundred_scenes_of_one_display() -> None:
         soft(threshold=0.2),
         soft(100, LAG, LAG),
     ):
-        assert '"b" has other effects, another band or another threshold' in refusal(
-            SceneFamily, {"a": one, "b": other}
-        )
+        assert '"b" has other effects, another band or another JND' in refusal(SceneFamily, {"a": one, "b": other})
     assert '"b" has other' in refusal(SceneFamily, {"a": soft(1, pade(0, 1)), "b": soft(2, pade(0, 2))})
     family = SceneFamily({"a": one, "b": soft(200)}, "Two")
     assert 'these are "a", "b"' in refusal(family.__getitem__, "c")
@@ -506,7 +504,7 @@ TAKERS: dict[str, Callable[[hs.Scene, str], Any]] = {
 def test_a_wrong_name_is_told_with_the_valid_ones(taker: Callable[..., Any], name: str, nearest: str) -> None:
     with pytest.raises(hs.SceneError) as told:
         taker(PAPER, name)
-    assert f'no parameter "{name}"' in str(told.value)
+    assert f'unknown parameter "{name}"' in str(told.value)
     assert ("did you mean" in str(told.value)) == bool(nearest)
     assert not nearest or f'did you mean "{nearest}"' in str(told.value)
     assert "effects.filter.zeta" in str(told.value)
@@ -527,7 +525,7 @@ def test_a_name_that_means_several_numbers_asks_for_the_path_and_none_is_given_t
             lambda x: hs.design_map(PAPER, x, [(1, 2), (1, 2)]),
         ):
             assert "is given twice" in refusal(ask, given_)
-    assert "is both thresholds" in refusal(PAPER.with_values, {"evaluation.jnd": 1, "evaluation.jnd.imag": 1})
+    assert "sets both thresholds" in refusal(PAPER.with_values, {"evaluation.jnd": 1, "evaluation.jnd.imag": 1})
 
 
 @pytest.mark.parametrize(
@@ -541,7 +539,7 @@ def test_a_name_that_means_several_numbers_asks_for_the_path_and_none_is_given_t
 def test_a_symbol_where_a_number_is_needed_is_told(ask: Callable[[hs.Scene], Any]) -> None:
     with pytest.raises(hs.SceneError) as told:
         ask(PAPER.with_values({"k": Symbol("q", positive=True)}))
-    assert "environment.k = q is a symbol where a number is needed" in str(told.value)
+    assert "environment.k = q is a symbol; give a number" in str(told.value)
 
 
 @pytest.mark.parametrize(
@@ -630,7 +628,7 @@ def test_a_damper_that_is_called_c_is_no_threshold() -> None:
     moved, of_paper = (hs.sensitivity(x).crossings[0] for x in (scene, PAPER))
     for mine, theirs in (("environment.c", "environment.b"), ("evaluation.jnd", "evaluation.jnd")):
         assert moved[mine].derivative.digits(20) == of_paper[theirs].derivative.digits(20)
-    with pytest.raises(hs.SceneError, match="may be environment.c or effects.link.c or evaluation.jnd"):
+    with pytest.raises(hs.SceneError, match="write environment.c or effects.link.c or evaluation.jnd"):
         scene.knobs["c"]
 
 
@@ -654,7 +652,7 @@ def test_elements_of_a_scene_and_its_hands_have_names_and_what_is_of_a_hand_is_n
     assert more.knobs["hand.m"].path == "effects.hand.m"
     assert more.knobs["m_hand"].value == Integer(1)
     held = Scene(environments.kelvin_voigt(100, 3), (LAG, effects.shunt(k=1)), hands=(hs.hands["light-touch"],))
-    assert "changes nothing of what is felt" in refusal(held.knobs["hand.m"].felt)
+    assert "does not change what is felt" in refusal(held.knobs["hand.m"].felt)
     assert held.knobs["hand.m"] is held.knobs["hands.light-touch.m"]
     assert [x.path for x in held.with_values({"evaluation.jnd.real": 0.2}).knobs.limits.values()] == [
         "evaluation.jnd.real",
@@ -662,7 +660,7 @@ def test_elements_of_a_scene_and_its_hands_have_names_and_what_is_of_a_hand_is_n
     ]
     assert Scene(environments.expression("q*s", parameters={"q": 1})).knobs["q"].unit == "SI"
     rotating = Scene(environments.kelvin_voigt("1 N*m/rad", 2))
-    assert "the scene is rotational" in refusal(rotating.knobs["b"].number, "1 N*s/m")
+    assert "the scene rotational" in refusal(rotating.knobs["b"].number, "1 N*s/m")
     assert rotating.knobs["b"].number("1 N*m*s/rad") == 1
 
 

@@ -349,7 +349,7 @@ def test_parameters_of_effects_that_cancel_each_other_are_not_asked_for() -> Non
     ("choice", "message"),
     [
         ({"accuracy": "exactly"}, "fast, double-double, certified"), ({"of": ["ratio"]}, "ratio.*real, imag, ratio_real"),
-        ({"of": ["real", "real"]}, "each once"), ({"of": []}, "some of"), ({"engine": "gpu"}, "'gpu'.*numpy, numba"),
+        ({"of": ["real", "real"]}, "each once"), ({"of": []}, "choose among"), ({"engine": "gpu"}, "'gpu'.*numpy, numba"),
     ],
 )  # fmt: skip
 def test_a_wrong_choice_lists_the_right_ones(choice: dict[str, Any], message: str) -> None:

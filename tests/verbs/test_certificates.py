@@ -293,7 +293,7 @@ FAR_APART = (
 BUILT = hs.Scene(environments.kelvin_voigt(290, 2), (effects.first_order_lag(20),))
 DIAMOND = '{ shape = "diamond", real = 0.1, imag = 0.1 }'
 NONE: dict[str, tuple[Callable[[], Any], str]] = {
-    "built in Python": (lambda: hs.evaluate(BUILT), "write the scene to one"),
+    "built in Python": (lambda: hs.evaluate(BUILT), "write the scene to a file"),
     "changed": (lambda: hs.evaluate(hs.load_scene("fu2019").with_values({"omega_n": 40})), "was changed since"),
     "with a tolerance": (lambda: hs.evaluate("fu2019", tolerance="0.1"), "without a tolerance"),
     "another verb": (lambda: hs.metrics("fu2019"), "has no certificate"),
@@ -301,13 +301,13 @@ NONE: dict[str, tuple[Callable[[], Any], str]] = {
     "a floor": (lambda: hs.evaluate(with_jnd("{ real = 0.1, imag = 0.1, floor = 15 }")), "with a floor"),
     "a formula": (lambda: hs.evaluate(with_jnd('"0.08 + 0.004*omega"')), "depends on omega"),
     "a named JND": (lambda: hs.evaluate(with_jnd('{ like = "weight" }')), "as a number in the scene file"),
-    "a thousand digits": (lambda: hs.evaluate("fu2019", digits=1001), "room for 1000 digits"),
+    "a thousand digits": (lambda: hs.evaluate("fu2019", digits=1001), "at most 1000 digits"),
     "digits beside pi": (lambda: hs.evaluate("zener-tissue", digits=91), "room for 90 digits"),
-    "digits beside a delay": (lambda: replace(evaluated("delayed-spring"), digits=51), "room for 50 digits"),
+    "digits beside a delay": (lambda: replace(evaluated("delayed-spring"), digits=51), "at most 50 digits"),
     "stability, a diamond": (lambda: hs.stability(with_jnd(DIAMOND)), "the JND is a diamond"),
     "stability, a delay": (lambda: hs.stability("delayed-spring", "firm-grip"), "needs a rational scene"),
     "stability, a clock": (lambda: hs.stability("sampled-wall"), "needs a rational scene"),
-    "stability, friction": (lambda: hs.stability("stick-with-friction"), "needs real coefficients"),
+    "stability, friction": (lambda: hs.stability("stick-with-friction"), "need real coefficients"),
     "stability, nothing felt": (lambda: hs.stability(hs.parse_scene(with_powers("s - s + 1").replace("first-order-lag\"\nomega_c = 20", 'series"\nG = "s - s"'))), "its force is zero"),
     "stability, a hand in degrees": (lambda: hs.stability("sidestick", hs.Hand("odd", k="2 N*m/deg")), "needs the hand odd in the scene file"),
     "values, stable": (lambda: hs.require("fu2019", "omega_n", that=("stable",), hand="firm-grip"), "about what is transparent"),

@@ -125,7 +125,11 @@ def test_other_values_are_answered_with_certainty() -> None:
 
 @pytest.mark.parametrize(
     ("values", "words"),
-    [({"m": -1}, r'm: "-1" must be >= 0'), ({"q": 1}, 'no parameter "q"'), ({"omega_n": "3 kg"}, "is not a frequency")],
+    [
+        ({"m": -1}, r'm: "-1" must be >= 0'),
+        ({"q": 1}, 'unknown parameter "q"'),
+        ({"omega_n": "3 kg"}, "is not a frequency"),
+    ],
 )
 def test_a_wrong_value_is_an_error_that_names_it(values: dict[str, Any], words: str) -> None:
     with pytest.raises(hs.SceneError, match=words):
@@ -289,8 +293,8 @@ def test_leading_terms_of_a_users_own_device_are_its_taylor_series(name: str) ->
 @pytest.mark.usefixtures("own_models")
 def test_what_has_no_leading_terms_says_so() -> None:
     for name, grows in {"pushing": lambda x: 1 / x + x, "pulling": lambda x: (1 + x**2) / (x + x**2)}.items():
-        assert "grows without bound" in refusal(expansion, hs.Scene(SPRING, (of_time(name, grows),)))
-    assert "nothing that could be fast" in refusal(expansion, hs.Scene(SPRING, (hs.effects.shunt(m=1),)))
+        assert "increases without bound" in refusal(expansion, hs.Scene(SPRING, (of_time(name, grows),)))
+    assert "there is no high-bandwidth approximation" in refusal(expansion, hs.Scene(SPRING, (hs.effects.shunt(m=1),)))
 
 
 def test_a_parameter_without_a_number_leaves_terms_without_a_bound() -> None:
@@ -373,9 +377,9 @@ def test_units_that_do_not_fit_in_any_entry_of_a_chain_matrix_are_refused(place:
     for others in (["1", "0", "0", "1"], ["1", "k*2", "1/k", "0"]):
         entries = [*others[:place], "w", *others[place + 1 :]]
         port = hs.effects.two_port(*entries, parameters={"k": "50 N/m", "w": "3 rad/s"})
-        assert "its units do not fit together" in refusal(groups, hs.Scene(env, (port,)))
+        assert "its units contradict each other" in refusal(groups, hs.Scene(env, (port,)))
     unknown = hs.environments.expression("k + b*s", parameters={"k": "100 N/m", "b": 3})
-    assert "give every parameter in it its unit" in refusal(groups, hs.Scene(unknown, (hs.effects.delay("1 ms"),)))
+    assert "give each parameter its unit" in refusal(groups, hs.Scene(unknown, (hs.effects.delay("1 ms"),)))
 
 
 # --- names, pages, the command ---------------------------------------------------------------------------------------
@@ -568,7 +572,7 @@ def test_a_plain_function_has_the_values_of_the_closed_form(modules: str) -> Non
     ("asked", "said"),
     [
         (lambda d: d.crossings("reel"), "part"), (lambda d: d.crossings("real", -1), "c: "), (lambda d: d.crossings("real", "0.1"), "c: "),
-        (lambda d: d.bandwidth(0.1), "give .* values"), (lambda d: d.asymptote(1), "at: "), (lambda d: d.lambdify("rael"), 'did you mean "real"'),
+        (lambda d: d.bandwidth(0.1), "needs values for"), (lambda d: d.asymptote(1), "at: "), (lambda d: d.lambdify("rael"), 'did you mean "real"'),
         (lambda d: hs.distort(100 + s, exp(-s)).crossings("real", 0.1), "give a band"), (lambda d: hs.distort(100 + s, exp(-s)).asymptote(oo), "delay"),
         (lambda d: hs.distort(100 + s, exp(-s)).crossings("real", 0.1, band=(3, 2)), "band"),
     ],
@@ -733,9 +737,9 @@ def test_names_that_meet_are_kept_apart_or_refused() -> None:
     for wrong in (T, laplace):
         with pytest.raises(hs.SceneError, match="omega"):
             hs.distort(spring, 1 / (1 + T * laplace), omega=wrong)
-    with pytest.raises(hs.SceneError, match="called c"):
+    with pytest.raises(hs.SceneError, match="c is reserved"):
         hs.distort(spring, 1 / (1 + c * laplace)).crossings("real", q)
-    with pytest.raises(hs.SceneError, match="called W"):
+    with pytest.raises(hs.SceneError, match="W is reserved"):
         hs.distort(spring, 1 / (1 + W * laplace)).threshold_polynomial("real", 0.1)
     own = Symbol("w", positive=True)
     [found, *_] = hs.distort(spring, 1 / (1 + T * laplace), omega=own).crossings("imag", q)

@@ -241,7 +241,7 @@ def test_a_proportion_converts_the_threshold_of_all_environments() -> None:
     own = [hs.evaluate(scene, proportion=0.84).bandwidth.digits(20) for scene in scenes.values()]  # type: ignore[union-attr]
     assert e.to_dict()["threshold"]["conversion"]["factor"].startswith("1.47438546385716")
     assert e.bandwidth.digits(20) == min(own, key=float)  # type: ignore[union-attr]
-    with pytest.raises(hs.SceneError, match="does not tell its own"):
+    with pytest.raises(hs.SceneError, match="has none of its own"):
         hs.evaluate_all(hs.load_scenes("palpation-device"), proportion=0.84)
 
 
@@ -284,7 +284,7 @@ def test_one_scene_is_one_environment_and_scenes_of_different_displays_are_no_fa
     assert hs.load_scene("palpation-device", "liver").environment.model == "zener"
     for wrong, words in (
         (lambda: hs.load_scene("palpation-device"), r"4 environments .*liver.*--environment NAME.*load_scenes"),
-        (lambda: hs.load_scene("palpation-device", "kidney"), 'no environment "kidney".*"liver"'),
+        (lambda: hs.load_scene("palpation-device", "kidney"), 'unknown environment "kidney".*"liver"'),
         (lambda: hs.evaluate_all(hs.Scene(environments.kelvin_voigt(hs.symbols("k"), 1))), "symbol"),
         (
             lambda: hs.SceneFamily({"paper": hs.load_scene("fu2019"), "sidestick": hs.load_scene("sidestick")}),
@@ -332,7 +332,7 @@ def test_environments_come_from_other_files_and_one_of_several_is_evaluated_as_e
         (("derive", "palpation-device"), ["4 environments", "--environment"]),
         (("simulate", "palpation-device"), ["4 environments", "--environment"]),
         (("evaluate", "palpation-device", "--environment", "bone"), ["bone", "muscle"]),
-        (("evaluate", "palpation-device", "--proportion", "0.84"), ["proportion", "does not tell its own"]),
+        (("evaluate", "palpation-device", "--proportion", "0.84"), ["proportion", "has none of its own"]),
         (("evaluate", "fu2019", "sidestick"), ["sidestick"]),
         (("evaluate", "fu2019", "--environments", "nowhere"), ["nowhere"]),
         (("evaluate", "desktop-device-soft-tissue", "--environments", "sidestick"), ["sidestick", "rotation"]),

@@ -243,17 +243,17 @@ def test_what_should_be_felt_is_known_of_a_measured_scene_and_kept(tmp_path: Pat
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        ([], "say which model is wanted, or give degrees"),
+        ([], "name a model to fit, or give degrees"),
         (["--environment", "kelvin-voigt:k=1 kg,b"], "not a stiffness"),
         (["--environment", "kelvin-voigt", "--effect", "delay", "--effect", "delay"], "do not tell"),
-        (["--degrees", "1", "0", "--band", "50 rad/s", "60 rad/s"], "no line of bench.csv"),
+        (["--degrees", "1", "0", "--band", "50 rad/s", "60 rad/s"], "bench.csv has no frequency point"),
         (
             ["--degrees", "1", "0", "--band", "30 rad/s", "3 rad/s"],
             "the high end, 3 rad/s, must be above the low end, 30 rad/s",
         ),
         (["--degrees", "1", "0", "--band", "1 kg", "60 rad/s"], "band"),
-        (["--degrees", "5", "5", "--band", "1 rad/s", "3 rad/s"], "cannot tell 11 parameters"),
-        (["--degrees", "1", "0", "--averages", "9"], "averages is given, but no coherence"),
+        (["--degrees", "5", "5", "--band", "1 rad/s", "3 rad/s"], "do not identify 11 parameters"),
+        (["--degrees", "1", "0", "--averages", "9"], "averages needs the column coherence"),
         (["--degrees", "1", "0", "--scene", "{folder}/bench.csv"], "would be overwritten"),
         (["--degrees", "1", "0", "--scene", "{folder}/none/x.toml"], "no folder"),
     ],
@@ -270,12 +270,12 @@ def test_what_cannot_be_fitted_is_refused_in_one_sentence(
 
 def test_discs_that_cannot_be_weights_are_refused() -> None:
     for certainty, told in (
-        ({"coherence": [0.9, 1, 0.9], "averages": 9}, "has no radius"),
-        ({"coherence": [0, 0, 0], "averages": 9}, "tells anything"),
+        ({"coherence": [0.9, 1, 0.9], "averages": 9}, "has radius 0"),
+        ({"coherence": [0, 0, 0], "averages": 9}, "has a bounded uncertainty disc"),
     ):
         with pytest.raises(hs.SceneError, match=told):
             hs.identify(hs.measured([1, 2, 3], [1, 1j, 2], **certainty), "kelvin-voigt")  # type: ignore[arg-type]
-    for other, told in ((3, "is no measured response"), ("fu2019.toml", "neither a scene file")):
+    for other, told in ((3, "is no measured response"), ("fu2019.toml", "no such scene")):
         with pytest.raises(hs.SceneError, match=told):
             hs.identify(other, "kelvin-voigt")  # type: ignore[arg-type]
 
@@ -287,9 +287,9 @@ def test_discs_that_cannot_be_weights_are_refused() -> None:
         (["zener-tissue"], "simulated bench runs are delayed-spring-bench, fu2019-bench, fu2019-clipped-bench"),
         (
             ["fu2019-bench"],
-            "say what stands behind it, as --effect delay or --degrees 1 2; effects are first-order-lag",
+            "name the effects to fit, as --effect delay, or --degrees 1 2; effects are first-order-lag",
         ),
-        (["fu2019-bench", "--effect", "delay:tau=1 ms"], "every parameter is given a value; leave one of them out"),
+        (["fu2019-bench", "--effect", "delay:tau=1 ms"], "leave out the value of at least one"),
         (["fu2019-bench", "--model"], "Environments are mass-spring-damper"),
         (["fu2019-bench", "--model", "zener"], "effects are first-order-lag"),
         (["fu2019-bench", "--environment"], "--environment needs a model: valid are mass-spring-damper"),
@@ -373,15 +373,15 @@ def test_a_model_has_the_parameters_that_are_named_and_those_that_it_needs(
     ("environment", "effects", "degrees", "told"),
     [
         ("kelvin", [], None, 'environment: unknown model "kelvin": did you mean "kelvin-voigt"?'), ("kelvin-voigt", ["dely"], None, 'effect: unknown model "dely"'),
-        ("expression", [], None, "expression: a formula has no parameters to be found by themselves"), ("kelvin-voigt", ["series"], None, "series: a formula"),
+        ("expression", [], None, "expression: a formula has no parameters to fit"), ("kelvin-voigt", ["series"], None, "series: a formula"),
         ("kelvin-voigt:q", [], None, 'kelvin-voigt: unknown parameter "q": valid are k, b'), ("kelvin-voigt:", [], None, 'unknown parameter ""'),
-        ("kelvin-voigt:k,k", [], None, "kelvin-voigt: k is there twice"), ("prony:k=0,b=1", [], None, "k: say how many, as in k=2"), ("prony:k=100,b=1", [], None, "say how many"),
-        ("kelvin-voigt", ["pade-delay"], None, "order: is no number to be found: give it, as in order=1"),
-        ("kelvin-voigt", ["sampled-loop"], None, "give it, as in method=backward-difference"), ("kelvin-voigt:k=1,b=2", [], None, "nothing is free: every parameter is given"),
-        (None, [], None, "environment: say which model is wanted, or give degrees"), ("kelvin-voigt", [], (1, 1), "degrees: a fraction stands in place of a model"),
+        ("kelvin-voigt:k,k", [], None, "kelvin-voigt: k is there twice"), ("prony:k=0,b=1", [], None, "k: give the number of entries, as k=2"), ("prony:k=100,b=1", [], None, "give the number of entries"),
+        ("kelvin-voigt", ["pade-delay"], None, "order: cannot be fitted: give it, as order=1"),
+        ("kelvin-voigt", ["sampled-loop"], None, "give it, as method=backward-difference"), ("kelvin-voigt:k=1,b=2", [], None, "no parameter is free: leave out the value"),
+        (None, [], None, "environment: name a model to fit, or give degrees"), ("kelvin-voigt", [], (1, 1), "degrees: a fraction replaces the model"),
         (None, [], (13, 0), "degrees: 13 and 0 must be whole numbers from 0 to 12"), (None, [], (0, -1), "degrees: 0 and -1 must"), (None, [], (True, 1), "must be whole"),
         (None, [], (12, 3), ""), (None, [], (12, 4), "17 parameters are free: at most 16"), (None, ["delay"], (12, 3), "17 parameters"), (None, ["delay"], (1, 1), ""),
-        (None, ["shunt"], (1, 1), "degrees: a fraction goes with a delay alone"), ("kelvin-voigt", ["shunt:Z"], None, 'unknown parameter "Z": valid are m, b, k'),
+        (None, ["shunt"], (1, 1), "degrees: a fraction is fitted with a delay only"), ("kelvin-voigt", ["shunt:Z"], None, 'unknown parameter "Z": valid are m, b, k'),
     ],
 )  # fmt: skip
 def test_what_cannot_be_wanted_is_told(environment: str | None, effects: list[str], degrees: Any, told: str) -> None:
@@ -549,7 +549,7 @@ def test_all_parameters_that_lines_do_not_tell_apart_are_named() -> None:
     for key, value in (("k", 50.0), ("b", 1.5)):
         start = np.array([100 - value if key == "k" else 100, 3 - value if key == "b" else 3, value])
         said = refusal(fit, wanted("kelvin-voigt", [f"shunt:{key}"], None, None), m, [start])
-        assert said.startswith(f"the lines do not tell environment.{key} and effects.shunt.{key} apart")
+        assert said.startswith(f"The data do not identify environment.{key} and effects.shunt.{key} separately")
 
 
 def test_what_the_scene_file_says_follows_from_whether_the_model_holds() -> None:
@@ -635,10 +635,10 @@ def test_lines_without_a_phase_or_a_disc_are_not_fitted() -> None:
     assert usable(felt).omega.tolist() == [2, 3]
     assert usable(hs.measured([0, 1, 2], [1, 2, 3], coherence=[0.5, 0, 0.5], averages=9)).omega.tolist() == [2]
     assert usable(hs.measured([0, 1], [1, 2])).omega.tolist() == [1]
-    assert "no line above 0 rad/s has a disc" in refusal(usable, hs.measured([0], [1]))
-    for averages, told in ((3.9, "averages: 3.9 are too few to weigh lines by: it takes at least 4"), (4, "")):
+    assert "no frequency point above 0 rad/s has" in refusal(usable, hs.measured([0], [1]))
+    for averages, told in ((3.9, "averages: 3.9 are too few: at least 4 are needed"), (4, "")):
         assert refusal(noise_of, hs.measured([1, 2], [1, 2], coherence=[0.9, 0.8], averages=averages)) == told
-    assert "the disc at 2 rad/s has no radius" in refusal(noise_of, hs.measured([1, 2], [1, 2], radius=[1, 0]))
+    assert "the disc at 2 rad/s has radius 0" in refusal(noise_of, hs.measured([1, 2], [1, 2], radius=[1, 0]))
     assert noise_of(hs.measured([1, 2, 3], [0, 2, 4])).sigma.tolist() == [2, 2, 4]
     asked = wanted("kelvin-voigt", [], None, None)
     assert "1 line cannot tell 2 parameters: at least 2 lines are needed" in refusal(
@@ -745,8 +745,8 @@ def test_a_measured_scene_gives_what_should_be_felt_its_band_its_jnd_and_its_tit
         (("fu2019", "maxwell"), "its simulated bench run is fu2019-bench"), (("palpation-device", "maxwell"), "a scene of formulas that is shipped"),
     ):  # fmt: skip
         assert told in refusal(hs.identify, *call)
-    assert "averages: goes with a file of lines alone" in refusal(hs.identify, scene, effects=["delay"], averages=9)
-    assert "confidence: goes with a file of lines alone" in refusal(
+    assert "averages: is for a file of frequency points" in refusal(hs.identify, scene, effects=["delay"], averages=9)
+    assert "confidence: is for a file of lines alone" in refusal(
         hs.identify, lines_of("none"), "maxwell", confidence=0.9
     )
 
@@ -761,8 +761,8 @@ def test_a_file_is_opened_as_what_it_holds(tmp_path: Path) -> None:
     assert opened(lines, confidence=0.5).confidence == 0.5  # type: ignore[union-attr]
     given_ = opened(lines)
     assert opened(given_) is given_
-    for path, keys, said in ((formulas, {}, "formulas.toml: a scene of formulas: nothing in it was measured"), (measured, {"averages": 9}, "averages: goes with a file of lines alone"),
-                             (given_, {"confidence": 0.9}, "confidence: goes with"), (lines, {"averages": 9}, "averages is given, but no coherence"),
+    for path, keys, said in ((formulas, {}, "formulas.toml: this scene has formulas, no measured response"), (measured, {"averages": 9}, "averages: is for a file of frequency points"),
+                             (given_, {"confidence": 0.9}, "confidence: is for"), (lines, {"averages": 9}, "averages needs the column coherence"),
                              (tmp_path / "none.csv", {}, "there is no such file")):  # fmt: skip
         assert said in refusal(opened, path, **keys)
 

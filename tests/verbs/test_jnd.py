@@ -289,14 +289,14 @@ BAD = {
     "infinite": ("level,k,n\ninf,1,10\n", 'line 2: level: "inf" is not a finite number'),
     "a word": ("level,k,n\n5,1,10\nabc,2,10\n", 'line 3: level: "abc" is not a number'),
     "an answer that is none": ("level,response\n5,1\n6,left\n", 'line 3: answer: "left" must be 1 or 0'),
-    "no header": ("4.4,5,40\n4.7,11,40\n", "the first line holds numbers"),
+    "no header": ("4.4,5,40\n4.7,11,40\n", "the first line has numbers"),
     "never": ("level,k,n\n5,0,10\n6,0,10\n", "no answer counts"),
     "always": ("level,k,n\n5,10,10\n6,10,10\n", "every answer counts"),
     "a jump": ("level,k,n\n5,0,10\n6,0,10\n7,10,10\n8,10,10\n", "jump from one kind to the other between 6 and 7"),
     "one level in between": ("level,k,n\n5,0,10\n6,4,10\n7,10,10\n", "jump from one kind to the other"),
     "flat": ("level,k,n\n5,5,10\n6,5,10\n7,5,10\n", "do not go from one kind to the other"),
     "the wrong answers": ("level,k,n\n5,9,10\n6,5,10\n7,1,10\n", "count the other answers"),
-    "two that may be it": ("level,a.corr,b.corr\n5,1,0\n", 'it may be column "a.corr" or "b.corr": name it with --answer'),
+    "two that may be it": ("level,a.corr,b.corr\n5,1,0\n", 'columns "a.corr" or "b.corr" both fit: choose one with --answer'),
     "a null character": ("level,k,n\n5,1\0,10\n6,5,10\n", "answers.csv: "),
     "no JSON": ('{"data": [', "not valid JSON"),
     "another JSON": ('{"x": 1}', "no result of psignifit 4"),
@@ -427,8 +427,8 @@ def test_blocks_of_a_level_are_added_and_a_level_without_answers_is_none(drawn: 
     expected = tuple(Row(x, *sums[x]) for x in sorted(sums) if sums[x][1])
     assert collected(blocks(drawn)) == expected
     assert all(x.share == x.count / x.trials for x in expected)
-    assert "2 of 1 answers cannot be" in refusal(collected, [(1.0, 2, 1)])
-    assert "-1 of 1 answers cannot be" in refusal(collected, [(1.0, -1, 1)])
+    assert "2 of 1 responses are impossible" in refusal(collected, [(1.0, 2, 1)])
+    assert "-1 of 1 responses are impossible" in refusal(collected, [(1.0, -1, 1)])
     assert "is not a finite number" in refusal(collected, [(float("inf"), 1, 1)])
     assert collected([(1.0, 1, 1), (1.0, 0, 1), (0.0, 0, 0)]) == (Row(1.0, 1, 2),)
 
@@ -584,7 +584,7 @@ def test_the_jnd_is_a_mu_plus_z_sigma(
         ({"guess": -0.01}, "guess: -0.01 must"), ({"reference": -1.0}, "reference: -1 must be a level above 0"),
         ({"reference": float("inf")}, "reference: inf must"), ({"confidence": 0.0}, "confidence: 0 must lie between 0 and 1"), ({"confidence": 1}, "confidence: 1 must"),
         ({"method": "psignifit", "guess": 0.1}, "psignifit fits guesses and lapses itself"), ({"method": "other"}, 'method: "other": valid are likelihood, psignifit'),
-        ({"alternatives": 2, "guess": 0.1}, "guess: a forced choice has its own"),
+        ({"alternatives": 2, "guess": 0.1}, "guess: leave it out"),
     ],
 )  # fmt: skip
 def test_what_may_be_asked_has_its_limits(keys: dict[str, Any], told: str) -> None:
@@ -600,7 +600,7 @@ def test_what_may_be_asked_has_its_limits(keys: dict[str, Any], told: str) -> No
         (["x", "k", "response"], {}, (0, None, None, 2)), (["x", "n", "correct"], {}, (0, 2, 1, None)), (["x", "correct"], {}, (0, None, None, 1)),
         (["f", "k", "n"], {"level": "f"}, (0, 1, 2, None)), (["x", "y"], {"level": "y"}, "how many answers counted (k) of how many (n), nor one answer a line"),
         (["f", "k", "n"], {}, "no column holds the levels: there are f, k, n; name it with --level COLUMN"), ([], {}, "there are none"),
-        (["x", "k"], {}, "name it with --count and --trials, or --answer, COLUMN"), (["x", "a.corr", "b.corr"], {}, 'answer: it may be column "a.corr" or "b.corr"'),
+        (["x", "k"], {}, "name it with --count and --trials, or --answer, COLUMN"), (["x", "a.corr", "b.corr"], {}, 'answer: columns "a.corr" or "b.corr" both fit'),
         (["x", "k", "n"], {"level": "X"}, 'level: no column "X": there are x, k, n'), (["levle", "k", "n"], {"level": "level"}, 'did you mean "levle"?'),
         ([f"c{i}" for i in range(12)], {}, "c10, c11; name"), ([f"c{i}" for i in range(13)], {}, "c10, c11, ...; name"),
         (["q" * 50, "", "k"], {}, f"there are {'q' * 40}, k;"),
@@ -648,12 +648,12 @@ def test_lines_of_a_table_are_counted_left_out_and_chosen_as_they_say(tmp_path: 
     assert [x.count for x in read(path, text, where={"hand": "l", "who": "a"}).rows] == [1, 3]
     for bad, words in (
         (("x,k,n\n" + pair, {"where": {"x": "7"}}), "a.csv: no line has x = 7"), ((text, {"where": {"hand": "r", "who": "c"}}), "no line has hand = r and who = c"),
-        (("x,k,n\n1,3,2\n2,1,2\n", {}), "line 2: k = 3 is more than n = 2"), (("x,k,n\n1,1,2\n2,1,1.5\n", {}), 'line 3: n: "1.5" is no count of answers'),
+        (("x,k,n\n1,3,2\n2,1,2\n", {}), "line 2: k = 3 is more than n = 2"), (("x,k,n\n1,1,2\n2,1,1.5\n", {}), 'line 3: n: "1.5" is no count of responses'),
         (("x,k,n\n1,-1,2\n2,1,2\n", {}), 'k: "-1" is no count'), (("x,k,n\n1,1,1e13\n2,1,2\n", {}), 'n: "1e13" is no count'),
-        (("x,response\n1,\n,1\n", {}), "no line has both a level and an answer"), (("x,response\n1,maybe\n2,1\n", {}), 'line 2: answer: "maybe" must be 1 or 0'),
-        (("1,2,3\n4,5,6\n", {}), "the first line holds numbers: it must name the columns"), (("x,k,n\n1;5,1,2\n2,1,2\n", {}), 'level: "1;5" is not a number'),
-        (("x,k,n\n1e999,1,2\n2,1,2\n", {}), 'level: "1e999" is not a finite number'), (('{"data": [[1, 1, 2]]}', {"named": {"level": "x"}}), "a document of JSON, which has no columns"),
-        (('{"data": [[1, 1, 2]]}', {"where": {"x": "1"}}), "which has no columns"), (('{"data": [[1, 1]]}', {}), "no result of psignifit 4"), (('{"dat": []}', {}), "no result of psignifit"),
+        (("x,response\n1,\n,1\n", {}), "no line has both a level and a response"), (("x,response\n1,maybe\n2,1\n", {}), 'line 2: answer: "maybe" must be 1 or 0'),
+        (("1,2,3\n4,5,6\n", {}), "the first line has numbers: name the columns"), (("x,k,n\n1;5,1,2\n2,1,2\n", {}), 'level: "1;5" is not a number'),
+        (("x,k,n\n1e999,1,2\n2,1,2\n", {}), 'level: "1e999" is not a finite number'), (('{"data": [[1, 1, 2]]}', {"named": {"level": "x"}}), "JSON has no columns"),
+        (('{"data": [[1, 1, 2]]}', {"where": {"x": "1"}}), "JSON has no columns"), (('{"data": [[1, 1]]}', {}), "no result of psignifit 4"), (('{"dat": []}', {}), "no result of psignifit"),
         (('{"data": [[1, true, 2], [2, 1, 2]]}', {}), "must be three numbers, level, k and n"), (('[[1, 0.5, 2], [2, 1, 2]]', {}), "k and n must be whole numbers, and k at most n"),
         (('[[1, -1, 2], [2, 1, 2]]', {}), "k and n must be whole"), (('[[1, 1, 2.5], [2, 1, 2]]', {}), "k and n must be whole"), (('[[NaN, 1, 2], [2, 1, 2]]', {}), "must be three numbers"),
     ):  # fmt: skip

@@ -170,7 +170,7 @@ def test_one_threshold_for_both_parts_is_one_parameter_and_a_formula_is_had_by_a
     for name, value in known.items():
         form = e.formula(hs.Part.REAL, name)
         assert form.subs({x: here[x.name] for x in form.free_symbols}) == value
-    with pytest.raises(hs.SceneError, match='no parameter "q"'):
+    with pytest.raises(hs.SceneError, match='unknown parameter "q"'):
         e.formula(hs.Part.REAL, "q")
 
 

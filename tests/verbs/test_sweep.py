@@ -740,7 +740,7 @@ def test_sweeps_of_other_regions_and_hands_are_other_sweeps() -> None:
 @pytest.mark.parametrize(
     ("out", "words"),
     [("empty.zarr", "not a Zarr store"), ("text.zarr", "not a Zarr store"), ("text.nc", "not a NetCDF file"),
-     ("a.csv", "must end in .zarr"), ("other.zarr", "another sweep")],
+     ("a.csv", "end the name in .zarr"), ("other.zarr", "another sweep")],
 )  # fmt: skip
 def test_what_is_no_store_of_this_sweep_is_told(out: str, words: str, tmp_path: Path) -> None:
     (tmp_path / "empty.zarr").mkdir()
@@ -816,22 +816,25 @@ def test_variables_are_named_with_their_units_and_what_is_proven_is_said() -> No
 @pytest.mark.parametrize(
     ("vary", "message"),
     [
-        ({}, "needs something to vary"),
-        ({"effects.filter.omega": [1.0]}, 'no parameter "effects.filter.omega": did you mean "effects.filter.omega_n"'),
+        ({}, "vary: name a parameter"),
+        (
+            {"effects.filter.omega": [1.0]},
+            'unknown parameter "effects.filter.omega": did you mean "effects.filter.omega_n"',
+        ),
         ([MASS], "give values by path"),
-        ({MASS: []}, "no values"),
+        ({MASS: []}, "give at least one value"),
         ({MASS: [1.0, float("inf")]}, "finite"),
         ({MASS: [float("nan")]}, "finite"),
         ({MASS: [1.0, -0.5]}, "must be >= 0"),
         ({NATURAL: [0.0]}, "must be > 0"),
-        ({MASS: [None]}, "is not a number, nor a string"),
+        ({MASS: [None]}, "is not a number, or a string"),
         ({MASS: [1.0, 1.0]}, "only once"),
         ({MASS: ["1 N/m"]}, "not a mass"),
         ({MASS: ["1 kg*m^2"]}, "rotational"),
         ({"evaluation.jnd": [0.1], "evaluation.jnd.real": [0.1]}, "both thresholds"),
         (
             {MASS: np.linspace(1, 2, 10**5), NATURAL: np.linspace(1, 2, 10**5)},
-            "10,000,000,000 sets .*streamed to a file",
+            "10,000,000,000 sets .*stream them to a file",
         ),
     ],
 )
@@ -844,7 +847,7 @@ def test_what_is_left_open_beside_what_is_swept_needs_a_number() -> None:
     free = PAPER.with_values({MASS: Symbol("m", positive=True), NATURAL: Symbol("w", positive=True)})
     with pytest.raises(hs.SceneError, match=r"environment.m = m is a symbol"):
         hs.sweep(free, {NATURAL: [40.0]})
-    with pytest.raises(hs.SceneError, match='no parameter "evaluation.jnd"'):
+    with pytest.raises(hs.SceneError, match='unknown parameter "evaluation.jnd"'):
         hs.sweep(with_jnd(JNDS["polygon"]), {"evaluation.jnd": [0.1]})
 
 

@@ -102,7 +102,7 @@ class Answer(Shown):
     def figure(self) -> Any:
         """The figure, of matplotlib. NothingToDrawError where there is nothing in the answer to draw."""
         if not self._figure:
-            raise NothingToDrawError(f"{type(self).__name__} has no figure of its own")
+            raise NothingToDrawError(f"{type(self).__name__} has no figure")
         return resolve_name("haptisym.figures.sheet:estimated")(resolve_name(self._figure)(self), self._about)
 
     def save_figure(self, path: str | Path) -> Path:
@@ -127,7 +127,7 @@ class Answer(Shown):
     def certificate(self) -> str:
         """The answer with a proof that ``python -m haptisym_check`` checks, as JSON. SceneError where there is none."""
         if not self._certificate:
-            raise SceneError(f"an answer of this kind ({type(self).__name__}) has no certificate")
+            raise SceneError(f"{type(self).__name__} has no certificate: evaluate, require and stability write one")
         text: str = resolve_name(self._certificate)(self)
         return text
 

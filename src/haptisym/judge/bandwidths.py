@@ -137,7 +137,7 @@ def _at(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> RealNum
     """The bandwidth for one threshold."""
     table = chart({x: x.function(d) for x in noticed(threshold)}, *band)
     if table.undecided:
-        raise UndecidedError("whether a ratio touches an end of the range of thresholds")
+        raise UndecidedError("whether a ratio is tangent to an end of the range of thresholds")
     first = next(iter(kept(table)), None)
     return first.high.omega if first and first.low is table.points[0] else None
 
@@ -233,7 +233,7 @@ class Growth:
         moved = ((*t.where, *(level(square, x**2) for square in t.squares)) for t in self.terms)
         table = chart({JOINT: Lattice((*moved, *(t.where for t in self.fixed)))}, *self.band)
         if table.undecided:
-            raise UndecidedError("whether a ratio touches a limit of the range")
+            raise UndecidedError("whether a ratio is tangent to a limit of the range")
         return [(table.points[0], y) for y in table.where(lambda signs: signs[JOINT] <= 0)]
 
     def at(self, x: Expr) -> RealNumber | None:

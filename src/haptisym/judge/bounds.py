@@ -67,7 +67,9 @@ def is_series(chain: Chain) -> bool:
 def _square(distortion: Distortion) -> RealFunction:
     found = relative_square(distortion)
     if found is None:
-        raise SceneError("only effects in series can be judged for any environment: this scene has others")
+        raise SceneError(
+            "a bound for any environment needs effects in series only: evaluate this scene for its environment"
+        )
     return found
 
 

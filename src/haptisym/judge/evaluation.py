@@ -111,7 +111,9 @@ def half_widths(threshold: Threshold) -> tuple[Expr, Expr]:
     if not corners:
         return threshold.real, threshold.imag
     if not threshold.is_constant:
-        raise SceneError("regions: a polygon that depends on omega has no half widths that are numbers or formulas")
+        raise SceneError(
+            "regions: a polygon that depends on omega cannot be compared with a square and a disc: leave regions out"
+        )
     edges = Polygon(corners).edges
     across, up = (1 / max(max(edge[i], -edge[i]) for edge in edges) for i in (0, 1))
     return across, up

@@ -73,12 +73,13 @@ def box_of(scene: Scene) -> Box:
     """The box of a scene, without sides where ranges are of its hands alone; SceneError without any, or with a symbol."""
     if not scene.threshold.is_box:
         names = " and ".join(scene.threshold.ranges)
-        own = f"the JND has a range of {names}, which is no side of a box"
-        raise SceneError(f"{own}: `haptisym evaluate` tells its bandwidths; give it a number here")
+        raise SceneError(
+            f"jnd: a range of {names} is for haptisym evaluate, which gives its bandwidths: give a number here"
+        )
     box = Box(scene)
     scene.knobs.need_numbers()
     if not box.sides and not any(x.has_ranges for x in scene.hands):
-        raise SceneError('no parameter has a range: write one as "1.8 kg +- 5 %" or as ["1.7 kg", "1.9 kg"]')
+        raise SceneError('no parameter has a range: write one as "1.8 kg +- 5 %" or ["1.7 kg", "1.9 kg"]')
     return box
 
 
@@ -95,7 +96,7 @@ class Excess:
     def __init__(self, box: Box, criterion: Criterion) -> None:
         part = criterion.part
         if part is None:
-            raise SceneError(f"{criterion.words}: tolerances are told of criteria of one part alone")
+            raise SceneError(f"{criterion.words}: tolerances need a JND with a limit for each part: a square")
         self._over(box)
         self._judges(box, criterion, part)
         chain, exchanged = box.scene.chain.at(self._fixed).without_axis_zeros()

@@ -185,7 +185,7 @@ def _allowed_far_out(response: Response) -> bool:
         return faster < 0
     found = far(raw).sense
     if found in (Sense.BOTH, Sense.UNKNOWN):
-        raise UndecidedError("whether a display is a positive mass far out")
+        raise UndecidedError("whether a display is a positive mass at high frequency")
     return found is Sense.NEGATIVE
 
 

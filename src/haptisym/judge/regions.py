@@ -95,7 +95,7 @@ class Region(ABC):
 
     @property
     def _not_smooth(self) -> SceneError:
-        return SceneError(f"{self.words} makes no smooth ratio, which this question needs: a square and an ellipse do")
+        return SceneError(f"{self.words} has corners: this command needs a square or an ellipse")
 
     def exceeded(self, d: Distortion) -> Signed:
         """Positive where the change is noticed."""
@@ -226,7 +226,7 @@ class Polygon(Joint):
         ))  # fmt: skip
 
     def opened(self, limits: Mapping[Part, Expr]) -> Polygon:
-        raise SceneError("jnd: a polygon is given by its corners: it has no limit for one part")
+        raise SceneError("jnd: a polygon has no limit for one part: change its corners")
 
     def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
         found = (number(p) * x + number(q) * y for p, q in self.edges)

@@ -76,7 +76,9 @@ class Budget:
         if self.deadline is not None and now > self.deadline:
             self.reached = True
             own = "" if self.whole is None else f"{self.seconds:.2g} s, its share of "
-            raise LimitError(f"not decided within {own}the limit of {self.whole or self.seconds:g} s")
+            raise LimitError(
+                f"not decided within {own}the limit of {self.whole or self.seconds:g} s; a longer limit may decide it"
+            )
         if done is not None:
             self._last = done, total, what
         self._tell_now_and_then(now)
@@ -112,7 +114,7 @@ def limited(seconds: float | None = None, told: Told | None = None, whole: float
     True
     """
     if seconds is not None and not (isinstance(seconds, int | float) and isfinite(seconds) and seconds > 0):
-        raise SceneError(f"limit: {seconds} must be a number of seconds > 0, or None for none")
+        raise SceneError(f"limit: {seconds}: give a number of seconds > 0, or None for no limit")
     outer, clock = _budget.get(), _clock.get()
     own = None if seconds is None else clock() + seconds
     if outer is not None and outer.deadline is not None and (own is None or outer.deadline < own):
@@ -151,8 +153,8 @@ def afford(terms: int, others: int = 1) -> None:
         if terms * others > _PRODUCTS * (budget.deadline - budget.clock()):
             budget.reached = True
             raise LimitError(
-                f"not decided: formulas grow so long that the limit of {budget.whole or budget.seconds:g} s would most likely be "
-                "exceeded"
+                f"formulas so long that the limit of {budget.whole or budget.seconds:g} s would probably be exceeded; a longer "
+                "limit may decide it"
             )
 
 

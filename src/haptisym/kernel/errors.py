@@ -1,4 +1,4 @@
-"""What can go wrong, by name: every message says the thing, the value, the rule and the way out."""
+"""What can go wrong, by name: every message gives the place, the value, the rule and what to write instead."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ class SceneError(HaptisymError):
     """A scene, a model or one of its parameters breaks a rule."""
 
     def within(self, place: str) -> SceneError:
-        """The same error, saying where: ``place: message``."""
+        """The same error with its place: ``place: message``."""
         return type(self)(f"{place}: {self}")
 
 
 @contextmanager
 def within(place: str) -> Iterator[None]:
-    """A SceneError of what is done inside says where."""
+    """Add the place to a SceneError that is raised inside."""
     try:
         yield
     except SceneError as error:
@@ -31,27 +31,30 @@ def within(place: str) -> Iterator[None]:
 
 
 class SignError(SceneError):
-    """A parameter has a sign that its model does not allow."""
+    """A parameter has a sign that its model does not allow; ``bound`` : ``k >= 0 (is -5 N/m)``; ``zero`` : the value is 0."""
+
+    bound: str = ""
+    zero: bool = False
 
 
 class ExpressionError(SceneError):
-    """A formula in a scene is not in the grammar; the message points at the place."""
+    """A formula in a scene is not in the grammar; the message points at the character."""
 
 
 class NothingToDrawError(SceneError):
-    """An answer holds nothing that its figure would show."""
+    """A result contains nothing that its figure would show."""
 
 
 class UndecidedError(HaptisymError):
-    """A question stayed open at the precision limit; no guess is returned instead (exit status 3)."""
+    """A question is undecided at the precision limit; no guess is returned instead (exit status 3)."""
 
 
 class LimitError(UndecidedError):
-    """A question stayed open because the time that it was given is over; more of it may answer it (exit status 3)."""
+    """A question is undecided at the limit in time; a longer limit may decide it (exit status 3)."""
 
 
 def meant(given: str, valid: Iterable[str]) -> str:
-    """A question to stand before the list of valid names: what a name that is none of them is close to, or the end of.
+    """``did you mean "x"? ``: the valid name that an unknown one is near to, or the end of; empty if there is none.
 
     >>> meant("zta", ["zeta", "omega_n"]), meant("zeta", ["effects.filter.zeta"]), meant("x", ["zeta"])
     ('did you mean "zeta"? ', 'did you mean "effects.filter.zeta"? ', '')
@@ -64,7 +67,7 @@ def meant(given: str, valid: Iterable[str]) -> str:
 
 
 def quoted(given: object) -> str:
-    """What was given, in quotes, not at length.
+    """A value in quotes, at most 60 characters of it.
 
     >>> quoted("9" * 100) == '"' + "9" * 60 + '..."'
     True
@@ -73,19 +76,19 @@ def quoted(given: object) -> str:
     return f'"{text[:60]}..."' if len(text) > 60 else f'"{text}"'
 
 
-def need(key: str, given: object, kind: type | tuple[type, ...], told: str) -> None:
-    """SceneError where something is of another type than it must be. ``told`` : what to give instead.
+def need(key: str, given: object, kind: type | tuple[type, ...], instead: str) -> None:
+    """SceneError for a value of another type. ``instead`` : what to give.
 
     >>> need("environment", 3, str, "give a name")
     Traceback (most recent call last):
-    haptisym.kernel.errors.SceneError: environment: "3" will not do: give a name
+    haptisym.kernel.errors.SceneError: environment: "3": give a name
     """
     if not isinstance(given, kind):
-        raise SceneError(f"{key}: {quoted(given)} will not do: {told}")
+        raise SceneError(f"{key}: {quoted(given)}: {instead}")
 
 
-def several(key: str, given: Iterable[T], told: str) -> tuple[T, ...]:
-    """What was given as several things, in a tuple; SceneError for a single one. ``told`` : what to give instead."""
+def several(key: str, given: Iterable[T], instead: str) -> tuple[T, ...]:
+    """Several values, as a tuple; SceneError for a single one. ``instead`` : what to give."""
     if isinstance(given, str | bytes) or not isinstance(given, Iterable):
-        raise SceneError(f"{key}: {quoted(given)} will not do: {told}")
+        raise SceneError(f"{key}: {quoted(given)}: {instead}")
     return tuple(given)

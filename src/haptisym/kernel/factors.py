@@ -210,7 +210,7 @@ def _roots(factor: PolynomialFactor, bits: int) -> tuple[Ball, ...]:
     tick()
     found = at_rising_precision(factor.isolated, bits, SURE_BITS)
     if found is None:
-        raise UndecidedError("the roots of a polynomial were not told apart at the precision limit")
+        raise UndecidedError("whether two roots of a polynomial are equal")
     return found
 
 
@@ -263,7 +263,7 @@ def the_one(candidates: list[Root], near: Callable[[int], Ball]) -> Root:
 
     found = at_rising_precision(alone, 64, SURE_BITS)
     if found is None:
-        raise UndecidedError("which root of a polynomial is meant")
+        raise UndecidedError("which root of a polynomial an algebraic number is")
     return found
 
 
@@ -284,7 +284,7 @@ class Level:
         top, bottom = (axis.univariate(p) for p in (f.numerator, f.denominator))
         if axis.functions or top is None or bottom is None:
             raise SceneError(
-                "a threshold that is not a rational number needs a scene without delays, powers of s and pi"
+                "an irrational threshold needs a scene without delays, fractional powers and pi: give a rational threshold"
             )
         return LevelFactor(self.function, self.number, _norm_factors(fmpq_poly(top), fmpq_poly(bottom), self.number))
 

@@ -151,7 +151,7 @@ class RealNumber(Viewed, ABC):
 
         found = at_rising_precision(tight, bits + 16, SURE_BITS)
         if found is None:
-            raise UndecidedError(f"{bits} bits of a number were not reached with {SURE_BITS} bits of working precision")
+            raise UndecidedError(f"a number to {bits} bits, with {SURE_BITS} bits of working precision")
         return found
 
     def bounds(self, bits: int) -> tuple[Fraction, Fraction]:

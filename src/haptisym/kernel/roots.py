@@ -383,10 +383,8 @@ def _refuse_endless(factors: Iterable[Factor], low: Expr, high: Expr) -> None:
             turns = abs(expression_ball(rate) * (expression_ball(high) - expression_ball(low)) / (2 * arb.pi()))
             if turns > _MOST_TURNS:
                 seconds, times = (f"{float(x.mid()):.3g}" for x in (abs(expression_ball(rate)), turns))
-                told = f"{seconds} s turns its phase {times} times on the band"
-                raise SceneError(
-                    f"a delay of {told}, and at most {_MOST_TURNS} can be looked at: give a shorter delay or band"
-                )
+                turned = f"{seconds} s turns its phase {times} times on the band"
+                raise SceneError(f"a delay of {turned}, more than {_MOST_TURNS} times: give a shorter delay or band")
 
 
 def _products(functions: Mapping[Key, RealFunction | Level], *, in_square: bool) -> dict[Key, Product]:

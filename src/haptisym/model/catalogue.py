@@ -166,8 +166,10 @@ def environment(name: str) -> Callable[[Callable[..., Expr]], Callable[..., Envi
             try:
                 parameters, arguments = _bind(equation, slots, args, kwargs)
             except SignError as error:
-                way = 'a negative one is model = "expression", H = "k" with k among its parameters, or the effect shunt'
-                raise SceneError(f"{error}: {name} is passive; {way}") from None
+                way = "" if error.zero else f". {_signed(equation, slots, str(error), kwargs)}"
+                raise SceneError(f"{name} needs {error.bound}{way}") from None
+            except _MissingError as error:
+                raise SceneError(f"{name} {error}") from None
             return Environment(name, parameters, _expression(equation(**arguments)))
 
         ENVIRONMENTS[name] = Model(name, slots, build, _summary(equation))
@@ -184,12 +186,17 @@ def effect(model: str) -> Callable[[Callable[..., Matrix]], Callable[..., Effect
 
         @wraps(equation)
         def build(*args: Any, name: str = "", **kwargs: Any) -> Effect:
-            parameters, arguments = _bind(equation, slots, args, kwargs)
+            try:
+                parameters, arguments = _bind(equation, slots, args, kwargs)
+            except SignError as error:
+                raise SceneError(f"{model} needs {error.bound}") from None
+            except _MissingError as error:
+                raise SceneError(f"{model} {error}") from None
             refuse_references(parameters)
             a, b, c, d = map(_expression, equation(**arguments))
             if any(x.has(zoo, nan) for x in (a, b, c, d)):
                 zero = " and ".join(key for key, x in arguments.items() if x == 0)
-                raise SceneError(f"{zero or model}: what the effect does is divided by it: it must not be 0")
+                raise SceneError(f"{zero or model}: must not be 0")
             bound = inspect.signature(equation).bind(**arguments)
             bound.apply_defaults()
             settings = tuple((key, bound.arguments[key]) for key, slot in slots.items() if slot.is_setting)
@@ -206,13 +213,53 @@ def _expression(entry: Expr | int) -> Expr:
     return Integer(entry) if isinstance(entry, int) else entry
 
 
+class _MissingError(SceneError):
+    """Required parameters are absent; the message continues the name of the model."""
+
+
+def _meaning(slot: Slot) -> str:
+    """`` (damping)``; empty where the dimension has no name."""
+    if slot.formula:
+        return " (a formula in s)"
+    return "" if slot.dimension in (Dimension.ANY, Dimension.RATIO) else f" ({slot.dimension.name.lower()})"
+
+
+def _listed(names: Iterable[str]) -> str:
+    """``a, b and c``."""
+    *most, last = names
+    return f"{', '.join(most)} and {last}" if most else last
+
+
+_PARTS = {"m": "mass", "b": "damper", "k": "spring"}
+
+
+def _signed(equation: Callable[..., Any], slots: Mapping[str, Slot], error: str, given: Mapping[str, Any]) -> str:
+    """How to write an environment with a negative parameter."""
+    key = error.partition(":")[0].partition("[")[0]
+    symbols = {x: Symbol(x) for x in slots if x in given or x == key}
+    H = "k"
+    if not any(slots[x].several for x in slots) and all(x in symbols for x, slot in slots.items() if slot.required):
+        H = _in_powers(equation(**symbols))
+    what = slots[key].dimension.name.lower() if key in slots else "value"
+    return f'For a negative {what}: model = "expression" with H = "{H}", or an effect shunt.'
+
+
+def _in_powers(H: Expr) -> str:
+    """A formula as scene files have it, a polynomial with descending powers of s."""
+    if not H.is_polynomial(s):
+        return str(H).replace("**", "^")
+    powers = {0: "", 1: "*s"}
+    return " + ".join(f"{x}{powers.get(n, f'*s^{n}')}" for (n,), x in Poly(H, s).terms())
+
+
 def _instead(slots: Mapping[str, Slot], given: Mapping[str, Any]) -> str:
-    """Another model, of those of which this is one, that what was given is enough for."""
+    """Another model, of those of which this is one, for which the given parameters suffice."""
     models = next((x for x in (ENVIRONMENTS, EFFECTS) if any(y.slots is slots for y in x.values())), {})
     for model in models.values():
         needed = {key for key, x in model.slots.items() if x.required}
         if given and needed <= set(given) <= set(model.slots) and not any(x.formula for x in model.slots.values()):
-            return f'; {", ".join(given)} alone: model = "{model.name}"'
+            what = _listed([_PARTS.get(key, key) for key in given])
+            return f' For a {what} alone: model = "{model.name}" with {_listed(given)} only.'
     return ""
 
 
@@ -238,7 +285,7 @@ def _bind(
     named = kwargs.pop("parameters", {}) if formulas else {}
     given = _given(slots, args, kwargs, formulas=formulas)
     if not isinstance(named, Mapping):
-        raise SceneError(f"parameters: {quoted(named)} must map names to values")
+        raise SceneError(f"parameters: {quoted(named)}: give names and values, as {{ w = '50 Hz' }}")
     free = tuple(enter_parameter(key, value, NAMED, key) for key, value in dict(named).items())
     parameters: list[Parameter] = list(free)
     arguments: dict[str, Any] = {}
@@ -268,16 +315,18 @@ def _given(
 ) -> dict[str, Any]:
     valid = [*slots, *(["parameters"] if formulas else [])]
     if len(args) > len(slots):
-        raise SceneError(f"too many parameters: expected {', '.join(valid)}")
+        raise SceneError(f"too many parameters: valid are {', '.join(valid)}")
     given = {**dict(zip(slots, args, strict=False)), **kwargs}
     for key in given:
         if key not in slots:
-            raise SceneError(f'unknown parameter "{key}": {meant(key, valid)}valid are {", ".join(valid)}')
+            hint = meant(key, valid) or next(
+                (f'did you mean "{x}"? ' for x in slots if slots[x].dimension.name.lower() == key), ""
+            )
+            raise SceneError(f'unknown parameter "{key}": {hint}valid are {", ".join(valid)}')
     missing = [key for key, slot in slots.items() if slot.required and key not in given]
     if missing:
-        raise SceneError(
-            f"parameter {missing[0]} is missing: required are {', '.join(k for k, x in slots.items() if x.required)}"
-            f"{_instead(slots, given)}"
+        raise _MissingError(
+            f"needs {_listed([f'{key}{_meaning(slots[key])}' for key in missing])}.{_instead(slots, given)}"
         )
     return {key: given[key] for key in slots if key in given}
 
@@ -297,14 +346,12 @@ def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     for x in found.atoms(Pow):
         if x.exp.is_Rational and not x.exp.is_Integer and x.base != s:
             base = str(x.base).replace("**", "^")
-            rule = "one that is not whole is of s alone, as in 0.17*s^0.5"
-            raise SceneError(f"{key}: ({base})^({x.exp}) is no power of s: {rule}")
+            rule = "only s has fractional powers, as in 0.17*s^0.5"
+            raise SceneError(f"{key}: ({base})^({x.exp}): {rule}")
     for p in parameters if isinstance(given, str) and found.has(pi) else ():
         if p.symbol in found.free_symbols and p.value.has(pi):  # a frequency in Hz has its 2 pi in it already
             rule = f"leave pi out of the formula, or give {p.key} in 1/s"
-            raise SceneError(
-                f"{key}: {p.key} is {p.value} in SI units, with a pi of its own, as of a value in Hz: {rule}"
-            )
+            raise SceneError(f"{key}: {p.key} in Hz already contains 2 pi ({p.value} rad/s): {rule}")
     return found
 
 
@@ -332,7 +379,9 @@ def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
 
 def _known(name: str, names: Mapping[str, Expr]) -> Expr:
     if name not in names:
-        raise ValueError(f'unknown name "{name}" (known are {", ".join(names)}; add others under parameters)')
+        raise ValueError(
+            f'unknown name "{name}": {meant(name, names)}valid are {", ".join(names)}; define others in parameters'
+        )
     return names[name]
 
 
@@ -371,9 +420,9 @@ def discretised(H: Expr, T: Expr, method: str) -> RationalFunction:
     try:
         found = ring.convert(given).reduced()
     except SceneError:
-        raise SceneError(f"a difference equation needs dynamics that are rational in s: {H} is not") from None
+        raise SceneError(f"a sampled loop needs dynamics that are rational in s, not {H}") from None
     if found.denominator.subs({0: 0}).is_zero():
-        raise SceneError(f"{method} makes D(z) improper: it would need samples of the future")
+        raise SceneError(f"{method} would need future samples: use backward-difference or tustin")
     return found
 
 
@@ -402,11 +451,11 @@ def with_controller(effects: Iterable[Effect], rendered: Environment) -> tuple[E
     first, *others = listed[at:]
     for other in (x for x in (*others, *listed[:at]) if x.model in CLOCKS):
         raise SceneError(
-            f"effects.{other.name}: a second clock beside {first.name}: with a {SAMPLED_LOOP} there is no other clock"
+            f"effects.{other.name}: a second sampler: {SAMPLED_LOOP} is the only one of a scene; leave it out"
         )
     if at:
         raise SceneError(
-            f"effects.{first.name}: a {SAMPLED_LOOP} must be the first effect: its controller renders the environment itself"
+            f"effects.{first.name}: {SAMPLED_LOOP} must be the first effect, as its controller renders the environment"
         )
     with within(f"effects.{first.name}"):
         placed = replace(first, renders=rendered, dynamics=_sampled_matrix(first, rendered))
@@ -446,15 +495,15 @@ class Hand(Shown):
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
-            raise SceneError(f'hand: name: "{self.name}" must be a string that is not empty')
+            raise SceneError(f'hand: name: "{self.name}": give a name, as "mine"')
         for key, slot in _HAND_SLOTS.items():
             given = getattr(self, key)
             if not isinstance(given, Parameter):
                 object.__setattr__(self, key, read_parameter(key, given, slot, f"{key}_h"))
         kinds = {p.motion: p for p in self.parameters if p.motion}
         if len(kinds) > 1:
-            told = " but ".join(f"{p.key} is {motion.value}" for motion, p in kinds.items())
-            raise SceneError(f"hand {self.name}: translation and rotation cannot be mixed: {told}")
+            units = ", ".join(f"{p.key} is {motion.value}" for motion, p in kinds.items())
+            raise SceneError(f"hand {self.name}: translation and rotation cannot be mixed: {units}")
 
     def _line(self) -> str:
         return f"{self.name}: {'; '.join(p.stated() for p in self.parameters)}"
@@ -514,7 +563,7 @@ class _Shipped(Mapping[str, Hand]):
     def __getitem__(self, name: str) -> Hand:
         if name not in _hand_tables():
             raise SceneError(
-                f'there is no hand "{str(name)[:60]}": {meant(str(name), self)}the package ships {", ".join(self)}'
+                f'unknown hand "{str(name)[:60]}": {meant(str(name), self)}the package ships {", ".join(self)}'
             )
         return read_hand(name, _hand_tables()[name])
 
@@ -550,7 +599,7 @@ NOBODY = "none"
 
 def how_to_give() -> str:
     """How a hand is given to a question, for an error that lacks one."""
-    listed = f"haptisym ships {', '.join(hands)}, and {NOBODY} is no hand at all"
+    listed = f"shipped are {', '.join(hands)}; {NOBODY} is free air"
     return f"--hand NAME (in Python hand=NAME), or [hand] in the scene; {listed}"
 
 
@@ -620,5 +669,5 @@ def given_band(given: Iterable[Any]) -> tuple[Any, Any]:
     """Two ends, as they were given."""
     ends = several("band", given, _BAND)
     if len(ends) != 2:
-        raise SceneError(f"band: {ends} must be a low and a high end")
+        raise SceneError(f"band: {ends}: give a low and a high end, as (0, 15)")
     return ends[0], ends[1]

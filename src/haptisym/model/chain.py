@@ -59,8 +59,7 @@ if TYPE_CHECKING:
 
 
 NOTHING_TO_FEEL = (
-    "the environment is zero at every frequency: there is nothing to feel, and nothing to compare with (whether the display "
-    "shakes in a hand can be asked: `stability`)"
+    "the environment is zero at every frequency: add mass, damping or stiffness (haptisym stability takes free air)"
 )
 
 
@@ -220,7 +219,7 @@ def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> Rationa
     top = a * H.numerator + b * H.denominator
     bottom = c * H.numerator + d * H.denominator
     if bottom.is_zero():
-        raise SceneError("the effects make the perceived dynamics infinite at every frequency (C H + D = 0)")
+        raise SceneError("the effects make H_perc infinite at every frequency (C H + D = 0): change one of them")
     return RationalFunction(H.ring, top, bottom)
 
 
@@ -391,17 +390,17 @@ def part_named(given: Any) -> Part:
     if given in [x.value for x in Part]:
         return Part(given)
     if not isinstance(given, Part):
-        raise SceneError(f"part: {quoted(given)} is neither real nor imag")
+        raise SceneError(f"part: {quoted(given)}: give real or imag")
     return given
 
 
 def threshold(given: Any) -> Expr:
     """A fraction > 0 as a number or symbols. SceneError for any other."""
     if isinstance(given, str):
-        raise SceneError(f"c: {quoted(given)} must be a number or a symbol, as 0.1 or Rational(1, 10)")
+        raise SceneError(f"c: {quoted(given)}: give a number or a symbol, as 0.1 or Rational(1, 10)")
     value = decimal(str(float(given))) if isinstance(given, int | float | Float) else given
     if not isinstance(value, Expr) or value.is_positive is False or value is nan:
-        raise SceneError(f"c: {quoted(given)} must be a fraction > 0")
+        raise SceneError(f"c: {quoted(given)}: give a fraction > 0")
     return value
 
 
@@ -438,7 +437,7 @@ def zeros(f: RealFunction, band: tuple[Any, Any] | None, *, odd: bool, symbolic:
 def _ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:
     low, high = (number(x, Dimension.FREQUENCY).value for x in given_band(band))
     if not 0 <= low < high:
-        raise SceneError(f"band: {band} must be a low end >= 0 and a higher one")
+        raise SceneError(f"band: {band}: give a low end >= 0 and a higher one, as (0, 15)")
     return low, high
 
 
@@ -447,12 +446,10 @@ def _far(f: RealFunction) -> Expr:
     if f.function.is_zero:
         return Integer(1)
     if any(not angle.constant for angle in f.axis.angles):
-        raise SceneError(
-            "with a delay there may be crossings at ever higher frequencies: give a band, as band=(0, 100)"
-        )
+        raise SceneError("with a delay there may be infinitely many crossings: give a band, as band=(0, 100)")
     found = far(f.function)
     if found.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
-        raise SceneError("as far as all crossings lie is not known: give a band, as band=(0, 100)")
+        raise SceneError("the highest crossing is not known: give a band, as band=(0, 100)")
     return max(found.radius, Integer(1))
 
 
@@ -470,7 +467,7 @@ def bandwidth(
     """The end of the interval from 0, or the band's low end, on which no ratio exceeds c; ``symbols`` : that are left."""
     if c.free_symbols or symbols:
         free = ", ".join(sorted(map(str, c.free_symbols | symbols)))
-        raise SceneError(f"a bandwidth is a number: give {free} values; crossings(part, c) has the formulas")
+        raise SceneError(f"a bandwidth needs values for {free}; crossings(part, c) has the formulas")
     functions = {part: _excess(f, c) for part, f in squared_ratios.items()}
     low, high = _ends(band) if band else (Integer(0), max(map(_far, functions.values())))
     table = chart(functions, low, high)
@@ -483,9 +480,9 @@ def bandwidth(
 def asymptote(difference: RationalFunction, at: Any) -> Asymptote:
     """The leading terms at 0 or oo."""
     if at not in (0, oo):
-        raise SceneError(f"at: {quoted(at)} is neither 0 nor oo")
+        raise SceneError(f"at: {quoted(at)}: give 0 or oo")
     if at == oo and _ring(difference).lags:
-        raise SceneError("at = oo: a delay turns for ever, so that there is no leading term")
+        raise SceneError("at = oo: with a delay there is no leading term")
     if difference.is_zero:
         return Asymptote(Integer(0), Integer(0), Integer(0))
     found: list[Expr | None] = [None, None, None]
@@ -500,7 +497,7 @@ def asymptote(difference: RationalFunction, at: Any) -> Asymptote:
                 found[place] = term if found[place] is None else found[place]
         if None not in found:
             return Asymptote(*found)
-    raise SceneError(f"the leading term is beyond order {_TERMS - 1}, as far as was looked")
+    raise SceneError(f"no leading term up to order {_TERMS - 1}")
 
 
 def low_frequency(perceived: RationalFunction) -> LowFrequency:
@@ -525,11 +522,11 @@ def _expansion(dynamics: RationalFunction, at: Any) -> Iterator[tuple[int, Expr]
     """
     ring = _ring(dynamics)
     if ring.orders:
-        raise SceneError("there is no leading term of a display that is not rational in s but for delays")
+        raise SceneError("a display with fractional powers of s has no leading term")
     rows = [_Coefficients(p, ring, at == oo) for p in (dynamics.numerator, dynamics.denominator)]
     starts = [next((n for n in range(_TERMS) if row(n) != 0), _TERMS) for row in rows]
     if max(starts) == _TERMS:
-        raise SceneError(f"the leading term is beyond order {_TERMS - 1}, as far as was looked")
+        raise SceneError(f"no leading term up to order {_TERMS - 1}")
     above, below = (partial(row.from_, n) for row, n in zip(rows, starts, strict=True))
     degrees = [max(int(e[0]) for e in p.monoms()) for p in (dynamics.numerator, dynamics.denominator)]
     first = starts[0] - starts[1]

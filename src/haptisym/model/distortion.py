@@ -70,9 +70,7 @@ def distort(environment: Any, *effects: Any, rendered: Any = None, omega: Symbol
     need("omega", omega, Symbol, "give a symbol, as Symbol('w')")
     elements = _elements(environment, effects, rendered)
     if omega.name in {s.name, *(x.name for x in _chain_of(*elements).parameters)}:
-        raise SceneError(
-            f'omega: {quoted(omega)} is the name of s or of a parameter: give another symbol, as Symbol("w")'
-        )
+        raise SceneError(f'omega: {quoted(omega)} is s or a parameter: give another symbol, as Symbol("w")')
     return replace(Distortion.of(_chain_of(*elements)), frequency=omega, elements=elements)
 
 
@@ -255,7 +253,9 @@ class Distortion(Shown):
         names = of or ("real", "imag")
         known = [x for x in self.chain.steps.results if not x.startswith("perceived")]
         for name in (x for x in names if x not in known):
-            raise SceneError(f"steps: {quoted(name)}: {meant(str(name), known)}valid are {', '.join(known)}")
+            raise SceneError(
+                f"steps: unknown quantity {quoted(name)}: {meant(str(name), known)}valid are {', '.join(known)}"
+            )
         found = self.chain.steps.only(names)
         if self.frequency == omega:
             return found
@@ -364,7 +364,7 @@ class Distortion(Shown):
         """SceneError where a parameter has a name that a threshold or omega^2 has in the answer."""
         for x in (x for x in self.free_symbols if x.name in names):
             meaning = "the threshold" if x.name == symbol_c.name else "omega^2"
-            raise SceneError(f"a parameter is called {x}, which stands for {meaning} in the answer: name it otherwise")
+            raise SceneError(f"{x} is reserved for {meaning}: give the parameter another name")
 
     def _in_own_frequency(self, found: Any) -> Any:
         return tuple(replace(x, equation=self._told(x.equation)) if isinstance(x, Solution) else x for x in found)
@@ -430,7 +430,7 @@ class Distortion(Shown):
         """
         if quantity not in _QUANTITIES:
             hint = meant(str(quantity), _QUANTITIES)
-            raise SceneError(f"quantity: {quoted(quantity)}: {hint}valid are {', '.join(_QUANTITIES)}")
+            raise SceneError(f"unknown quantity {quoted(quantity)}: {hint}valid are {', '.join(_QUANTITIES)}")
         form, names = getattr(self, quantity), sorted(self.free_symbols, key=str)
         variable = s if form.has(s) else self.frequency
         if modules == "math" and form.has(re, im):  # of a complex number, for which there are no functions in math

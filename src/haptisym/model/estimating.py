@@ -118,9 +118,9 @@ def estimated(
     x, f = _row("position", position), _row("force", force)
     r = None if reference is None else _row("reference", reference)
     if way is Estimator.JOINT and r is None:
-        raise SceneError("estimator: joint needs the reference that drove the loop")
+        raise SceneError("estimator: joint needs reference, the signal that drives the loop")
     if way is not Estimator.JOINT and r is not None:
-        raise SceneError(f"reference: {way.value} takes none: leave it out")
+        raise SceneError(f"reference: {way.value} needs none: leave it out")
     for key, row in (("force", f), ("reference", r)):
         if row is not None and len(row) != len(x):
             raise SceneError(f"{key} has {len(row)} samples, and position {len(x)}")
@@ -138,7 +138,9 @@ def _estimator(given: str) -> Estimator:
         if str(given).lower() == x.value.lower():
             return x
     valid = [x.value for x in Estimator]
-    raise SceneError(f'estimator: "{str(given)[:60]}" is none: {meant(str(given), valid)}valid are {", ".join(valid)}')
+    raise SceneError(
+        f'estimator: "{str(given)[:60]}" is unknown: {meant(str(given), valid)}valid are {", ".join(valid)}'
+    )
 
 
 def _row(key: str, given: ArrayLike) -> Reals:
@@ -182,7 +184,7 @@ def _welch(
 
     if window not in WINDOWS:
         raise SceneError(
-            f'window: "{str(window)[:60]}" is none: {meant(str(window), WINDOWS)}valid are {", ".join(WINDOWS)}'
+            f'window: "{str(window)[:60]}" is unknown: {meant(str(window), WINDOWS)}valid are {", ".join(WINDOWS)}'
         )
     every = whole("every", every, 1, 100)
     if isinstance(overlap, bool) or not isinstance(overlap, int | float) or not 0 <= overlap <= 0.9:
@@ -191,8 +193,8 @@ def _welch(
     shift = max(1, round(length * (1 - overlap)))
     count = 0 if length > samples else 1 + (samples - length) // shift
     if length < _SAMPLES or count < LEAST_SEGMENTS:
-        told = f"{samples} samples make {count} segments of {length}"
-        raise SceneError(f"segment: {told}: at least {LEAST_SEGMENTS} of at least {_SAMPLES} samples are needed")
+        made = f"{samples} samples make {count} segments of {length}"
+        raise SceneError(f"segment: {made}: at least {LEAST_SEGMENTS} of at least {_SAMPLES} samples are needed")
     averages = _independent(get_window(window, length), shift, count)
     return Welch(way, samples, rate, window, length, shift, count, averages, every)
 
@@ -233,7 +235,7 @@ def _spectra(w: Welch, x: Reals, f: Reals, r: Reals) -> tuple[Reals, _Spectra]:
     rows = mean(x, x)[1].real, mean(f, f)[1].real, mean(r, r)[1].real, xf, mean(r, x)[1], mean(r, f)[1]
     kept = slice(w.every, len(hertz) - 1, w.every)
     if not len(hertz[kept]):
-        raise SceneError("segment: it has no line that is kept: make it longer, or every smaller")
+        raise SceneError("segment: no frequency point is left: make segment longer, or every smaller")
     return 2 * np.pi * hertz[kept], _Spectra(*(row[kept] for row in rows))
 
 
@@ -256,7 +258,7 @@ def _known(given: Any) -> Complexes:
     H: Complexes = np.asarray(given, dtype=complex)
     if not np.isfinite(H).all():
         raise SceneError(
-            "there are lines at which nothing moved: motion, or its part that the reference drove, is 0 there"
+            "the motion, or its part driven by the reference, is 0 at some frequency: excite all frequencies of the band"
         )
     return H
 

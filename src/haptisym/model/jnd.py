@@ -26,7 +26,7 @@ from flint import arb
 from sympy import Expr, Integer, Rational, pi
 
 from haptisym.kernel.dynamics import RealFunction, Ring
-from haptisym.kernel.errors import SceneError, meant, within
+from haptisym.kernel.errors import SceneError, meant, quoted, within
 from haptisym.kernel.objects import Shown, Viewed
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.rings import omega
@@ -90,7 +90,9 @@ def like(name: object) -> Published:
     known = published_by_name()
     if not isinstance(name, str) or name not in known:
         shown = str(name)[:60]
-        raise SceneError(f'like: no published threshold "{shown}": {meant(shown, known)}valid are {", ".join(known)}')
+        raise SceneError(
+            f'like: unknown published threshold "{shown}": {meant(shown, known)}valid are {", ".join(known)}'
+        )
     found = known[name]
     if found.apart:
         raise SceneError(f'like: "{name}" is no threshold for a scene: {found.apart}')
@@ -145,7 +147,7 @@ def read_proportion(key: str, given: Number) -> Expr:
     with within(key):
         value = number(given, Dimension.RATIO).value
     if not value.is_Rational or not Rational(1, 2) < value < 1:
-        raise SceneError(f'{key}: "{given}" must be rational, above 0.5, where answers are guesses, and below 1')
+        raise SceneError(f'{key}: "{given}" must be rational, above 0.5 and below 1')
     return value
 
 
@@ -232,9 +234,9 @@ def _check_polygon(corners: Sequence[Corner], low: Expr, high: Expr) -> None:
     for (i, p), (j, q) in combinations(enumerate(corners, 1), 2):
         if not positive((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2, low, high):
             where = " at some frequency" if everywhere else ""
-            raise SceneError(f"corners: {i} and {j} are one point, [{p[0]}, {p[1]}]{where}")
+            raise SceneError(f"corners: {i} and {j} are the same point, [{p[0]}, {p[1]}]{where}")
     if not all(positive(_cross(p, q), low, high) for p, q in _edges(corners)) or _turns(corners, low, high) != 1:
-        order = "0 must lie inside, not on an edge, and the corners follow in their order around it"
+        order = "0 must be inside, not on an edge, and the corners in order around it"
         raise SceneError(f"corners: {_written(corners)}: {order}{everywhere}")
     steps = [(q[0] - p[0], q[1] - p[1]) for p, q in _edges(corners)]
     if not all(positive(_cross(p, q), low, high) for p, q in _edges(steps)):
@@ -326,9 +328,9 @@ class Threshold(Viewed):
             if interval:
                 object.__setattr__(self, f"{key}_interval", interval)
         if self.region.tilt and self.ranges and not ("scale" in self.ranges or self.is_scaled):
-            raise SceneError(f"{_TILTED}: give both half widths one range, or a scale")
+            raise SceneError(f"{_TILTED}: give both the same range, or a scale")
         if "scale" in self.ranges and len(self.ranges) > 1:
-            raise SceneError("a scale has a range where no other number of the JND has one")
+            raise SceneError("scale: leave out the other ranges of the JND")
 
     def __repr__(self) -> str:
         own = "" if self.region == SQUARE else f", region={self.region!r}"
@@ -388,7 +390,7 @@ class Threshold(Viewed):
         """SceneError, in a sentence, unless it is the paper's: for what is defined, or answered, for that alone."""
         if not self.is_plain:
             own = self.kind if self.is_constant else f"{self.kind} that depends on omega"
-            raise SceneError(f"{question}: the JND is {own}; this is answered for one number for each part alone")
+            raise SceneError(f"{question}: the JND is {own}; give one number for each part, as jnd = 0.1")
 
     def check(self, low: Expr, high: Expr, motion: MotionKind | None) -> None:
         """SceneError unless it makes a region at every frequency of a band, for a scene of that motion."""
@@ -398,12 +400,12 @@ class Threshold(Viewed):
                 if x.has(omega) and not positive(x, low, high):
                     raise SceneError(f"{key}: {x} must be > 0 on the whole band")
         if self.region.motion and motion and self.region.motion is not motion:
-            raise SceneError(f"jnd: floor: is {self.region.motion.value}, but the scene is {motion.value}")
+            raise SceneError(f"jnd: floor: the unit is {self.region.motion.value}, the scene {motion.value}")
 
     def with_limits(self, limits: Mapping[Part, Number]) -> Threshold:
         """The same with other thresholds (in place of ranges, formulas and limits for each way, too) for some parts."""
         if limits and self.region.shape is Shape.POLYGON:
-            raise SceneError("jnd: a polygon is given by its corners: it has no limit for one part")
+            raise SceneError("jnd: a polygon has no limit for one part: change its corners")
         given = {part: (limits[part], None) if part in limits else (self[part], self.interval(part)) for part in Part}
         (real, real_interval), (imag, imag_interval) = given.values()
         below = [None if part in limits else self.lower(part) for part in Part]
@@ -434,7 +436,7 @@ class Threshold(Viewed):
         to = read_proportion("proportion", end)
         start = self.proportion or (like(self.source).criterion if self.source else None)
         if start is None:
-            raise SceneError("proportion: the JND does not tell its own: add proportion = 0.75, say, to its table")
+            raise SceneError("proportion: the JND has none of its own: add one to its table, as proportion = 0.75")
         found = Conversion(read_proportion("proportion", start), to)
         c = found.factor
         real, imag = (x and (x[0] * c, x[1] * c) for x in (self.real_interval, self.imag_interval))
@@ -461,7 +463,7 @@ class Threshold(Viewed):
 
 
 _SCALED = (Shape.ELLIPSE, Shape.DIAMOND)
-_TILTED = "a tilted ellipse of which one half width is larger need not hold one of which it is smaller"
+_TILTED = "separate ranges of the half widths of a tilted ellipse are not supported"
 
 
 def threshold_value(key: str, given: Number) -> tuple[Expr, ExactRange | None]:
@@ -477,8 +479,8 @@ def threshold_value(key: str, given: Number) -> tuple[Expr, ExactRange | None]:
         value = require_number(given, found.nominal).value
     except SceneError as error:
         if isinstance(given, str) and _NAMES_SOMETHING.search(given):
-            told = "a threshold is a number, a percentage, or a formula in omega (rad/s) and nothing else"
-            raise SceneError(f'{key}: "{given[:60]}": {told}, as "0.08 + 0.004*omega"') from None
+            valid = "write a number, a percentage, or a formula in omega (rad/s)"
+            raise SceneError(f'{key}: "{given[:60]}": {valid}, as "0.08 + 0.004*omega"') from None
         raise error.within(key) from None
     if any(sign_of_number(x) <= 0 for x in (value, *(found.interval or ()))):
         raise SceneError(f'{key}: "{given}" must be > 0')
@@ -507,7 +509,7 @@ def formula(key: str, given: object) -> Expr | None:
         Ring().axis.convert(value)
     except SceneError:
         raise SceneError(
-            f'{key}: "{given}" is no rational formula in omega: numbers, pi, omega, + - * / and whole powers'
+            f'{key}: "{given}" is not a rational formula: use numbers, pi, omega, + - * / and whole powers'
         ) from None
     return value
 
@@ -543,15 +545,15 @@ def read_threshold(given: Any) -> Threshold:
     if "like" in given:
         for key in given:
             if key != "like":
-                raise SceneError(f'unknown key "{str(key)[:60]}": a published threshold stands alone: valid are like')
+                raise SceneError(f'unknown key "{str(key)[:60]}": "like" takes no other key: leave it out')
         return Threshold.like(given["like"])
     if "scale" in given:
         scale, interval = threshold_value("scale", given["scale"])
         if not interval:
-            raise SceneError('scale: must be a range, "1 +- 20 %" or [0.8, 1.2]')
+            raise SceneError('scale: give a range, as "1 +- 20 %" or [0.8, 1.2]')
         found = _table({key: x for key, x in given.items() if key != "scale"})
         if found.ranges:
-            raise SceneError("scale: has a range where no other number of the JND has one")
+            raise SceneError("scale: leave out the other ranges of the JND")
         large = found.scaled(scale)
         return replace(large, region=replace(large.region, ranges=(("scale", interval),), size=scale))
     return _table(given)
@@ -563,14 +565,14 @@ def _table(given: Mapping[str, Any]) -> Threshold:
     for key in given:
         if key not in (*keys, *_ANY):
             owners = [x.value for x, own in _KEYS.items() if key in own]
-            hint = f"it is of a {' or '.join(owners)}; " if owners else meant(str(key), keys)
+            hint = f"it is for shape = {' or '.join(map(quoted, owners))}; " if owners else meant(str(key), keys)
             what = "" if shape is Shape.SQUARE else f" of a {shape.value}"
             raise SceneError(
                 f'unknown key "{str(key)[:60]}"{what}: {hint}valid are {", ".join(("shape", *keys, *_ANY[1:]))}'
             )
     missing = [key for key in keys if key not in given and key not in _OPTIONAL]
     if missing:
-        raise SceneError("must give both real and imag" if "real" in keys else "corners is missing")
+        raise SceneError("give both real and imag" if "real" in keys else "corners is missing")
     taken = read_proportion("proportion", given["proportion"]) if "proportion" in given else None
     if shape is Shape.POLYGON:
         region = Region(shape, corners=_corners(given["corners"]))
@@ -597,9 +599,9 @@ def _sided(key: str, given: Any, *, allowed: bool) -> tuple[Any, Expr | None, Ex
     if not isinstance(given, Mapping):
         return given, None, None
     if not allowed:
-        raise SceneError(f"{key}: limits for higher and lower are of a square alone")
+        raise SceneError(f"{key}: only a square has limits for higher and lower")
     if set(given) != {"higher", "lower"}:
-        raise SceneError(f"{key}: must be a number, or give both higher and lower")
+        raise SceneError(f"{key}: give a number, or both higher and lower")
     threshold_value(f"{key}: higher", given["higher"])
     return given["higher"], *threshold_value(f"{key}: lower", given["lower"])
 
@@ -629,11 +631,11 @@ def _number(key: str, given: Any) -> Expr:
 def _corners(given: Any) -> tuple[Corner, ...]:
     """The corners, counterclockwise at the middle of the paper's band."""
     if not isinstance(given, Sequence) or isinstance(given, str) or not 3 <= len(given) <= MOST_CORNERS:
-        raise SceneError(f"corners: must be a list of 3 to {MOST_CORNERS} pairs [x, y]")
+        raise SceneError(f"corners: give a list of 3 to {MOST_CORNERS} pairs [x, y]")
     found: list[Corner] = []
     for i, pair in enumerate(given, 1):
         if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
-            raise SceneError(f"corners: {i}: must be a pair [x, y]")
+            raise SceneError(f"corners: {i}: give a pair [x, y]")
         found.append((_number(f"corners: {i}", pair[0]), _number(f"corners: {i}", pair[1])))
     clockwise = sign_of_number(turning(found, Integer(1))) < 0
     return tuple(reversed(found)) if clockwise else tuple(found)

@@ -80,7 +80,7 @@ def read_slope(given: Number) -> Slope:
         if read.value < 0:
             raise SceneError(f"slope: {quoted(given)} must be >= 0")
         return Slope(float(read.value), dimension is Dimension.TIME, given, read.motion)
-    raise SceneError(f"slope: {quoted(given)} bounds no slope: {_WAYS}")
+    raise SceneError(f"slope: {quoted(given)} is no bound of a slope: {_WAYS}")
 
 
 Reals: TypeAlias = NDArray[np.float64]
@@ -230,9 +230,9 @@ class Measurement(Shown):
                 object.__setattr__(self, key, one_row(key, given, kind))
         for key in ("H", "coherence", "radius"):
             if (row := getattr(self, key)) is not None and len(row) != len(self.omega):
-                raise SceneError(f"{key} has {len(row)} values, and omega {len(self.omega)}: each line needs both")
+                raise SceneError(f"{key} has {len(row)} values, and omega {len(self.omega)}: give as many")
         if not len(self.omega):
-            raise SceneError("there are no lines in it")
+            raise SceneError("there are no frequency points")
         check_certainty(self.coherence is not None, self.radius is not None, self.averages, self.confidence)
         check_lines(self.omega, self.H, self.coherence, self.radius, lambda i: f"line {i + 1}")
         if self.coherence is not None and (self.coherence > 1).any():  # by a rounding, or it would have been refused
@@ -240,7 +240,7 @@ class Measurement(Shown):
         if self.slope is not None and not isinstance(self.slope, Slope):
             object.__setattr__(self, "slope", read_slope(self.slope))
         if self.slope and self.motion and self.slope.motion not in (None, self.motion):
-            raise SceneError("slope: translation and rotation cannot be mixed: the lines have units of the other one")
+            raise SceneError("slope: translation and rotation cannot be mixed: use the unit of the response")
 
     def _line(self) -> str:
         low, high = float(self.omega[0]), float(self.omega[-1])
@@ -288,7 +288,7 @@ class Measurement(Shown):
             raise SceneError(f"band: the high end, {high:.6g} rad/s, must be above the low end, {low:.6g} rad/s")
         inside = (self.omega >= low * (1 - 1e-9)) & (self.omega <= high * (1 + 1e-9))
         if not inside.any():
-            raise SceneError(f"band: no line of {self.name} lies from {low:.6g} to {high:.6g} rad/s")
+            raise SceneError(f"band: {self.name} has no frequency point from {low:.6g} to {high:.6g} rad/s")
         return self.at(inside)
 
     def at(self, lines: NDArray[Any]) -> Measurement:
@@ -302,17 +302,15 @@ def check_certainty(coherence: bool, radius: bool, averages: float | None, confi
     if not isinstance(confidence, Real) or isinstance(confidence, bool) or not 0 < confidence < 1:
         raise SceneError(f"confidence: {confidence} must lie between 0 and 1")
     if coherence and radius:
-        raise SceneError("there are coherence and radius: both tell how large the discs are, leave out one of them")
+        raise SceneError("coherence and radius both give the size of the discs: leave out one of them")
     if averages is None:
         if coherence:
-            raise SceneError(
-                "averages is missing: the coherence tells the radius of a disc only with the number of averages"
-            )
+            raise SceneError("averages is missing: with coherence write the number of averages, as averages = 10")
         return
     if not coherence:
-        raise SceneError("averages is given, but no coherence: leave it out, or give the coherence")
+        raise SceneError("averages needs the column coherence: add it, or leave averages out")
     if not isinstance(averages, Real) or isinstance(averages, bool) or not (isfinite(averages) and averages >= 2):
-        raise SceneError(f"averages: {averages} must be a number from 2 on")
+        raise SceneError(f"averages: {averages} must be a number, at least 2")
 
 
 _ROUNDING = 2.0**-40
@@ -335,9 +333,7 @@ def check_lines(omega: Reals, H: Complexes, coherence: Reals | None, radius: Rea
     if not rising.all():
         i = int(np.argmin(rising)) + 1
         low, high = omega[i - 1], omega[i]
-        what = (
-            "is there twice: one line for each frequency" if low == high else f"comes after {low:.10g}: sort the lines"
-        )
+        what = "is there twice: keep one" if low == high else f"follows {low:.10g}: sort by frequency"
         raise SceneError(f"{place(i)}: the frequency {high:.10g} rad/s {what}")
 
 

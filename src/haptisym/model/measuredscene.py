@@ -61,9 +61,7 @@ class MeasuredScene(Shown):
         slope = self.perceived.slope
         if not isinstance(self.environment, Environment) and (slope is None) != (self.environment.slope is None):
             other = "perceived" if slope is None else "environment"
-            raise SceneError(
-                f"{other}: slope is missing: between the lines a bound on the slope of both measured responses is needed"
-            )
+            raise SceneError(f"{other}: slope is missing: give it for both measured responses, or for none")
         motions = {
             motion for motion in (frame.motion, self.perceived.motion, self._motion, slope and slope.motion) if motion
         }

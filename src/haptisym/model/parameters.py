@@ -65,7 +65,7 @@ def ranged(given: Any, dimension: Dimension) -> Ranged:
     >>> ranged("0 kg +- 5 %", Dimension.MASS)
     Traceback (most recent call last):
       ...
-    haptisym.kernel.errors.SceneError: "0 kg +- 5 %": a percentage of zero is no range; give the deviation a unit
+    haptisym.kernel.errors.SceneError: "0 kg +- 5 %": a percentage of zero is no range: give the deviation a unit
     """
     if isinstance(given, str) and _PLUS_MINUS.search(given):
         return _around(given, dimension)
@@ -89,13 +89,15 @@ def _around(text: str, dimension: Dimension) -> Ranged:
 def _deviation(text: str, centre: Quantity, given: str, dimension: Dimension) -> Expr:
     if given.endswith("%"):
         if centre.value == 0:
-            raise SceneError(f'"{text[:60]}": a percentage of zero is no range; give the deviation a unit')
+            raise SceneError(f'"{text[:60]}": a percentage of zero is no range: give the deviation a unit')
         if _PLUS_MINUS.split(text)[0].rstrip().endswith("%"):
             raise SceneError(_two_readings(text, centre.value, decimal(given[:-1].strip()) / 100))
         return centre.value * sign_of_number(centre.value) * decimal(given[:-1].strip()) / 100
     found = quantity(given, dimension)
     if found.exponents != centre.exponents:
-        raise SceneError(f'"{text[:60]}": give the value and its deviation units alike, or the deviation in per cent')
+        raise SceneError(
+            f'"{text[:60]}": give value and deviation in units of the same kind, or the deviation in per cent'
+        )
     return found.value
 
 
@@ -105,14 +107,16 @@ def _two_readings(text: str, centre: Expr, deviation: Expr) -> str:
         ", ".join(f'"{float(100 * x):g} %"' for x in (centre - off, centre, centre + off))
         for off in (deviation, centre * deviation)
     ]
-    return f'"{text[:60]}" has two readings: write [{ways[0]}], or, if it is {float(100 * deviation):g} % of it, [{ways[1]}]'
+    return (
+        f'"{text[:60]}" is ambiguous: write [{ways[0]}], or, if it is {float(100 * deviation):g} % of it, [{ways[1]}]'
+    )
 
 
 def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:
     shown = f"[{', '.join(map(str, given))}]"[:60]
     if len(given) not in (2, 3):
         raise SceneError(
-            f"{shown} is not a range: a list here must be a pair, the lowest and the highest value, or three, the nominal between"
+            f"{shown} is not a range: give the lowest and the highest value, or three numbers with the nominal value between"
         )
     low, *between, high = (quantity(x, dimension) for x in given)
     if any(x.value.free_symbols for x in (low, *between, high)):
@@ -123,7 +127,7 @@ def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:
         raise SceneError(f"{shown}: the lower end of a range must not be above the upper end")
     middle = between[0] if between else Quantity((low.value + high.value) / 2, low.motion, low.exponents)
     if any(sign_of_number(x) < 0 for x in (middle.value - low.value, high.value - middle.value)):
-        raise SceneError(f"{shown}: the value in the middle, the nominal one, must lie between the other two")
+        raise SceneError(f"{shown}: the nominal value must lie between the other two")
     return Ranged(middle, None if low.value == high.value else (low.value, high.value))
 
 
@@ -192,6 +196,7 @@ class Rule(Enum):
 
 
 WHOLE_NUMBERS = (Rule.ORDER, Rule.WHOLE)
+SIGNS = (Rule.POSITIVE, Rule.NONNEGATIVE)
 
 
 @dataclass(frozen=True)
@@ -270,7 +275,7 @@ def enter_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter
     if not isinstance(given, str) or not ("environment." in given or _REFERENCE.match(given)):
         return read_parameter(key, given, slot, name)
     if not _REFERENCE.fullmatch(given):
-        raise SceneError(f'{key}: {quoted(given)}: a reference stands alone, as in {key} = "environment.{key}"')
+        raise SceneError(f'{key}: {quoted(given)}: write a reference alone, as {key} = "environment.{key}"')
     symbol = _symbol(name, slot.rule)
     return Parameter(symbol, symbol, slot.dimension, key=key, rule=slot.rule, tie=given.strip())
 
@@ -279,14 +284,12 @@ def refuse_references(parameters: Iterable[Parameter]) -> None:
     """SceneError where a parameter refers to another and is not one of what is rendered."""
     for p in parameters:
         if p.tie:
-            raise SceneError(
-                f'{p.key}: "{p.tie}": only what is rendered can refer to another value, the environment\'s'
-            )
+            raise SceneError(f'{p.key}: "{p.tie}": only [rendered] can refer to another value')
 
 
 def _symbol(name: str, rule: Rule) -> Symbol:
     if not name.isidentifier() or name in ("s", "omega", "pi", "j"):
-        raise SceneError(f'"{name}" cannot name a parameter: use letters, digits and _, and not s, omega, pi or j')
+        raise SceneError(f'"{name}" is no name for a parameter: use letters, digits and _, not s, omega, pi or j')
     return Symbol(name, real=True) if rule is Rule.ANY else Symbol(name, positive=True)
 
 
@@ -298,30 +301,41 @@ def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
     read = found.nominal
     reserved = {x.name for x in read.value.free_symbols} & {"s", "omega", "X"}
     if reserved:
-        raise SceneError(f"{key}: {quoted(given)} contains {min(reserved)}, which has a meaning of its own here")
+        raise SceneError(f"{key}: {quoted(given)} contains {min(reserved)}, which is reserved: give another name")
     if found.interval and slot.rule in WHOLE_NUMBERS:
-        raise SceneError(f"{key}: {quoted(given)} {slot.rule.value}, and no range")
+        raise SceneError(f"{key}: {quoted(given)} {slot.rule.value}, without a range")
     if not all(slot.rule.allows(x) for x in (read.value, *(found.interval or ()))):
-        kind = SignError if slot.rule in (Rule.POSITIVE, Rule.NONNEGATIVE) else SceneError
-        raise kind(f"{key}: {quoted(given)} {slot.rule.value}")
+        error = (SignError if slot.rule in SIGNS else SceneError)(f"{key}: {quoted(given)} {slot.rule.value}")
+        if isinstance(error, SignError):
+            error.zero = bool(read.value == 0)
+            error.bound = f"{key} {slot.rule.value.removeprefix('must be ')} (is {_shown(given, slot)})"
+        raise error
     return Parameter(
         symbol, read.value, slot.dimension, read.motion, key, read.exponents, slot.rule, found.interval, written=read.unit
     )  # fmt: skip
 
 
+def _shown(given: Any, slot: Slot) -> str:
+    """A value as it was written; a bare number in the SI unit of translation."""
+    unit = slot.dimension.unit(MotionKind.TRANSLATION)
+    return str(given) if isinstance(given, str) or unit in ("", "1") else f"{given} {unit}"
+
+
 def chosen(key: str, given: object, choices: Sequence[str]) -> str:
     """One of some words; SceneError for any other."""
     if given not in choices:
-        raise SceneError(f"{key}: {quoted(given)} is none: {meant(str(given), choices)}valid are {', '.join(choices)}")
+        raise SceneError(
+            f"{key}: {quoted(given)} is unknown: {meant(str(given), choices)}valid are {', '.join(choices)}"
+        )
     return str(given)
 
 
 def enter_list(key: str, given: Any, slot: Slot) -> list[Parameter]:
     """The entries of a list as parameters of their own."""
     if not isinstance(given, Sequence) or isinstance(given, str) or not given:
-        raise SceneError(f"{key}: {quoted(given)} must be a list of at least one quantity")
+        raise SceneError(f"{key}: {quoted(given)}: give a list of quantities, as [100, 50]")
     if len(given) > MOST_BRANCHES:
-        raise SceneError(f"{key}: a list may have at most {MOST_BRANCHES} entries, this one has {len(given)}")
+        raise SceneError(f"{key}: at most {MOST_BRANCHES} entries, not {len(given)}")
     return [
         replace(enter_parameter(f"{key}[{i}]", x, slot, f"{key}_{i}"), key=f"{key}[{i}]")
         for i, x in enumerate(given, 1)
@@ -338,7 +352,7 @@ def tied_to(p: Parameter, known: Mapping[str, Parameter], slot: Slot) -> Paramet
         valid = f"valid are {', '.join(known)}" if known else "it has none"
         raise SceneError(f"{shown} is no parameter of the environment: {meant(p.tie, known)}{valid}")
     if not fits(other.dimension, other.exponents, slot.dimension):
-        raise SceneError(f"{shown} is not a {slot.dimension.name.lower()}{expected(slot.dimension)}")
+        raise SceneError(f"{shown} is not a {slot.dimension.name.lower()}.{expected(slot.dimension)}")
     if not all(slot.rule.allows(x) for x in (other.value, *(other.interval or ()))):
         raise SceneError(f"{shown} {slot.rule.value}")
     motion = other.motion or implied_motion(slot.dimension, other.exponents)

@@ -48,7 +48,7 @@ from sympy import (
     zoo,
 )
 
-from haptisym.kernel.errors import ExpressionError, SceneError, quoted
+from haptisym.kernel.errors import ExpressionError, SceneError, meant, quoted
 from haptisym.kernel.rings import s
 
 if TYPE_CHECKING:
@@ -67,11 +67,11 @@ HIGHEST_DEGREE = 60  # of the written-out formula; the threshold polynomial has 
 MOST_DIGITS = 2000  # of the numbers in the written-out formula
 
 
-_DELAY = 'a delay is an effect of its own, [[effects]] with model = "delay" and tau, and is exact there'
+_DELAY = 'use an effect, [[effects]] with model = "delay" and tau, which is exact'
 _INSTEAD = {
     "sqrt": "a root is a power, as in s^0.5",
-    **dict.fromkeys(("cosh", "sinh", "tanh"), 'a line with delay is the effect model = "wave-variables"'),
-    **dict.fromkeys(("sin", "cos", "tan", "log", "ln", "abs"), "it is built of numbers, names, + - * / and ^ alone"),
+    **dict.fromkeys(("cosh", "sinh", "tanh"), 'a delayed link is the effect model = "wave-variables"'),
+    **dict.fromkeys(("sin", "cos", "tan", "log", "ln", "abs"), "use numbers, names, + - * / and ^"),
 }
 
 
@@ -262,7 +262,7 @@ class _Reader(Generic[T]):
         if degree > HIGHEST_DEGREE:
             self.fail(f"the degree, {degree}, is higher than {HIGHEST_DEGREE}", sign.at)
         if digits > MOST_DIGITS:
-            self.fail(f"written out, this has more than {MOST_DIGITS} digits", sign.at)
+            self.fail(f"expanded, this has more than {MOST_DIGITS} digits", sign.at)
         try:
             if (operation is truediv and not right.value) or (operation is pow and right.value < 0 and not left.value):
                 raise ZeroDivisionError
@@ -300,7 +300,7 @@ _USUAL: dict[str, tuple[Expr, dict[str, int]]] = {
 
 
 def read_unit(unit: str, text: str, hint: str) -> tuple[Expr, dict[str, Fraction]]:
-    """Its value in SI and its base dimensions, exact. ``text``, ``hint``: what an error quotes, and how it ends."""
+    """Its value in SI and its base dimensions, exact. ``text``, ``hint``: the text and the end of an error."""
     plain = _JUXTAPOSED.sub("*", unit.translate(_PLAIN))
     if plain in _USUAL:
         factor, exponents = _USUAL[plain]
@@ -347,21 +347,20 @@ def _measured(plain: str, unit: str, text: str, hint: str) -> tuple[Expr, dict[s
         measured = evaluate(plain, number=_unit_number, name=_named_unit, sums=False)
         base = measured.to_root_units()
     except (ExpressionError, pint.PintError, ArithmeticError):
-        near = next((f'; did you mean "{x}"?' for x in _SPELT if x.lower() == unit.lower()), "")
-        raise SceneError(f"{quoted(text)}: {quoted(unit)} is not a unit{hint}{near}") from None
+        same = next((f'did you mean "{x}"?' for x in _SPELT if x.lower() == unit.lower()), "")
+        near = same or meant(unit, [*_USUAL, *_SPELT]).rstrip()
+        raise SceneError(f"unknown unit {quoted(unit)}{f': {near}' if near else '.'}{hint}") from None
     exponents = {name.strip("[]"): Fraction(power) for name, power in base.dimensionality.items()}
     turns = exponents.pop("circle", Fraction(0))
     if turns.denominator != 1 or (isinstance(base.magnitude, float) and base.magnitude != 1.0):
-        raise SceneError(
-            f"{quoted(text)}: only m, s, kg, N, rad and such, whose factor is 1, may have fractional powers"
-        )
+        raise SceneError(f"{quoted(text)}: use m, s, kg, N, rad in a fractional power")
     exact = Fraction(base.magnitude)
     return Rational(exact.numerator, exact.denominator) * pi ** Integer(int(turns)), exponents
 
 
 def _unit_number(text: str) -> pint.Quantity[Fraction]:
     if text != "1":
-        raise ValueError("a unit holds no number but 1")
+        raise ValueError("a unit has no number but 1")
     return _registry().Quantity(Fraction(1))
 
 
@@ -476,7 +475,7 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
     >>> quantity("15 N", Dimension.STIFFNESS)
     Traceback (most recent call last):
       ...
-    haptisym.kernel.errors.SceneError: "15 N" is not a stiffness: expected N/m or N*m/rad
+    haptisym.kernel.errors.SceneError: "15 N" is not a stiffness. Stiffnesses: N/m, N/mm, N*m/rad.
     """
     if isinstance(given, str):
         return _from_text(given, dimension)
@@ -487,7 +486,7 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
     if isinstance(given, Real | Decimal) and not isinstance(given, bool):
         return Quantity(decimal(str(given)))
     shown = str(given).lower() if isinstance(given, bool) else quoted(given)  # as TOML writes it
-    raise SceneError(f"{shown} is not a number, nor a string of a number and a unit")
+    raise SceneError(f"{shown} is not a quantity: give a number, or a string of number and unit")
 
 
 def number(given: Number, dimension: Dimension) -> Quantity:
@@ -527,7 +526,9 @@ def _rational(match: re.Match[str], text: str) -> Rational:
     if len(number) > _LONGEST or len(match[2] or "") > _LONGEST:
         raise SceneError(f"{quoted(text)}: a number may have at most {_LONGEST} characters")
     if len(exponent[0]) > 4 or abs(int(exponent[0])) > _LARGEST_EXPONENT:
-        raise SceneError(f"{quoted(text)}: exponents of ten may go from -{_LARGEST_EXPONENT} to {_LARGEST_EXPONENT}")
+        raise SceneError(
+            f"{quoted(text)}: an exponent of ten must lie from -{_LARGEST_EXPONENT} to {_LARGEST_EXPONENT}"
+        )
     below = int(match[2] or 1)
     if below == 0:
         raise SceneError(f"{quoted(text)} divides by zero")
@@ -538,7 +539,8 @@ def _rational(match: re.Match[str], text: str) -> Rational:
 def _from_text(text: str, dimension: Dimension) -> Quantity:
     match = _NUMBER.fullmatch(text)
     if match is None:
-        raise SceneError(f"{quoted(text)} does not start with a finite number{expected(dimension)}")
+        unit = "" if dimension.value[0] in ("", "1") else " with a unit"
+        raise SceneError(f"{quoted(text)} is not a finite number{unit}.{expected(dimension)}")
     if match[3] and re.match(r",\d", match[3]):
         raise SceneError(f"{quoted(text)}: decimals are written with a point, as in {text.replace(',', '.', 1)}")
     value, unit = _rational(match, text), match[3]
@@ -558,7 +560,7 @@ def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> 
         return None if translation == rotation else MotionKind.TRANSLATION
     if exponents == rotation:
         return MotionKind.ROTATION
-    raise SceneError(f"{quoted(text)} is not a {dimension.name.lower()}{expected(dimension)}")
+    raise SceneError(f"{quoted(text)} is not a {dimension.name.lower()}.{expected(dimension)}")
 
 
 def dimension_exponents(dimension: Dimension, motion: MotionKind | None) -> Exponents | None:
@@ -629,24 +631,22 @@ def in_laplace(given: Expr, variable: Symbol | None = None) -> Expr:
     >>> in_laplace(3 * I * Symbol("w") + 100)
     Traceback (most recent call last):
       ...
-    haptisym.kernel.errors.SceneError: "3*I*w + 100" contains I, which does not cancel: write it in s, with real numbers
+    haptisym.kernel.errors.SceneError: "3*I*w + 100" contains I: write it in s, with real numbers
     """
     called_s = {x for x in given.free_symbols if x.name == "s"} - {variable}
     if called_s and (variable is not None or len(called_s) > 1):
         raise SceneError(f"{quoted(given)}: s is the Laplace variable: a parameter needs another name")
     if any(x.is_real is not None or x.is_commutative is False for x in called_s):
-        raise SceneError(f'{quoted(given)}: its s is declared to be no complex variable: write Symbol("s")')
+        raise SceneError(f'{quoted(given)}: declare s without assumptions: Symbol("s")')
     others = given.free_symbols - called_s - {variable}
     if known := sorted({x.name for x in others} & {"omega", "j", "X"}):
-        raise SceneError(f"{quoted(given)} contains {known[0]}, the frequency's name: write the system in s")
+        raise SceneError(f"{quoted(given)} contains {known[0]}: write the system in s")
     refuse_unreal(others)
     found = given.xreplace({x: s for x in {*called_s, variable} if x is not None})
     found = found.xreplace({x: decimal(str(float(x))) for x in found.atoms(Float)})
     if (degree := _degree(found)) > HIGHEST_DEGREE:
         most = HIGHEST_DEGREE
-        raise SceneError(
-            f"{quoted(given)} has the degree {degree} in s when written out, and at most {most} can be answered"
-        )
+        raise SceneError(f"{quoted(given)} has the degree {degree} in s; at most {most} is possible")
     return _without_i(found, given) if found.has(I) else found
 
 
@@ -666,7 +666,7 @@ def _without_i(expression: Expr, given: Expr) -> Expr:
     above, below = (expand(x) for x in fraction(together(expression)))
     if above.has(I) or below.has(I):
         way = "write it in s, with real numbers"
-        raise SceneError(f"{quoted(given)} contains I, which does not cancel: {way}")
+        raise SceneError(f"{quoted(given)} contains I: {way}")
     return above / below
 
 
@@ -678,25 +678,33 @@ def _exact_expression(given: Expr) -> Expr:
     if exact.has(nan, zoo, oo, -oo, I) or (
         exact.is_number and (not known or any(not x.exp.is_Integer for x in exact.atoms(Pow)))
     ):
-        raise SceneError(f"{quoted(given)} is not a finite number that is rational, or rational in pi")
+        raise SceneError(f"{quoted(given)} is not a finite number, rational or rational in pi")
     return exact
 
 
 def _sized(value: Expr, text: str) -> Expr:
     """A number that a float can show, or an error."""
     if value != 0 and not Float("1e-300") < abs(value.evalf(5)) < Float("1e300"):
-        raise SceneError(f"{quoted(text)}: in SI units the number must lie between 1e-300 and 1e300")
+        raise SceneError(f"{quoted(text)}: in SI units it must lie between 1e-300 and 1e300")
     return value
 
 
-def expected(dimension: Dimension) -> str:
-    """The end of a message: which unit should have been there; empty where any may be.
+_UNITS = {
+    Dimension.MASS: "Masses: kg, g, kg*m^2",
+    Dimension.DAMPING: "Dampings: N*s/m, N*m*s/rad",
+    Dimension.STIFFNESS: "Stiffnesses: N/m, N/mm, N*m/rad",
+    Dimension.FORCE: "Forces: N, mN, N*m",
+    Dimension.DISPLACEMENT: "Displacements: m, mm, rad, deg",
+    Dimension.FREQUENCY: "Frequencies: rad/s, Hz, rpm",
+    Dimension.TIME: "Times: s, ms, us",
+    Dimension.RATIO: "Ratios: a plain number, %",
+}
 
-    >>> expected(Dimension.TIME), expected(Dimension.RATIO)
-    (': expected s', ': expected a plain number')
+
+def expected(dimension: Dimension) -> str:
+    """The units that a dimension may have, the end of a message; empty where any may be.
+
+    >>> expected(Dimension.TIME), expected(Dimension.ANY)
+    (' Times: s, ms, us.', '')
     """
-    return (
-        ""
-        if dimension is Dimension.ANY
-        else f": expected {dimension.unit(None)}".replace("expected 1", "expected a plain number")
-    )
+    return f" {_UNITS[dimension]}." if dimension in _UNITS else ""

@@ -70,7 +70,7 @@ class NumberTable:
 
 
 def read_table(path: Path, form: Form) -> NumberTable:
-    """The table in a file; SceneError says what is wrong with it, and in which line."""
+    """The table in a file; SceneError gives the line and what is wrong."""
     try:
         refuse(path)
         with path.open(encoding="utf-8-sig") as file:
@@ -129,20 +129,20 @@ def _head(file: TextIO, form: Form) -> Head:
     delimiter = max("\t;,", key=header.count)
     cells = _cells(header, delimiter)
     if len(cells) > 1 and all(_is_number(x) for x in cells):
-        raise SceneError(f"line {at} holds numbers: the first line must name the columns, as in {form.example}")
+        raise SceneError(f"line {at} has numbers: name the columns in the first line, as {form.example}")
     names, units = zip(*map(_named, cells), strict=True) if cells else ((), ())
     columns = form.check(names)
     at, first = next(lines, (at, ""))
     found = _cells(first, delimiter)
     if _is_unit(dict(zip(columns, found, strict=False)), form):
         if any(units):
-            raise SceneError(f"line {at} has units, and so has the header: leave out one of them")
+            raise SceneError(f"units are in the header and in line {at}: leave out one of them")
         if len(found) != len(columns):
-            raise SceneError(f"line {at} has {len(found)} units, and the header names {len(columns)} columns")
+            raise SceneError(f"line {at} has {len(found)} units, the header {len(columns)} columns")
         units = tuple(found)
         at, first = next(lines, (at, ""))
     if not first:
-        raise SceneError("there are no lines of numbers in it")
+        raise SceneError("there are no lines of numbers")
     factors, motion = _factors(columns, units, form)
     return Head(columns, factors, motion, delimiter, first, at)
 
@@ -202,9 +202,7 @@ def _refuse_line(number: int, cells: Sequence[str], head: Head) -> None:
     if len(cells) > len(head.columns) and head.delimiter == "," and len(cells) == 2 * len(head.columns):
         hint = "; if these are decimal commas, write decimals with a point"
     if len(cells) != len(head.columns):
-        raise SceneError(
-            f"line {number} has {len(cells)} cells, and the header names {len(head.columns)} columns{hint}"
-        )
+        raise SceneError(f"line {number} has {len(cells)} cells, the header {len(head.columns)} columns{hint}")
     for name, cell in zip(head.columns, cells, strict=True):
         if _has_comma(cell):
             right = cell.replace(",", ".")
@@ -242,18 +240,16 @@ def read_mat(path: Path, averages: float | None, confidence: float) -> Measureme
         refuse(path, text=False)
         rows = _variables(path)
         if ("omega" in rows) == ("frequency_hz" in rows):
-            raise SceneError("the variables must hold the frequencies once: omega (rad/s) or frequency_hz")
+            raise SceneError("give the frequencies as one variable: omega (rad/s) or frequency_hz")
         if "H" not in rows and not {"real", "imag"} <= set(rows):
-            raise SceneError("the variables must hold the response: H, or real and imag")
+            raise SceneError("the response is missing: give the variable H, or real and imag")
         if "H" in rows and (others := [x for x in ("real", "imag") if x in rows]):
-            raise SceneError(
-                f"the variables hold the response twice, as H and as {' and '.join(others)}: leave out one of them"
-            )
+            raise SceneError(f"the response is there twice, as H and as {' and '.join(others)}: leave out one of them")
         omega = rows["omega"] if "omega" in rows else 2 * np.pi * rows["frequency_hz"]
         H = rows["H"] if "H" in rows else rows["real"] + 1j * rows["imag"]
         coherence, radius = rows.get("coherence"), rows.get("radius")
         if any(x is not None and len(x) != len(omega) for x in (H, coherence, radius)):
-            raise SceneError("the variables must have as many numbers as each other")
+            raise SceneError("give as many numbers in each variable")
     except SceneError as error:
         raise error.within(path.name or str(path)) from None
     return Measurement(omega, H, coherence, averages, confidence, radius, name=path.name, path=path)
@@ -265,9 +261,9 @@ def _variables(path: Path) -> dict[str, Any]:
     try:
         found = loadmat(path, variable_names=_NAMES)
     except NotImplementedError:
-        raise SceneError("a file of version 7.3, which SciPy does not read: save it with -v7") from None
+        raise SceneError("version 7.3, which SciPy does not read: save it with -v7") from None
     except Exception as error:  # noqa: BLE001  whatever SciPy raises for what is none
-        raise SceneError(f"not a file of MATLAB that can be read: {str(error).lower()}") from None
+        raise SceneError(f"not a readable MATLAB file: {str(error).lower()}") from None
     return {key: _numbers(key, found[key]) for key in _NAMES if key in found}
 
 
@@ -291,7 +287,7 @@ _PLAIN_UNITS = {
 
 
 def read_measurement(path: Path, averages: float | None = None, confidence: float = CONFIDENCE) -> Measurement:
-    """The response in a file; SceneError says what is wrong with it, and in which line."""
+    """The response in a file; SceneError gives the line and what is wrong."""
     try:
         table = read_table(path, _LINES)
         check_certainty("coherence" in table.column, "radius" in table.column, averages, confidence)
@@ -303,12 +299,12 @@ def read_measurement(path: Path, averages: float | None = None, confidence: floa
 def _line_columns(names: Sequence[str]) -> tuple[str, ...]:
     if "t" in names:
         raise SceneError(
-            'column "t": a record in time, not lines of a response: say how that is estimated, as --estimator H1 --segment '
-            '"4 s", or with these as keys of [perceived]; H1, H2 and joint there are'
+            'column "t": for records in time add an estimator, as estimator = "H1" and segment = "4 s" in [perceived], or '
+            '--estimator H1 --segment "4 s"; valid are H1, H2, joint'
         )
     for name in names:
         if name not in COLUMNS:
-            raise SceneError(f"unknown column {quoted(name)}: {meant(name, COLUMNS)}known are {', '.join(COLUMNS)}")
+            raise SceneError(f"unknown column {quoted(name)}: {meant(name, COLUMNS)}valid are {', '.join(COLUMNS)}")
         if names.count(name) > 1:
             raise SceneError(f"column {name} is there twice")
     frequencies = [x for x in ("omega", "frequency_hz") if x in names]
@@ -318,7 +314,9 @@ def _line_columns(names: Sequence[str]) -> tuple[str, ...]:
         )
     forms = [pair for pair in (("real", "imag"), ("magnitude", "phase_deg")) if set(pair) & set(names)]
     if len(forms) != 1 or not set(forms[0]) <= set(names):
-        raise SceneError(f"the response is written real, imag or magnitude, phase_deg: there are {', '.join(names)}")
+        raise SceneError(
+            f"give the response in columns real, imag or magnitude, phase_deg: there are {', '.join(names)}"
+        )
     return tuple(names)
 
 
@@ -330,11 +328,11 @@ def _line_factor(column: str, unit: str) -> tuple[float, MotionKind | None]:
     if known is not None:
         if unit not in known:
             raise SceneError(
-                f"{column}: the unit is {quoted(unit)}, and must be {next(iter(known))}{_otherwise(column, unit)}"
+                f"{column}: the unit must be {next(iter(known))}, not {quoted(unit)}{_otherwise(column, unit)}"
             )
         return known[unit], None
     if unit.lower().startswith("db"):
-        raise SceneError(f"{column}: {quoted(unit)}: give the magnitude itself in N/m, 10^(dB/20) of what 0 dB is")
+        raise SceneError(f"{column}: {quoted(unit)}: give the magnitude in N/m, 10^(dB/20) times the value at 0 dB")
     try:
         read = quantity(f"1 {unit}", Dimension.STIFFNESS)
     except SceneError as error:
@@ -364,9 +362,7 @@ def _units(columns: Sequence[str], units: Sequence[str]) -> tuple[str, ...]:
     named, bare = [x for x in of_h if known[x]], [x for x in of_h if not known[x]]
     if named and bare:
         unit = known[named[0]]
-        raise SceneError(
-            f"{bare[0]} has no unit, and {named[0]} has {unit}: write {bare[0]} [{unit}], or whatever it is in"
-        )
+        raise SceneError(f"{bare[0]} has no unit, and {named[0]} has {unit}: write {bare[0]} [{unit}]")
     if named and not known.get("radius", "is not there"):
         known["radius"] = known[named[0]]
     return tuple(known.values())
@@ -412,7 +408,7 @@ def read_record(path: Path, estimator: str, **settings: Any) -> Measurement:
         column = table.column
         joint = estimator.lower() == Estimator.JOINT.value
         if joint and "reference" not in column:
-            raise SceneError("estimator: joint needs a column reference: the signal that drove the loop")
+            raise SceneError("estimator: joint needs the column reference, the signal that drives the loop")
         taken = column["reference"] if joint else None
         found = estimated(
             column["position"], column["force"], _rate(table), estimator=estimator, reference=taken, name=path.name,
@@ -427,7 +423,7 @@ def _record_columns(names: Sequence[str]) -> tuple[str, ...]:
     for name in names:
         if name not in RECORD_COLUMNS:
             raise SceneError(
-                f"unknown column {quoted(name)}: {meant(name, RECORD_COLUMNS)}of records are known {', '.join(RECORD_COLUMNS)}"
+                f"unknown column {quoted(name)}: {meant(name, RECORD_COLUMNS)}records in time have {', '.join(RECORD_COLUMNS)}"
             )
         if names.count(name) > 1:
             raise SceneError(f"column {name} is there twice")
@@ -464,8 +460,8 @@ def _rate(table: NumberTable) -> float:
     jumps = np.abs(np.diff(t) - step) > _OFF * step
     if jumps.any() or off.any():
         first = int(np.argmax(jumps)) + 1 if jumps.any() else int(np.argmax(off))
-        told = f"{t[first]:.6g} s follows {t[first - 1]:.6g} s, and samples are {step:.4g} s apart"
-        raise SceneError(f"{table.place(first)}: t: {told}: a gap, or not sampled evenly; resample the record first")
+        gap = f"{t[first]:.6g} s follows {t[first - 1]:.6g} s, and samples are {step:.4g} s apart"
+        raise SceneError(f"{table.place(first)}: t: {gap}: resample the record evenly")
     return float(1 / step)
 
 
@@ -483,11 +479,9 @@ def read_file(path: Path, averages: float | None, confidence: float, records: Ma
         if key not in RECORDS:
             raise SceneError(f'unknown key "{key}": {meant(key, RECORDS)}valid are {", ".join(RECORDS)}')
     if not isinstance(records.get("estimator"), str):
-        raise SceneError(
-            "estimator is missing: of records in time say by which, H1, H2 or joint, the response is estimated"
-        )
+        raise SceneError('estimator is missing: add estimator = "H1", "H2" or "joint"')
     if averages is not None:
-        raise SceneError("averages: of records in time they follow from the segments: leave it out")
+        raise SceneError("averages: leave it out, as it follows from the segments")
     return read_record(path, confidence=confidence, **records)
 
 
@@ -495,6 +489,6 @@ def refuse_universal(path: Path) -> None:
     """SceneError for the name of a universal file (dataset 58)."""
     if path.suffix.lower() in (".uff", ".unv"):
         raise SceneError(
-            f"{path.name}: universal files are neither read nor written: use CSV with the columns frequency_hz, real, imag "
+            f"{path.name}: universal files are not read: use CSV with the columns frequency_hz, real, imag "
             "and coherence (pyuff reads the datasets of a universal file)"
         )

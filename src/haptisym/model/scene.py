@@ -84,7 +84,7 @@ class Knob(Parameter):
     def felt(self) -> Knob:
         """The same; SceneError for a hand's, of which what is felt holds nothing."""
         if self.is_of_hand:
-            raise SceneError(f"{self.path} changes nothing of what is felt: haptisym stability tells what it changes")
+            raise SceneError(f"{self.path} does not change what is felt; haptisym stability examines it")
         return self
 
     @property
@@ -102,7 +102,7 @@ class Knob(Parameter):
         with within(self.path):
             read = number(given, self.dimension)
         if read.motion and self.motion and read.motion is not self.motion:
-            raise SceneError(f'{self.path}: "{given}" is {read.motion.value}, but the scene is {self.motion.value}')
+            raise SceneError(f'{self.path}: "{given}" is {read.motion.value}, the scene {self.motion.value}')
         return read.value
 
     def check(self, given: Number) -> None:
@@ -162,11 +162,11 @@ class Knobs(Collection[Knob]):
             named = [x for x in self if x in named or x in ended]
         found = [x for x in self if given in x.paths] or named or ended
         if len(found) > 1:
-            raise SceneError(f'"{given}" may be {" or ".join(x.path for x in found)}: give the path')
+            raise SceneError(f'"{given}" is ambiguous: write {" or ".join(x.path for x in found)}')
         if not found:
             paths = [path for x in self for path in x.paths]
             hint = meant(given, [*paths, *(x.name for x in self)])
-            raise SceneError(f'the scene has no parameter "{given[:60]}": {hint}valid are {", ".join(paths)}')
+            raise SceneError(f'unknown parameter "{given[:60]}": {hint}valid are {", ".join(paths)}')
         return found[0]
 
     @property
@@ -193,7 +193,7 @@ class Knobs(Collection[Knob]):
                     raise SceneError(f"{knob.path} is given twice")
                 if set(other.parts) & set(knob.parts):
                     raise SceneError(
-                        f"{THRESHOLD} is both thresholds: give it, or {THRESHOLD}.real and {THRESHOLD}.imag"
+                        f"{THRESHOLD} sets both thresholds: give it, or {THRESHOLD}.real and {THRESHOLD}.imag"
                     )
             found.append(knob)
         return tuple(found)
@@ -203,8 +203,8 @@ class Knobs(Collection[Knob]):
         for x in self:
             if x.value.free_symbols - {omega} and x not in besides:
                 raise SceneError(
-                    f"{x.path} = {x.value} is a symbol where a number is needed: put one in, as by "
-                    f'with_values({{"{x.path}": ...}}); derive and distort answer in symbols'
+                    f"{x.path} = {x.value} is a symbol; give a number, as "
+                    f'with_values({{"{x.path}": ...}}); derive and distort accept symbols'
                 )
 
 
@@ -240,7 +240,7 @@ def read_friction(given: Any) -> FrictionThreshold:
     if isinstance(given, FrictionThreshold):
         return given
     if not isinstance(given, Mapping) or not given:
-        raise SceneError('friction: must be a table, as { weber = 0.2, floor = "0.05 N" }')
+        raise SceneError('friction: give a table, as { weber = 0.2, floor = "0.05 N" }')
     found: dict[str, Any] = {}
     kinds = set()
     for key, x in given.items():
@@ -255,7 +255,7 @@ def read_friction(given: Any) -> FrictionThreshold:
         found[key] = read.value
         kinds |= {read.motion} - {None}
     if len(kinds) > 1:
-        raise SceneError("friction: floor and reference: one is a force, the other a torque")
+        raise SceneError("friction: floor and reference: give both as forces, or both as torques")
     return FrictionThreshold(**found, motion=next(iter(kinds), None))
 
 
@@ -376,7 +376,7 @@ class Scene(Shown):
         kinds = (self.friction.motion if self.friction else None), self.motion
         if None not in kinds and kinds[0] is not kinds[1]:
             own, scenes = (x.value for x in kinds if x)
-            raise SceneError(f"friction: its unit is {own}, but the scene is {scenes}")
+            raise SceneError(f"friction: its unit is {own}, the scene {scenes}")
         effects = with_names(self.effects)
         listed: list[Effect | Hand] = [*effects, *self.hands]
         whose = ((x.name, x) for x in listed)
@@ -602,7 +602,7 @@ def frequency_unit(given: Any) -> Unit | None:
 def _different(hands: Iterable[Hand]) -> None:
     for name, times in Counter(x.name for x in hands).items():
         if times > 1:
-            raise SceneError(f'hands: "{name}" is there twice: give each a name of its own')
+            raise SceneError(f'hands: "{name}" is there twice: give each hand another name')
 
 
 def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> None:
@@ -612,8 +612,8 @@ def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> 
             if parameter.motion is not None:
                 seen.setdefault(parameter.motion, f"{place}.{parameter.key}")
     if len(seen) > 1:
-        told = " but ".join(f"{where} is {motion.value}" for motion, where in seen.items())
-        raise SceneError(f"translation and rotation cannot be mixed: {told}")
+        units = ", ".join(f"{where} is {motion.value}" for motion, where in seen.items())
+        raise SceneError(f"translation and rotation cannot be mixed: {units}")
 
 
 def caveats(scene: Scene) -> tuple[str, ...]:

@@ -61,15 +61,17 @@ class SceneFamily(Shown):
         for name, scene in self.scenes.items():
             need(f"environments: {name}", scene, Scene, "give a scene, as load_scene(...) makes one")
         if not 1 <= len(self.scenes) <= MOST_ENVIRONMENTS:
-            raise SceneError(f"environments: {len(self.scenes)} were given: at least 1, at most {MOST_ENVIRONMENTS}")
+            raise SceneError(f"environments: give 1 to {MOST_ENVIRONMENTS}, not {len(self.scenes)}")
         for name, scene in self.scenes.items():
             if _display(scene) != _display(self.first):
-                raise SceneError(f'environments: "{name}" has other effects, another band or another threshold')
+                raise SceneError(
+                    f'environments: "{name}" has other effects, another band or another JND: evaluate it alone'
+                )
 
     def __getitem__(self, name: str) -> Scene:
         if name not in self.scenes:
             these = "these are" if len(self) > 1 else "there is only"
-            raise SceneError(f'there is no environment "{name}": {these} {self.listed()}')
+            raise SceneError(f'unknown environment "{name}": {meant(name, self)}{these} {self.listed()}')
         return self.scenes[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -165,8 +167,8 @@ _TABLES = (
     "title", "source", "environment", "environments", "rendered", "perceived", "effects", "hand", "hands", "evaluation",
 )  # fmt: skip
 MEASURED = (
-    "this scene is measured, line by line, and evaluate alone judges it; every other question needs formulas: a model in "
-    "[environment], and [[effects]] in place of [perceived]"
+    "this scene is measured: only evaluate and identify take it. All others need a model in [environment], and [[effects]] "
+    "in place of [perceived]; haptisym identify fits one"
 )
 _APART = ("environments", "rendered", "effects", "hand", "hands")
 """Tables that a scene with a measured response does not have."""
@@ -175,12 +177,13 @@ _TOML_HINTS = {
     "Expected newline or end of document": '; a value with a unit goes in quotes, as in k = "100 N/m"',
     "Invalid value": '; a value with a unit goes in quotes, as in k = "100 N/m"',
     "('effects',) twice": "; each effect begins with [[effects]]",
+    "('environment',) twice": "; several environments begin with [[environments]]",
 }
 
 
 _MEASURED_LINES = (
-    "a table of lines and no scene: a scene (TOML) names it, as file = ... under [perceived]; haptisym identify fits a model to "
-    "a response, and haptisym jnd a curve to answers"
+    'a table of lines, not a scene: name it in a scene, as file = "..." in [perceived]; haptisym identify fits a model to a '
+    "response, haptisym jnd a curve to responses of a person"
 )
 
 
@@ -247,9 +250,9 @@ def _formulas(table: Table, text: str) -> SceneFamily:
 
 def _one_environment(table: Table) -> tuple[str, Environment, Environment | None]:
     if "environment" not in table:
-        raise SceneError("[environment] is missing: a scene needs something that should be felt")
+        raise SceneError('[environment] is missing: add it, with a model, as model = "mass-spring-damper"')
     if isinstance(table["environment"], list):
-        raise SceneError("environment: one is written [environment]; several are written [[environments]], with an s")
+        raise SceneError("environment: write [environment] for one, [[environments]] for several")
     rendered = _environment(table["rendered"], "rendered") if "rendered" in table else None
     return "environment", _environment(table["environment"], "environment"), rendered
 
@@ -258,7 +261,7 @@ def _environments(table: Table) -> Iterable[tuple[str, Environment, Environment 
     """Name, environment and what is rendered for it, of each of several."""
     given = table["environments"]
     if not isinstance(given, list) or not given:
-        raise SceneError("environments: must be written [[environments]], once for each environment")
+        raise SceneError("environments: write [[environments]] once for each environment")
     for key in ("environment", "rendered"):
         if key in table:
             raise SceneError(f"{key}: give either [{key}] or [[environments]], each with its own {key}")
@@ -268,7 +271,7 @@ def _environments(table: Table) -> Iterable[tuple[str, Environment, Environment 
         name = str(own.get("model", position)) if name is None else name
         place = f'environments[{position}] "{str(name)[:60]}"'
         if not isinstance(name, str) or not name:
-            raise SceneError(f'environments[{position}]: name: "{name}" must be a string that is not empty')
+            raise SceneError(f'environments[{position}]: name: "{name}": give a name, as "mine"')
         environment = _environment(own, place)
         yield name, environment, None if rendered is None else _rendered(rendered, environment, f"{place}: rendered")
 
@@ -286,14 +289,14 @@ def _environment(given: Any, place: str) -> Environment:
 
 def _effects(given: Any) -> Iterable[Effect]:
     if not isinstance(given, list):
-        raise SceneError("effects: must be written [[effects]], once for each effect")
+        raise SceneError("effects: write [[effects]] once for each effect")
     if len(given) > MOST_EFFECTS:
-        raise SceneError(f"effects: a scene may have at most {MOST_EFFECTS} effects, this one has {len(given)}")
+        raise SceneError(f"effects: at most {MOST_EFFECTS}, not {len(given)}")
     for position, table in enumerate(given, 1):
         place = f"effects[{position}]"
         model, parameters = _model(table, EFFECTS, place)
         if not isinstance(parameters.get("name", ""), str) or parameters.get("name") == "":
-            raise SceneError(f'{place}: name: "{parameters["name"]}" must be a string that is not empty')
+            raise SceneError(f'{place}: name: "{parameters["name"]}": give a name, as "mine"')
         yield _built(model, parameters, f'{place} "{parameters.get("name", model.name)}"')
 
 
@@ -301,16 +304,16 @@ def _hands(table: Table) -> Iterable[Hand]:
     if "hand" in table and "hands" in table:
         raise SceneError("hand: give either [hand] or [[hands]], each with a name")
     if isinstance(table.get("hand"), list):
-        raise SceneError("hand: one is written [hand]; several are written [[hands]], with an s")
+        raise SceneError("hand: write [hand] for one, [[hands]] for several")
     if not isinstance(table.get("hands", []), list):
-        raise SceneError("hands: must be written [[hands]], once for each hand")
+        raise SceneError("hands: write [[hands]] once for each hand")
     rows = [("hand", table["hand"])] if "hand" in table else []
     rows += [(f"hands[{i}]", x) for i, x in enumerate(table.get("hands", []), 1)]
     for place, given in rows:
         own = dict(_table(given, place))
         name = own.pop("name", "hand" if place == "hand" else None)
         if not isinstance(name, str) or not name:
-            raise SceneError(f"{place}: name: each of several hands needs one, a string that is not empty")
+            raise SceneError(f"{place}: name is missing: each of several hands needs one")
         with within(place):
             yield read_hand(name, own)
 
@@ -335,9 +338,7 @@ def _built(model: Model, parameters: Table, place: str) -> Any:
 
 def _band(given: Any) -> tuple[Any, Any]:
     if not isinstance(given, list) or len(given) != 2:
-        raise SceneError(
-            f'evaluation: band: "{given}" must be a list of two frequencies, as in ["0 rad/s", "15 rad/s"]'
-        )
+        raise SceneError(f'evaluation: band: "{given}": give two frequencies, as ["0 rad/s", "15 rad/s"]')
     for x in given:
         frequency("evaluation: band", x)
     low, high = given  # as they are written, for what may be said about them
@@ -347,13 +348,11 @@ def _band(given: Any) -> tuple[Any, Any]:
 def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
     for key in _APART:
         if key in table:
-            raise SceneError(
-                f"{key}: does not go with what is measured, which is [environment] and [perceived]: leave it out"
-            )
+            raise SceneError(f"{key}: a measured scene has [environment] and [perceived] only: leave it out")
     _only(table, _TABLES, "")
     for key in ("environment", "perceived"):
         if key not in table:
-            raise SceneError(f"[{key}] is missing: what is felt is compared, line by line, with what should be felt")
+            raise SceneError(f"[{key}] is missing: a measured scene needs [environment] and [perceived]")
     own = _table(table["environment"], "environment")
     environment = _measurement(own, "environment", folder) if "file" in own else _environment(own, "environment")
     perceived = _measurement(_table(table["perceived"], "perceived"), "perceived", folder)
@@ -373,7 +372,7 @@ def _measurement(table: Table, place: str, folder: Path) -> Measurement:
         _only(table, ("file", "averages", "confidence", "slope", *RECORDS), "")
         name = table.get("file")
         if not isinstance(name, str) or not name or "\0" in name:
-            raise SceneError("file: give the name of a CSV file beside the scene")
+            raise SceneError("file: give the name of a CSV file in the folder of the scene")
         averages, confidence, overlap = (_float(table, key) for key in ("averages", "confidence", "overlap"))
         settings = {key: table[key] for key in RECORDS if key in table}
         if overlap is not None:
@@ -577,9 +576,9 @@ def scene_text(scene: str | Path) -> tuple[str, str]:
 def _instead(given: object) -> str:
     """What to call with something that is neither the name of a scene nor a path."""
     if isinstance(given, str):
-        return "this is a scene's text, not its name or path: read it with parse_scene(text)"
+        return "this is the text of a scene: read it with parse_scene(text)"
     if isinstance(given, Scene):
-        return "this is a scene already, not the name or path of one"
+        return "this is already a Scene: pass it to the command"
     if isinstance(given, MeasuredScene):
         return MEASURED
     if isinstance(given, SceneFamily):
@@ -602,7 +601,7 @@ def _read_in_scenefile(path: Path) -> str:
     except (OSError, ValueError) as error:
         raise SceneError(f"{path}: {_no_such_scene(path, error)}") from None
     if len(data) > LARGEST_FILE:
-        raise SceneError(f"{path}: the file has more than {LARGEST_FILE} bytes; a scene may have at most that")
+        raise SceneError(f"{path}: a scene has at most {LARGEST_FILE} bytes")
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise SceneError(f"{path}: the file is written in UTF-16: save it as UTF-8")
     try:
@@ -621,4 +620,4 @@ def _no_such_scene(path: Path, error: Exception) -> str:
         or f"the package ships {', '.join(known)}"
     )
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    return f"neither a scene file ({reason.lower()}) nor a scene of the package; {hint.rstrip()}"
+    return f"no such scene ({reason.lower()}): {hint.rstrip()}"

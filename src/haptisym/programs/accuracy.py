@@ -48,5 +48,5 @@ def _member(kind: type[Choice], what: str, given: Choice | str) -> Choice:
         return given
     known = {member.value: member for member in kind}
     if given not in known:
-        raise SceneError(f"{what}: {given!r} is none of {', '.join(known)}")
+        raise SceneError(f"{what}: {given!r} is unknown: valid are {', '.join(known)}")
     return known[given]

@@ -132,7 +132,7 @@ class PointValue(RealNumber):
             return self.special
         value = at_rising_precision(lambda bits: nearest_double(self.ball(bits), bits))
         if value is None:
-            raise UndecidedError(f"{self.function.expression()} at {self.frequency} rad/s: no {MOST_BITS} bits tell")
+            raise UndecidedError(f"{self.function.expression()} at {self.frequency} rad/s, with {MOST_BITS} bits")
         return value
 
     @property

@@ -236,7 +236,7 @@ class Writer:
         for kind in (cos, sin, sinc, sincm1, exp, phi):
             if isinstance(given, kind):
                 return self._step(kind.__name__, self.expression(given.args[0]))
-        raise SceneError(f"{given} has no floats: it is not made of + - * /, powers, sines and cosines")
+        raise SceneError(f"{given} cannot be compiled: only + - * /, powers, sines and cosines can")
 
     def polynomial(self, ring: PolynomialRing, polynomial: Polynomial, meanings: Sequence[Expr] | None = None) -> int:
         """A polynomial by Horner's rule in each variable; they mean expressions in the inputs, those of the ring unless given."""

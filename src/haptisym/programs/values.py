@@ -58,9 +58,7 @@ def chosen(of: Sequence[str] | str | None) -> tuple[str, ...]:
     names = (of,) if isinstance(of, str) else tuple(of)
     wrong = [name for name in names if name not in Values._fields or names.count(name) > 1]
     if wrong or not names:
-        raise SceneError(
-            f"of: {wrong[0] if wrong else 'nothing'} must be some of {', '.join(Values._fields)}, each once"
-        )
+        raise SceneError(f"of: {wrong[0] if wrong else 'nothing'}: choose among {', '.join(Values._fields)}, each once")
     return names
 
 
@@ -204,10 +202,10 @@ class Compiled(Shown):
         try:
             shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
         except ValueError:
-            told = ", ".join(
+            shapes = ", ".join(
                 f"{name} {x.shape}" for name, x in zip(("omega", *self.parameters), arguments, strict=True)
             )
-            raise SceneError(f"the shapes of the arguments do not broadcast: {told}") from None
+            raise SceneError(f"the shapes of the arguments do not broadcast: {shapes}") from None
         flat = [
             float(x.item()) if x.size == 1 else (x if x.shape == shape else np.broadcast_to(x, shape)).ravel()
             for x in arguments
@@ -217,7 +215,7 @@ class Compiled(Shown):
 
 def _array(name: str, given: ArrayLike) -> Array:
     if np.iscomplexobj(given):
-        raise SceneError(f"{name}: must be real numbers, frequencies in rad/s as those on the axis s = j omega")
+        raise SceneError(f"{name}: give real frequencies in rad/s")
     try:
         return np.asarray(given, dtype=float)
     except (TypeError, ValueError):

@@ -325,7 +325,7 @@ def scipy_way(question: RatioQuestion) -> Attempt:
 
 def _rational(distortion: Distortion) -> tuple[Any, Any]:
     if distortion.perc.ring.functions:
-        raise RefusedError("transfer functions know no delays and no fractional powers")
+        raise RefusedError("delays and fractional powers are not possible")
     return distortion.env, distortion.perc
 
 
@@ -415,7 +415,7 @@ def _polynomial(question: Crossings, criterion: Criterion) -> Array:
         raise RefusedError("the threshold is not rational")
     excess = question.functions[criterion]
     if not isinstance(excess, RealFunction):
-        raise RefusedError("the border of the region is not that of one polynomial")
+        raise RefusedError("the border of the JND region is not one polynomial")
     row = None if excess.axis.functions else excess.axis.univariate(excess.function.cleared().numerator)
     if row is None:
         raise RefusedError("the equation is not a polynomial with rational coefficients")

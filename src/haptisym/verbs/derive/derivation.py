@@ -54,7 +54,7 @@ from haptisym.judge.crossings import Criterion, noticed, opened
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.judge.peaks import largest
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
-from haptisym.kernel.errors import SceneError, several
+from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, SquareRoot
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, c, omega, s
@@ -122,7 +122,7 @@ def expansion(scene: Scene, order: int = 1) -> Expansion:
     """
     fast = {p.symbol: p.dimension for e in scene.effects for p in e.parameters if p.dimension in _SPEED}
     if not fast:
-        raise SceneError("no effect of this scene has a time constant: there is nothing that could be fast")
+        raise SceneError("no effect of this scene has a time constant: there is no high-bandwidth approximation")
     epsilon = Dummy("epsilon", positive=True)
     slowed = scene.chain.at({x: x * epsilon ** _SPEED[dimension] for x, dimension in fast.items()})
     depth = order + 2 + 2 * len(fast)  # a hold divides by its period, which costs an order each time
@@ -153,7 +153,9 @@ def _series(f: RationalFunction, epsilon: Symbol, order: int) -> Iterator[Ration
     """The coefficients of a power series in epsilon, up to an order; ``f`` in lowest terms."""
     above, below = (_by_powers(p, f.ring, epsilon) for p in (f.numerator, f.denominator))
     if 0 not in below:  # then it is in the numerator: a power of epsilon is left below the line
-        raise SceneError("the distortion grows without bound as the effects get faster: it has no leading terms")
+        raise SceneError(
+            "the distortion increases without bound with the bandwidth of the effects: there is no high-bandwidth approximation"
+        )
     terms: list[RationalFunction] = []
     for n in range(order + 1):
         total = above.get(n, f.ring.zero)
@@ -267,7 +269,7 @@ def _exponents(dimension: Dimension, motion: MotionKind | None) -> _Size:
 def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | None) -> None:
     """SceneError unless other units of mass, length and time change the dynamics as they should: exact."""
     if irrational := [order for order in chain.ring.orders if not order.is_Rational]:
-        raise SceneError(f"natural groups need powers of s that are rational numbers, not {irrational[0]}")
+        raise SceneError(f"dimensionless groups need rational powers of s, not {irrational[0]}")
     roots = {n.q for size in sizes.values() for n in size.values()} | {order.q for order in chain.ring.orders}
     units = {name: Dummy(name, positive=True) ** prod(map(int, roots)) for name in ("mass", "length", "time")}
     scale = {x: x * Mul(*(units[name] ** n for name, n in size.items())) for x, size in sizes.items()}
@@ -281,7 +283,7 @@ def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | Non
         expected = [entry * stiffness**n for entry, n in zip(row, powers, strict=True)]
         scaled = [entry.xreplace(scale) for entry in row]
         if not _proportional(expected, scaled):
-            raise SceneError(f"{row[0]}: its units do not fit together; give every parameter in it its unit")
+            raise SceneError(f"{row[0]}: its units contradict each other: give each parameter its unit")
 
 
 def _proportional(row: Sequence[Expr], other: Sequence[Expr]) -> bool:
@@ -420,7 +422,7 @@ class Derivation(Answer):
     def __getitem__(self, name: str) -> Expr:
         key = listed_name(name)
         if key is None:
-            raise SceneError(f'"{name}" is not a quantity: these are {", ".join(QUANTITIES)}')
+            raise SceneError(f'unknown quantity "{name}": {meant(name, QUANTITIES)}valid are {", ".join(QUANTITIES)}')
         return QUANTITIES[key](self)
 
     def operations(self, name: str) -> int:
@@ -452,7 +454,7 @@ class Derivation(Answer):
         if isinstance(found, RealFunction):
             return found
         raise SceneError(
-            f"a formula of what is judged: the JND is {self.scene.threshold.kind}, of several functions of omega"
+            f"no single formula: the JND is {self.scene.threshold.kind}; give one number for each part, as jnd = 0.1"
         )
 
     def piece(self, of: Piece) -> RealFunction:
@@ -620,8 +622,8 @@ def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = 
 
 def _of_distortion_in_entry(d: Distortion, keep: Iterable[str] | None) -> Derivation:
     if keep is not None:
-        raise SceneError("keep: the symbols of a distortion stay, and its numbers are in place: leave it out")
+        raise SceneError("keep: a distortion keeps its symbols: leave it out")
     if d.elements is None:
-        raise SceneError("a distortion of a chain alone has no environment and effects: give what distort() made")
+        raise SceneError("this distortion has no environment and effects: give one that distort() returned")
     environment, effects, rendered = d.elements
     return Derivation(Scene(environment, effects, rendered=rendered), ())

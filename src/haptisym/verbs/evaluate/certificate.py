@@ -65,7 +65,7 @@ def document(scene: Scene, claim: dict[str, Any], proof: dict[str, Any], linked:
         try:
             check(text.encode(), scene.text.encode())
         except RefusedError as error:
-            raise SceneError(f"no checker accepts a certificate of this scene: {error}") from None
+            raise SceneError(f"certificate: too large for the checker: {error}") from None
     return text
 
 
@@ -100,14 +100,16 @@ def name_in_file(scene: Scene) -> str | None:
     scene.threshold.need_plain("a certificate")
     if scene.threshold.source:
         name = scene.threshold.source
-        raise SceneError(f'a certificate needs the threshold as a number in the scene file, not by the name "{name}"')
+        raise SceneError(f'certificate: write the JND as a number in the scene file, not like = "{name}"')
     if not scene.text:
-        raise SceneError("a certificate is about a scene file: write the scene to one, and evaluate that")
+        raise SceneError("certificate: write the scene to a file, and evaluate that")
     family = read_scenes(scene.text)
     for name, one in family.scenes.items():
         if replace(one, title="", hands=()) == replace(scene, title="", hands=()):
             return name if len(family) > 1 or "[[environments]]" in scene.text else None
-    raise SceneError("a certificate is about a scene as its file has it: this one was changed since it was read")
+    raise SceneError(
+        "certificate: the scene was changed since its file was read: write it to a file, and evaluate that"
+    )
 
 
 def shown(ask: Callable[..., Any], *given: Any) -> Any:
@@ -150,7 +152,7 @@ def breakpoints(places: Sequence[RealNumber], factors: Sequence[Factor]) -> list
             middle = _between(factors, a, b)
             waiting.add((a, middle), (middle, b))
         else:
-            raise UndecidedError("a certificate: it would take too many cells")
+            raise UndecidedError("a certificate: it would need too many cells")
     return found
 
 
@@ -196,7 +198,7 @@ def _between(factors: Sequence[Factor], low: Fraction, high: Fraction) -> Fracti
             return point
     if flat:
         raise SceneError(
-            "a certificate has no room for functions that are zero everywhere because of what an order is, as Re s^0.5 s^0.5"
+            "certificate: functions that are zero because of the value of an order, as Re s^0.5 s^0.5, are not in its format"
         )
     raise UndecidedError("a number at which no polynomial of a certificate vanishes")
 
@@ -221,12 +223,10 @@ def zeros(function: RationalFunction) -> dict[str, Any]:
         if x == I
     ):
         raise SceneError(
-            "a certificate about poles needs real coefficients: the describing function of friction has none"
+            "certificate: claims about poles need real coefficients, and coulomb-friction has none: leave it out"
         )
     if function.denominator.is_zero() or function.numerator.is_zero():
-        raise SceneError(
-            "a certificate about poles and roots needs a display that is felt: its force is zero everywhere"
-        )
+        raise SceneError("certificate: the force is zero everywhere, so that there are no poles to claim")
     factors = Factors()
     product = factors.quotient(ring, function.numerator, function.denominator)
     above = {i for i, n in product["powers"] if n > 0}
@@ -259,9 +259,7 @@ def _cells(polynomial: Sequence[Sequence[str]]) -> list[Fraction]:
             middle = next((x for x in tried if any((_signs(even, x, None) or [0])[:1])), tried[0])  # E is not zero
             waiting.add((low, middle), (middle, high))
         else:
-            raise UndecidedError(
-                "a certificate: the real or the imaginary part of p(j omega) has zeros that cells do not part, as a double one"
-            )
+            raise UndecidedError("a certificate: whether zeros of Re or Im p(j omega) are distinct")
     return found[1:]
 
 
@@ -310,7 +308,7 @@ def certificate(e: Evaluation) -> str:
     """
     scene = e.scene
     if e.relevance is not None:
-        raise SceneError("a certificate is about all effects of a scene: ask for it without a tolerance")
+        raise SceneError("certificate: leave out the tolerance, as it is about all effects")
     name_in_file(scene)
     linked = products(_functions(e))
     factors = shown(lambda: linked.factors)
@@ -348,7 +346,7 @@ def _functions(e: Evaluation) -> dict[str, RealFunction]:
     found: dict[str, RealFunction] = {}
     for key, f in curves(rectangular(e.distortion), e.criteria).items():
         if not isinstance(f, RealFunction):
-            raise SceneError("a certificate needs thresholds that are rational, or rational in pi")
+            raise SceneError("certificate: give a JND that is rational, or rational in pi")
         if isinstance(key, tuple):
             curve, part = key
             found[f"{_NAMES[curve]}.{part.value}"] = f
@@ -394,7 +392,7 @@ def _enclosures(e: Evaluation, most: int) -> list[list[str]]:
     """Of all places, with as many digits as were asked for, or more where that does not tell them apart."""
     digits = e.digits
     if digits > most:
-        raise SceneError(f"a certificate has room for {most} digits of a frequency, not for {digits}")
+        raise SceneError(f"certificate: at most {most} digits, not {digits}")
     while True:
         found = [list(point.omega.enclosure(digits)) for point in e.chart.points]
         if all(Fraction(a[1]) < Fraction(b[0]) for a, b in pairwise(found)):

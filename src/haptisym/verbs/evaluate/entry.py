@@ -70,7 +70,7 @@ def evaluate(
 
         if tolerance is not None or digits != _DIGITS or regions or proportion is not None:
             raise SceneError(
-                "measured lines are judged as they are: leave out digits, tolerance, regions and proportion"
+                "a measured scene is evaluated without digits, tolerance, regions and proportion: leave them out"
             )
         return judge(given)
     if proportion is not None:

@@ -189,14 +189,14 @@ class Factors:
         raised = slice(first, first + 2 * len(self.orders))
         places = slice(raised.stop, raised.stop + len(self.delays))
         if max(degrees[places], default=0) > _MOST:
-            raise SceneError(f"a certificate has room for delays that are at most about {_MOST} times a common one")
+            raise SceneError(f"certificate: delays must be at most about {_MOST} times a common one")
         terms: dict[tuple[int, ...], Coefficients] = {}
         for exponents, value in factor.to_dict().items():
             own = [int(n) for n in exponents]
             terms.setdefault((*own[places][::-1], *own[raised]), {})[own[0], own[self.second]] = int(value.p)
         if len(terms) > _MOST_TERMS or any(n > _MOST for n in degrees[raised]):
             raise SceneError(
-                f"a certificate has room for {_MOST_TERMS} products of sines and powers in a factor, to at most {_MOST}"
+                f"certificate: at most {_MOST_TERMS} products of sines and powers in a factor, to at most {_MOST}"
             )
         rows = [[list(turns), _rows(own)] for turns, own in sorted(terms.items())]
         return json.dumps({"waves": degrees[places][::-1], "terms": rows})

@@ -472,9 +472,7 @@ def identify(
     if isinstance(given, MeasuredScene):
         felt, threshold, name = given.perceived, given.threshold, title or given.title
         if not isinstance(given.environment, Environment):
-            raise SceneError(
-                "[environment] is measured, too: give its file, or that of [perceived], to fit a model to it"
-            )
+            raise SceneError("environment and perceived are both measured: give the file of the one to fit")
         known = (given.environment, environment_table(given.environment))
         band = band or given.band
     assert isinstance(felt, Measurement)
@@ -499,18 +497,18 @@ def opened(
     }
     if isinstance(given, str | Path) and Path(given).suffix != ".toml" and str(given) not in bench_names():
         if str(given) in (*scene_names(), *family_names()) and not Path(given).exists():
-            raise SceneError(
-                f"{given}: a scene of formulas that is shipped: nothing in it was measured; {_runs(str(given))}"
-            )
+            raise SceneError(f"{given}: this shipped scene has formulas, no measured response; {_runs(str(given))}")
         return measured(given, **certainty)
     if certainty:
         raise SceneError(
-            f"{next(iter(certainty))}: goes with a file of lines alone; a scene and a response have their own"
+            f"{next(iter(certainty))}: is for a file of frequency points: leave it out, as scene and response have their own"
         )
     if isinstance(given, str | Path):
         opened, name = open_scenes(given)
         if not isinstance(opened, MeasuredScene):
-            raise SceneError(f"{name}: a scene of formulas: nothing in it was measured")
+            raise SceneError(
+                f"{name}: this scene has formulas, no measured response: give a file, or a scene with [perceived]"
+            )
         return opened
     if not isinstance(given, Measurement | MeasuredScene):
         raise SceneError(

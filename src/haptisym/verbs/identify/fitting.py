@@ -122,16 +122,16 @@ def wanted(
     if known is not None:
         if environment is not None:
             raise SceneError(
-                "environment: what should be felt is given by the scene: leave it out, or give the file itself"
+                "environment: the scene gives it: leave it out, or give the file of the response instead of the scene"
             )
         own: Table = known[1]
     elif degrees is not None:
         if environment is not None:
-            raise SceneError(f"degrees: a fraction stands in place of a model: leave out {environment} or the degrees")
+            raise SceneError(f"degrees: a fraction replaces the model: leave out {environment} or the degrees")
         own = _fraction(degrees, "environment", names)
     elif environment is None:
         models = ", ".join(x for x in ENVIRONMENTS if x != "expression")
-        raise SceneError(f"environment: say which model is wanted, or give degrees: models are {models}")
+        raise SceneError(f"environment: name a model to fit, or give degrees; models are {models}")
     else:
         own = _model(environment, ENVIRONMENTS, "environment", names)
     rows = [_fraction(degrees, "effects.fraction", names)] if degrees and known else []
@@ -150,16 +150,16 @@ def wanted(
 def _check(found: Wanted) -> None:
     if not found.free and found.known and not found.effects:
         raise SceneError(
-            "nothing is free: what should be felt is given; say what stands behind it, as --effect delay or --degrees 1 2; "
+            "no parameter is free: name the effects to fit, as --effect delay, or --degrees 1 2; "
             f"effects are {', '.join(EFFECTS)}"
         )
     if not found.free:
-        raise SceneError("nothing is free: every parameter is given a value; leave one of them out")
+        raise SceneError("no parameter is free: leave out the value of at least one")
     if len(found.free) > MOST:
-        raise SceneError(f"{len(found.free)} parameters are free: at most {MOST} can be found")
+        raise SceneError(f"{len(found.free)} parameters are free: at most {MOST} can be fitted")
     own = [x for x in found.effects if x["model"] != "series"]
     if found.degrees and any(x["model"] != "delay" for x in own):
-        raise SceneError("degrees: a fraction goes with a delay alone: leave out the other effects")
+        raise SceneError("degrees: a fraction is fitted with a delay only: leave out the other effects")
 
 
 class _Symbols:
@@ -203,9 +203,7 @@ def _model(text: str, catalogue: Mapping[str, Model], place: str, names: _Symbol
     slots = catalogue[name].slots
     formulas = [key for key, x in slots.items() if x.formula and x.required]
     if formulas:
-        raise SceneError(
-            f"{name}: a formula has no parameters to be found by themselves: choose another model, or degrees"
-        )
+        raise SceneError(f"{name}: a formula has no parameters to fit: choose another model, or degrees")
     with within(name):
         keys = (
             _keys(listed, slots)
@@ -236,11 +234,11 @@ def _entry(path: str, slot: Slot, given: str | None, names: _Symbols) -> Any:
     if slot.several:
         count = int(given) if given and re.fullmatch(r"[1-9]\d?", given) else 0
         if not count:
-            raise SceneError(f"{key}: say how many, as in {key}=2")
+            raise SceneError(f"{key}: give the number of entries, as {key}=2")
         return [names.free(f"{path}[{i}]", slot) for i in range(1, count + 1)]
     if slot.is_setting:
         if given is None:
-            raise SceneError(f"{key}: is no number to be found: give it, as in {key}={[*slot.choices, 1][0]}")
+            raise SceneError(f"{key}: cannot be fitted: give it, as {key}={[*slot.choices, 1][0]}")
         return int(given) if given.isdigit() else given
     return names.free(path, slot) if given is None else given
 
@@ -544,9 +542,7 @@ def noise_of(m: Measurement) -> Noise:
     """The noise that the discs of a response speak of. SceneError where they cannot be weights."""
     if m.coherence is not None and m.averages is not None:
         if m.averages < LEAST_AVERAGES:
-            raise SceneError(
-                f"averages: {m.averages:g} are too few to weigh lines by: it takes at least {LEAST_AVERAGES}"
-            )
+            raise SceneError(f"averages: {m.averages:g} are too few: at least {LEAST_AVERAGES} are needed")
         n = 2 * m.averages - 2
         sigma = np.abs(m.H) * np.sqrt((1 - m.coherence) / (n * m.coherence))
     elif m.radius is not None:
@@ -557,7 +553,7 @@ def noise_of(m: Measurement) -> Noise:
     if (sigma <= 0).any():
         i = int(np.argmax(sigma <= 0))
         raise SceneError(
-            f"the disc at {m.omega[i]:.6g} rad/s has no radius: a line without error cannot be weighed beside others; "
+            f"the disc at {m.omega[i]:.6g} rad/s has radius 0: a frequency point without error cannot be weighted; "
             "leave out coherence and radius if there is no noise"
         )
     return Noise(sigma, n)
@@ -571,7 +567,7 @@ def usable(m: Measurement) -> Measurement:
     if m.radius is not None:
         kept &= np.isfinite(m.radius)
     if not kept.any():
-        raise SceneError(f"{m.name}: no line above 0 rad/s has a disc that tells anything")
+        raise SceneError(f"{m.name}: no frequency point above 0 rad/s has a bounded uncertainty disc")
     return m.at(kept)
 
 
@@ -613,7 +609,7 @@ def fit(wanted: Wanted, m: Measurement, begins: Iterable[Reals] | None = None) -
     if 2 * len(lines) <= len(free):
         numbers = counted(len(free), "parameter")
         raise SceneError(
-            f"{counted(len(lines), 'line')} cannot tell {numbers}: at least {len(free) // 2 + 1} lines are needed"
+            f"{counted(len(lines), 'frequency point')} do not identify {numbers}: at least {len(free) // 2 + 1} are needed"
         )
     found: list[tuple[float, Reals]] = []
     for begin in begins or starts(wanted, lines):
@@ -621,7 +617,7 @@ def fit(wanted: Wanted, m: Measurement, begins: Iterable[Reals] | None = None) -
         if (x := _least(curve, lines, noise, begin)) is not None:
             found.append(x)
     if not found:
-        raise SceneError("the model has no finite response at these lines with any values that were tried")
+        raise SceneError("the model has no finite response at these frequencies for any values tried")
     cost, values = min(found, key=lambda x: x[0])
     alike = [x for sum_, x in found if sum_ <= cost * (1 + _SAME_FITTING) + 1e-12]
     cost, values, period = _shortest(curve, lines, noise, (cost, values), alike)
@@ -730,13 +726,11 @@ def _covariance(curve: Curve, m: Measurement, noise: Noise, values: Reals) -> Re
     norms = np.linalg.norm(J, axis=0)
     blind = [x.path for x, norm in zip(free, norms, strict=True) if not norm > 0]
     if blind:
-        raise SceneError(f"the lines tell nothing of {' and '.join(blind)}: give a value, as in model:key=value")
+        raise SceneError(f"The data do not identify {' and '.join(blind)}. Fix it: model:key=value.")
     _, singular, directions = np.linalg.svd(J / norms, full_matrices=False)
     if singular[-1] < _TOLD_APART * singular[0]:
         mixed = [x.path for x, share in zip(free, directions[-1], strict=True) if abs(share) > 0.1]
-        raise SceneError(
-            f"the lines do not tell {' and '.join(mixed)} apart: give one of them a value, as in model:key=value"
-        )
+        raise SceneError(f"The data do not identify {' and '.join(mixed)} separately. Fix one: model:key=value.")
     root = directions.T / singular / norms[:, None]
     found: Reals = root @ root.T
     return found

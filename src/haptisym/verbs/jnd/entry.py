@@ -380,7 +380,7 @@ def fitted(answers: Answers, asked: Asked, guess: float, lapse: float | None, co
     jnd = middle if asked.weights == (1, 0.0) else _profiled(likelihood, best, asked.weights, confidence)
     if jnd.value <= 0:
         raise SceneError(
-            f"{answers.name}: the JND would be {jnd.value:.4g}, which is not > 0: levels of a forced choice must be differences "
+            f"{answers.name}: the JND would be {jnd.value:.4g}, not > 0: give levels of a forced choice as differences "
             "from the standard"
         )
     return Fit(best.curve, middle, jnd, deviance(answers.rows, best.curve, likelihood.free))
@@ -389,17 +389,19 @@ def fitted(answers: Answers, asked: Asked, guess: float, lapse: float | None, co
 def _refuse(answers: Answers, best: Best) -> None:
     level = [row.level for row in answers.rows]
     if best.flat or best.outside:
-        told = (
-            "counts fall as levels rise; count the other answers"
+        why = (
+            "counts decrease as levels increase; count the other responses"
             if _falls(answers.rows)
-            else "the levels do not reach it"
+            else "the levels do not reach the threshold"
         )
-        raise SceneError(f"{answers.name}: the answers do not go from one kind to the other as the level rises: {told}")
+        raise SceneError(
+            f"{answers.name}: the responses do not change from one kind to the other as the level increases: {why}"
+        )
     if best.steep:
         below = max((x for x in level if x <= best.curve.mu), default=level[0])
         above = min((x for x in level if x > best.curve.mu), default=level[-1])
         raise SceneError(
-            f"{answers.name}: the answers jump from one kind to the other between {below:g} and {above:g}: how steeply is not "
+            f"{answers.name}: the responses change from one kind to the other between {below:g} and {above:g}: the slope is not "
             "determined; measure at levels in between"
         )
 
@@ -480,7 +482,7 @@ def fitted_by_psignifit(answers: Answers, asked: Asked, confidence: float) -> Fi
                 data, experiment_type=kind, confP=(confidence,), verbose=True, thresh_PC=NormalDist().cdf(middle)
             )
     except (PsignifitException, ValueError, AssertionError) as error:
-        raise SceneError(f"{answers.name}: psignifit cannot fit this: {str(error) or 'it gives no reason'}") from None
+        raise SceneError(f"{answers.name}: psignifit cannot fit this: {str(error) or 'no reason given'}") from None
     words = (" ".join(str(x.message).removeprefix("psignifit:boundWarning").split()) for x in told)
     sentences = (x.partition(". ")[0].rstrip(".") for x in words)
     notes = dict.fromkeys(f"psignifit warns: {x}" for x in sentences)
@@ -640,7 +642,7 @@ def jnd(
     answers = condensed(data if isinstance(data, Answers) else read_answers(data, columns or {}, where or {}))
     choices = answers.alternatives if alternatives is None else alternatives
     if answers.alternatives not in (None, choices):
-        raise SceneError(f"{answers.name} says that there were {answers.alternatives} alternatives, not {choices}")
+        raise SceneError(f"{answers.name} gives {answers.alternatives} alternatives, not {choices}")
     asked = Asked.of(proportion, choices)
     _check(asked, guess, lapse, reference, confidence)
     if method not in METHODS:
@@ -659,7 +661,7 @@ def jnd(
 
 def _check(asked: Asked, guess: float, lapse: float | None, reference: float | None, confidence: float) -> None:
     if asked.alternatives and guess:
-        raise SceneError("guess: a forced choice has its own, one over the number of alternatives: leave it out")
+        raise SceneError("guess: leave it out, as a forced choice guesses one over the number of alternatives")
     for key, share in (("guess", guess), ("lapse", lapse)):
         if share is not None and not 0 <= share < 0.5:
             raise SceneError(f"{key}: {share:g} must lie from 0 to below 0.5")

@@ -57,7 +57,7 @@ class Answers:
         count, trials = sum(x.count for x in self.rows), sum(x.trials for x in self.rows)
         if count in (0, trials):
             told = "no answer counts" if count == 0 else "every answer counts"
-            raise SceneError(f"{told} (k = {count} of n = {trials} in all): nothing can be fitted to that")
+            raise SceneError(f"{told} (k = {count} of n = {trials} in all): no curve can be fitted")
 
 
 def collected(rows: Iterable[tuple[float, int, int]]) -> tuple[Row, ...]:
@@ -71,7 +71,7 @@ def collected(rows: Iterable[tuple[float, int, int]]) -> tuple[Row, ...]:
         if not isfinite(level):
             raise SceneError(f"level {level} is not a finite number")
         if count < 0 or count > trials:
-            raise SceneError(f"level {level:g}: {count} of {trials} answers cannot be")
+            raise SceneError(f"level {level:g}: {count} of {trials} responses are impossible")
         counts[level][0] += count
         counts[level][1] += trials
     return tuple(Row(level, *counts[level]) for level in sorted(counts) if counts[level][1])
@@ -178,7 +178,7 @@ def _known(header: Sequence[str], key: str) -> int | None:
         places = [i for i, x in enumerate(plain) if x == alias]
         if len(places) > 1:
             both = " or ".join(quoted(header[i]) for i in places)
-            raise SceneError(f"{key}: it may be column {both}: name it with --{key}")
+            raise SceneError(f"{key}: columns {both} both fit: choose one with --{key}")
         if places:
             return places[0]
     return None
@@ -211,7 +211,7 @@ _NOT_TEXT = {
 def read_answers(path: str | Path, named: Mapping[str, str], where: Mapping[str, str]) -> Answers:
     """The answers in a file. ``named`` : columns by what they hold; ``where`` : only lines with these values. SceneError says
     what is wrong."""
-    need("data", path, (str, Path), "give a file of answers, or Answers")
+    need("data", path, (str, Path), "give a file of responses, or Answers")
     path = Path(path)
     try:
         with path.open("rb") as raw:  # opened once, as it may be a pipe
@@ -247,7 +247,7 @@ def _read(path: Path, file: TextIO, named: Mapping[str, str], where: Mapping[str
     if not first.lstrip().startswith(("{", "[")):
         return _from_table(path.name, first, file, named, where)
     if named or where:
-        raise SceneError("this is a document of JSON, which has no columns: leave their names out")
+        raise SceneError("JSON has no columns: leave their names out")
     text = first + file.read(_MOST_CHARACTERS)
     if len(text) >= _MOST_CHARACTERS:
         raise SceneError(f"a document of JSON may have {_MOST_CHARACTERS} characters at most")
@@ -283,7 +283,7 @@ def _from_table(name: str, first: str, file: TextIO, named: Mapping[str, str], w
     if wanted and not count:
         raise SceneError(f"no line has {' and '.join(f'{header[i]} = {value[:40]}' for i, value in wanted.items())}")
     if half == count > 0:
-        raise SceneError("no line has both a level and an answer")
+        raise SceneError("no line has both a level and a response")
     notes = [f"{counted(half, 'line')} without a level or an answer left out"] if half else []
     notes += [
         f"{counted(len(x), 'value')} of {header[i]} put together; choose with --where {header[i]}=..."
@@ -301,7 +301,7 @@ def _row(columns: Columns, cells: Sequence[str], *, has_commas: bool) -> tuple[f
         return level, _is_yes(cells[1]), 1
     for key, x, text in zip(keys[1:], counts, cells[1:], strict=True):
         if x < 0 or x != int(x) or x > _MOST_TRIALS:
-            raise SceneError(f"{key}: {quoted(text)} is no count of answers: it must be a whole number")
+            raise SceneError(f"{key}: {quoted(text)} is no count of responses: give a whole number")
     count, trials = map(int, counts)
     if count > trials:
         raise SceneError(f"k = {count} is more than n = {trials}")
@@ -327,7 +327,7 @@ def _refuse_numbers(header: Sequence[str]) -> None:
         return True
 
     if any(header) and all(map(is_number, filter(None, header))):
-        raise SceneError("the first line holds numbers: it must name the columns, as in level,k,n")
+        raise SceneError("the first line has numbers: name the columns in it, as level,k,n")
 
 
 _NOTHING = {"none", "na", "n/a", "null"}  # as programs write what is not there
@@ -351,7 +351,7 @@ def _from_psignifit(name: str, text: str) -> Answers:
         raise SceneError(f"not valid JSON: {str(error) or 'nested too deeply'}") from None
     data = table.get("data") if isinstance(table, dict) else table
     if not isinstance(data, list) or not all(isinstance(x, list) and len(x) == 3 for x in data):
-        raise SceneError("this JSON is no result of psignifit 4: it needs data, a list of [level, k, n]")
+        raise SceneError("this JSON is no result of psignifit 4: give data, a list of [level, k, n]")
     found = Answers(name, collected(map(_block, data)))
     return replace(found, **_configured(table)) if isinstance(table, dict) else found
 

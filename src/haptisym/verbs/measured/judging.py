@@ -263,7 +263,9 @@ def matched(scene: MeasuredScene) -> tuple[Measurement, Measurement | None]:
     nearest = _nearest(own.omega, felt.omega)
     common = np.abs(own.omega[nearest] - felt.omega) <= _SAME * felt.omega
     if not common.any():
-        raise SceneError(f"{own.name} and {felt.name} have no frequency in common: lines are compared one by one")
+        raise SceneError(
+            f"{own.name} and {felt.name} have no frequency in common: measure both at the same frequencies"
+        )
     return felt.at(common), own.at(nearest[common])
 
 
@@ -300,9 +302,7 @@ def _exact(scene: MeasuredScene, at: Reals) -> Complexes:
         env: Complexes = values.environment_real + 1j * values.environment_imag
     if not np.isfinite(env).all():
         where = at[int(np.argmin(np.isfinite(env)))]
-        raise SceneError(
-            f"H_env is infinite at {where:.6g} rad/s: nothing can be compared with it; leave that line out"
-        )
+        raise SceneError(f"H_env is infinite at {where:.6g} rad/s: leave that frequency point out")
     return env
 
 

@@ -140,7 +140,7 @@ class Motion:
                     found.append(Passage(self, level, order, low_end, high_end))
                 continue
             if high_end - low_end < _FINEST * last:
-                raise UndecidedError("whether a free response touches a level or passes it")
+                raise UndecidedError("whether a free response is tangent to a level or crosses it")
             middle = (low_end + high_end) / 2
             cells.add((low_end, middle), (middle, high_end))
         return found

@@ -23,7 +23,7 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.passivity import Beyond, Passivity, has_no_pole_right, most_charted, poles_allow
 from haptisym.judge.peaks import ValueAt
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
-from haptisym.kernel.errors import SceneError, UndecidedError
+from haptisym.kernel.errors import SceneError, UndecidedError, meant
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import ExactNumber, RealNumber, short
@@ -194,7 +194,7 @@ def _read(rule: str, d: Distortion) -> RealFunction:
     port = TwoPort(d)
     least, leak, gain = port.least, port.leak, port.gain
     if least is None or leak is None or gain is None:
-        raise SceneError("D = 0: the hybrid matrix of this scene does not exist")
+        raise SceneError("the hybrid matrix of this scene does not exist (D = 0)")
     return _CONDITIONS[rule](on_axis(least).imag, on_axis(leak).imag, on_axis(gain).real, squared_modulus(gain))
 
 
@@ -495,7 +495,8 @@ class Metrics(Answer):
         for metric in self.metrics:
             if metric.name == name:
                 return metric
-        raise SceneError(f'no measure is called "{name}": these are {", ".join(x.name for x in self.metrics)}')
+        names = [x.name for x in self.metrics]
+        raise SceneError(f'unknown measure "{name}": {meant(name, names)}valid are {", ".join(names)}')
 
     def _body(self) -> dict[str, Any]:
         e = self.evaluation

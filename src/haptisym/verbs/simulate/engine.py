@@ -141,7 +141,7 @@ def check_frictions(net: Network, systems: Systems) -> None:
     for pair in combinations([i for i, s in enumerate(net.switches) if not s.offset], 2):
         if systems[frozenset(pair)] is None and all(systems[frozenset([i])] for i in pair):
             names = " and ".join(net.switches[i].name for i in pair)
-            raise SceneError(f"{names} rub on one part: give one friction with the force of both")
+            raise SceneError(f"{names} act on the same part: give one friction with the force of both")
 
 
 def check_jumps(net: Network, systems: Systems) -> None:
@@ -154,7 +154,7 @@ def check_jumps(net: Network, systems: Systems) -> None:
             if drive[1] > allowed.get(drive[0].name, drive[1]) and system and _acts(system, drive, net):
                 element = next(e for e in net.elements if e.target == drive[0].name)
                 raise SceneError(
-                    f"{element.name}: what comes out of it jumps, and the scene differentiates it; put a filter behind it, "
+                    f"{element.name}: its output jumps, and the scene differentiates it: add a filter after it, "
                     "or render a filtered velocity ([rendered])"
                 )
 
@@ -167,7 +167,7 @@ def check_derivatives(motion: Motion, systems: Systems) -> None:
     ]
     if max(needed, default=0) > motion.smoothness:
         raise SceneError(
-            f"{motion.name}: the scene needs derivative {max(needed)} of the motion; a recording has {motion.smoothness}"
+            f"{motion.name}: the scene needs derivative {max(needed)} of the motion, a recording has {motion.smoothness}"
         )
 
 
@@ -253,7 +253,7 @@ class Engine:
         found = self.systems[frozenset(i for i, mode in enumerate(self.modes) if mode == 0)]
         if found is None:
             names = ", ".join(s.name for s, mode in zip(self.net.switches, self.modes, strict=True) if mode == 0)
-            raise SceneError(f"{names}: they cannot stick all at once; this cannot be simulated")
+            raise SceneError(f"{names}: they cannot all stick at once")
         return found
 
     @cached_property
@@ -347,7 +347,7 @@ class Engine:
     def _accept(self, h: float, values: Array, after: Array, end: float) -> None:
         if not np.isfinite(values).all() or np.abs(values).max(initial=0.0) > _UNBOUNDED:
             raise SceneError(
-                f"the simulated force grows without bound (beyond all measure at {end:.4g} s): it is not stable"
+                f"the simulated force grows without bound (overflow at {end:.4g} s): the scene is not stable"
             )
         self.record.append(self.t, h, values)
         self.z, self.t = after, end
@@ -418,7 +418,7 @@ class Engine:
         at, count = self.stalled
         self.stalled = (self.t, count + 1 if self.t - at < _TINY * self.longest else 0)
         if self.stalled[1] > _MOST_EVENTS_AT_ONCE:
-            raise SceneError(f"{guard.element.name}: it switches endlessly at {self.t:.6g} s; this cannot be simulated")
+            raise SceneError(f"{guard.element.name}: it switches endlessly at {self.t:.6g} s")
         if isinstance(guard.element, Step):
             self.held[guard.element.target] += -guard.sign * guard.element.resolution
         else:

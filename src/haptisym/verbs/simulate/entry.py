@@ -245,7 +245,7 @@ def lock(record: Record, signal: Array, motion: Sines, window: float, windows: i
         shift = 0.0
     if end - window < motion.fade * (1 - 1e-9):
         raise SceneError(
-            f"duration: {end:g} s are too short to recover H_perc; at least {motion.fade + window:g} s are needed"
+            f"duration: {end:g} s are too short to recover H_perc: give at least {motion.fade + window:g} s are needed"
         )
     values = _fitted(record, times, signal, motion, (end - window, window, 3 if drift else 1))
     if not shift:
@@ -355,7 +355,7 @@ class Run:
                 self.advance(self.engine.t + period)
             found = self.lock(2)
         if idle and found.relative_drift > _NEVER:
-            raise SceneError("the simulated force does not become periodic: the scene is not stable, or only just")
+            raise SceneError("the simulated force does not become periodic: the scene is not, or hardly, stable")
         falling = min(falling, 0.95)
         # what a transient that falls by this factor in each period has still to go
         return Lock(found.values, found.drift * max(1.0, falling / (1 - falling)))
@@ -444,7 +444,7 @@ def _sized(key: str, given: Number, dimension: Dimension, scene: Scene) -> float
 def same_kind(key: str, kind: Kind | None, scene: Scene) -> None:
     """SceneError where a unit is of the other kind of motion than the scene."""
     if kind is not None and scene.motion is not None and kind is not scene.motion:
-        raise SceneError(f"{key}: its unit is {kind.value}, but the scene is {scene.motion.value}")
+        raise SceneError(f"{key}: its unit is {kind.value}, the scene {scene.motion.value}")
 
 
 def check_question(scene: Scene, motion: Motion, extras: Sequence[Extra]) -> None:
@@ -454,7 +454,7 @@ def check_question(scene: Scene, motion: Motion, extras: Sequence[Extra]) -> Non
         makers = given or 'sine("5 cm", "2 Hz"), multisine, chirp or recording("hand.csv")'
         raise SceneError(f"motion: {motion!r:.60} is no motion: make one with {makers}")
     if not isinstance(extras, Sequence) or not all(isinstance(x, Extra) for x in extras):
-        raise SceneError(f"extras: {extras!r:.60} is no list of EncoderQuantisation and ForceSaturation")
+        raise SceneError(f"extras: {extras!r:.60}: give a list of EncoderQuantisation and ForceSaturation")
     scene.knobs.need_numbers()
     same_kind("motion", motion.kind, scene)
 
@@ -474,9 +474,9 @@ def _check_poles(scene: Scene, engine: Engine) -> None:
         pole = rightmost_pole(scene.distortion().perc) if transcendental else worst
         if engine.net.holds and (pole is None or pole.real < 0):
             return  # a clock's factor 1 - exp(-s T) leaves a pole at 0 that is none: whether a loop grows will show
-        raise SceneError(f"the scene is not stable{_named(pole)}: there is no steady motion to simulate")
+        raise SceneError(f"the scene is unstable{_named(pole)}: there is no steady motion to simulate")
     if not fed_back and worst.real > 1e-9 * max(1.0, float(np.abs(poles).max(initial=0.0))):
-        raise SceneError(f"the scene has an inner motion that grows{_named(worst)}, though H_perc does not show it")
+        raise SceneError(f"the scene has an unstable internal motion{_named(worst)} that H_perc does not contain")
 
 
 def _named(pole: complex | None) -> str:
@@ -490,7 +490,7 @@ def _check_clocks(net: Network, motion: Motion) -> None:
     for hold in net.holds:
         if motion.omegas and max(motion.omegas) >= pi / hold.period * (1 - 1e-9):
             raise SceneError(
-                f"{hold.name}: {max(motion.omegas):.6g} rad/s is not below the Nyquist frequency of its clock, "
+                f"{hold.name}: {max(motion.omegas):.6g} rad/s is not below its Nyquist frequency, "
                 f"{pi / hold.period:.6g} rad/s"
             )
 
@@ -728,7 +728,7 @@ def run(
         key for key in ("omega", "duration", "quantise", "saturate", "lowpass") if along_band and options.get(key)
     ]
     if along_band and (refused or options.get("kind") not in (None, "sine")):
-        raise SceneError(f"--check chooses motion and time itself: leave out --{(refused or ['motion'])[0]}")
+        raise SceneError(f"--check chooses motion and time: leave out --{(refused or ['motion'])[0]}")
     if along_band:
         return check(scene, amplitude=options.get("amplitude"), progress=progress, limit=None)
     made = motion(scene, options)
@@ -754,11 +754,11 @@ def motion(scene: Scene, options: Mapping[str, str | None]) -> Motion:
         high = highest or top
         return chirp(amplitude, high / 20, high, options.get("duration") or 200 * pi / high)
     if not kind.lower().endswith(".csv"):
-        raise SceneError(f'--motion: "{kind}" is none of sine, multisine, chirp, nor a file that ends in .csv')
-    if options.get("amplitude") or options.get("omega"):
         raise SceneError(
-            "--motion: a recording has its own amplitude and frequencies; leave out --amplitude and --omega"
+            f'--motion: unknown motion "{kind}": valid are sine, multisine, chirp and a file that ends in .csv'
         )
+    if options.get("amplitude") or options.get("omega"):
+        raise SceneError("--motion: leave out --amplitude and --omega, as the recording has them")
     return recording(kind, lowpass=options.get("lowpass"), order=int(options.get("lowpass_order") or 4))
 
 

@@ -140,7 +140,7 @@ def multisine(amplitude: Number, omegas: Sequence[Number]) -> Sines:
     size, kind = _amplitude(amplitude)
     listed = tuple(_frequency(omega) for omega in several("omegas", omegas, "give several frequencies, as [1, 2]"))
     if not listed or len(set(listed)) < len(listed):
-        raise SceneError("a multisine needs at least one frequency, and each only once")
+        raise SceneError("a multisine needs at least one frequency, each once")
     count = len(listed)
     phases = tuple(-pi * i * (i + 1) / count for i in range(count))
     name = "sine" if count == 1 else "multisine"
@@ -228,7 +228,7 @@ class Lowpass:
     def of(cls, cutoff: Number, order: int) -> Lowpass:
         """From a frequency as a user writes it, and an order of 2, 4, 6 or 8."""
         if order not in (2, 4, 6, 8):
-            raise SceneError(f"order of the low-pass: {order} is none of 2, 4, 6, 8 (it runs forth and back)")
+            raise SceneError(f"order of the low-pass: {order} must be 2, 4, 6 or 8 (it runs forwards and backwards)")
         return cls(positive("lowpass", cutoff, Dimension.FREQUENCY), order)
 
     def smoothed(self, made: Recording) -> Recording:
@@ -388,7 +388,7 @@ def _rows(path: Path) -> list[list[str]]:
         raise SceneError(f"{path}: the file is empty")
     for line, row in enumerate(rows, 1):
         if len(row) != 2 or not all(row):
-            raise SceneError(f"{path}: line {line}: needs a time and a displacement, separated by a comma")
+            raise SceneError(f"{path}: line {line}: give a time and a displacement, separated by a comma")
     return rows
 
 

@@ -209,7 +209,7 @@ def operator(net: Network, polynomial: Polynomial, ring: Ring, x: SignalSum) -> 
         factor = coefficient
         for meaning, n in zip(ring.meanings[1:], map(int, exponents[1:]), strict=True):
             if n and (meaning == I or meaning.free_symbols - {ring.meanings[0]}):
-                raise SceneError(f"{meaning} has no meaning in time: this formula cannot be simulated")
+                raise SceneError(f"{meaning} cannot be simulated in time")
             if isinstance(meaning, exp):
                 term = term.late(n * exact(-meaning.args[0].coeff(ring.meanings[0])))
             elif n and meaning.is_number:
@@ -497,7 +497,7 @@ def at_rest(net: Network, position: float) -> dict[str, float]:
     ratios = _ratios(net)
     values = {name: position * float_of(ratio) for name, ratio in ratios.items()}
     if not all(abs(value) < 1e15 for value in values.values()):
-        raise SceneError("motion: it begins away from 0, where the scene does not come to rest; begin it at 0")
+        raise SceneError("motion: the scene does not rest at the first sample: begin at 0")
     return values
 
 
@@ -523,7 +523,7 @@ def _ratios(net: Network) -> dict[str, Exact]:
     try:
         found = left.solve(right)
     except ZeroDivisionError:
-        raise SceneError("motion: it begins away from 0, where the scene has no state of rest; begin it at 0") from None
+        raise SceneError("motion: the scene has no state of rest at the first sample: begin at 0") from None
     return {MOTION: fmpq(1), **{name: found[i, 0] for name, i in place.items()}}
 
 

@@ -327,10 +327,8 @@ def _the_hand(scene: Scene, given: str | Hand | None) -> Hand:
         return chosen(scene, given)
     if len(scene.hands) == 1:
         return scene.hands[0]
-    several = (
-        f"which one of {', '.join(x.name for x in scene.hands)}" if scene.hands else "of this scene nothing tells which"
-    )
-    raise SceneError(f"letting go needs a hand, {several}: {how_to_give()}")
+    several = f"which one of {', '.join(x.name for x in scene.hands)}" if scene.hands else "and the scene has none"
+    raise SceneError(f"a release test needs a hand, {several}: {how_to_give()}")
 
 
 def closed_form(scene: Scene, hand: Hand) -> Closed | None:
@@ -362,15 +360,13 @@ class _Run:
         rest = self._rest(span)
         force = rest[MOTION]
         if abs(force) < _NOTHING:
-            raise SceneError(
-                "neither display nor hand has a static stiffness: held displaced there is no force, and letting go moves nothing"
-            )
+            raise SceneError("a release test needs a static stiffness, of the display or of the hand")
         letting_go = LettingGo(force, 0.5 / self.scale, span)
         outputs = [(name_of(self.port.X), 0), (name_of(self.port.F), 0)]
         try:
             self.engine = Engine(self.net, letting_go, outputs, _STEP / (3 * self.scale), rest)
         except SceneError as error:
-            raise SceneError(f"the hand {hand.name} does not make it a motion in time: {error}") from None
+            raise SceneError(f"with the hand {hand.name} there is no motion in time: {error}") from None
 
     def _lead(self) -> complex:
         """What the motion is expected to last as: how long a run takes follows from it, and nothing else."""

@@ -280,7 +280,7 @@ def state_space(equations: Sequence[SignalSum], known: Iterable[str] = ()) -> St
     inputs = tuple(dict.fromkeys([*present, *(Input(n, fmpq(0)) for n in known)]))
     orders: dict[str, int] = {}
     if any(lag < 0 for (_, _, lag), _ in keys):
-        raise SceneError("a negative delay cannot be simulated: it needs signals before they are there")
+        raise SceneError("a negative delay cannot be simulated")
     for (name, order, lag), _ in keys:
         if name not in fixed:
             orders[name] = max(orders.get(name, 0), order if lag == 0 else 0)
@@ -335,7 +335,7 @@ def _reduced(system: _Descriptor) -> StateSpace:
         if not lower:
             break
         if len(B) > HIGHEST_ORDER * 2:
-            raise SceneError("the effects lead around a loop of pure derivatives")
+            raise SceneError("the effects form a loop of pure derivatives")
         pivots, back, forward = _solved(lower, E.ncols(), len(B), width)
         keep = [i for i in range(E.ncols()) if i not in pivots]
         E, A, B = _substituted(upper, E.ncols(), width, back, forward)
@@ -359,7 +359,7 @@ def _row_reduced(
     size = E.ncols()
     lower = [row for row in rows if all(x == 0 for x in row[:size])]
     if any(all(x == 0 for x in row[: 2 * size]) for row in lower) or len(rows) < size:
-        raise SceneError("the effects contradict each other or leave a signal open: the motion is not determined")
+        raise SceneError("the effects contradict each other, or do not determine a signal")
     return rows[: len(rows) - len(lower)], lower
 
 
@@ -506,7 +506,7 @@ def _followed(systems: Sequence[StateSpace], net: Network, readings: Sequence[Re
     for reading in wanted:  # grows while it is walked
         if reading[1] > HIGHEST_ORDER:
             raise SceneError(
-                f"{reading[0].split('.')[0]}: the scene needs ever higher derivatives of what comes back through a delay: "
+                f"{reading[0].split('.')[0]}: the scene needs ever higher derivatives of a delayed signal: "
                 "it is not causal (an advanced equation)"
             )
         for system in systems:

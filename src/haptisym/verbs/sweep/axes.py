@@ -49,7 +49,7 @@ def axes(scene: Scene, vary: Mapping[str, AxisValues]) -> tuple[SweepAxis, ...]:
     """
     need("vary", vary, Mapping, 'give values by path, as {"effects.filter.omega_n": [20, 40]}')
     if not vary:
-        raise SceneError(f"a sweep needs something to vary: the scene has {', '.join(x.path for x in scene.knobs)}")
+        raise SceneError(f"vary: name a parameter; valid are {', '.join(x.path for x in scene.knobs)}")
     chosen = scene.knobs.chosen(vary)
     scene.knobs.need_numbers(chosen)
     return tuple(map(_axis, chosen, vary.values()))
@@ -59,7 +59,7 @@ def _axis(knob: Knob, values: AxisValues) -> SweepAxis:
     each = [values] if isinstance(values, str) else np.asarray(values, dtype=object).ravel().tolist()
     floats = np.array([_float(knob, x) for x in each], dtype=np.float64)
     if not len(floats):
-        raise SceneError(f"{knob.path}: there are no values")
+        raise SceneError(f"{knob.path}: give at least one value")
     if not np.isfinite(floats).all():
         raise SceneError(f'{knob.path}: "{floats[~np.isfinite(floats)][0]}" must be finite')
     if len(np.unique(floats)) < len(floats):
@@ -75,7 +75,7 @@ def _float(knob: Knob, given: Any) -> float:
     try:
         return float(given)
     except (TypeError, ValueError):
-        raise SceneError(f'{knob.path}: "{given}" is not a number, nor a string of a number and a unit') from None
+        raise SceneError(f'{knob.path}: "{given}" is not a number, or a string of number and unit') from None
 
 
 def spaced(text: str, scene: Scene) -> tuple[str, list[float]]:

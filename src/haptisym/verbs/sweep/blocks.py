@@ -241,7 +241,7 @@ def stored(grid: SweepGrid, out: Path, progress: Callable[[int, int], None] | No
         _fill(grid, out, progress)
         return _opened(out)
     if out.suffix not in _NETCDF:
-        raise SceneError(f"{out}: the name must end in .zarr (Zarr) or .nc (NetCDF)")
+        raise SceneError(f"{out}: end the name in .zarr (Zarr) or .nc (NetCDF)")
     needed("h5py"), needed("h5netcdf")  # asked for now, not after hours of work
     if not out.exists():
         _as_netcdf(grid, out, progress)
@@ -249,7 +249,7 @@ def stored(grid: SweepGrid, out: Path, progress: Callable[[int, int], None] | No
     try:
         found: xr.Dataset = xarray.open_dataset(out, engine="h5netcdf", chunks={})
     except OSError:
-        raise SceneError(f"{out}: is there, but is not a NetCDF file") from None
+        raise SceneError(f"{out}: exists, but is not a NetCDF file: choose another name") from None
     _same(grid, found.attrs, out)
     return found
 
@@ -279,7 +279,7 @@ def _fill(grid: SweepGrid, store: Path, progress: Callable[[int, int], None] | N
         try:
             group = zarr.open_group(store, mode="r")
         except (OSError, ValueError, KeyError):
-            raise SceneError(f"{store}: is there, but is not a Zarr store") from None
+            raise SceneError(f"{store}: exists, but is not a Zarr store: choose another name") from None
         _same(grid, group.attrs, store)
     else:
         _begin(grid, store)
@@ -300,7 +300,7 @@ def _fill(grid: SweepGrid, store: Path, progress: Callable[[int, int], None] | N
 
 def _same(grid: SweepGrid, attributes: Any, where: Path) -> None:
     if attributes.get("fingerprint") != grid.fingerprint:
-        raise SceneError(f"{where}: is there, but holds another sweep: remove it, or choose another name")
+        raise SceneError(f"{where}: exists with another sweep: remove it, or choose another name")
 
 
 def _begin(grid: SweepGrid, store: Path) -> None:

@@ -95,7 +95,7 @@ def _now(grid: SweepGrid, xarray: Any, progress: Progress | None) -> xr.Dataset:
     needed = grid.sets * sum(dtype.itemsize for dtype, _ in grid.variables.values())
     if needed > MOST_BYTES:
         raise SceneError(
-            f'{grid.sets:,} sets take {needed / 1e9:,.0f} GB of memory: let them be streamed to a file, out="FILE.zarr" '
+            f'{grid.sets:,} sets take {needed / 1e9:,.0f} GB of memory: stream them to a file, out="FILE.zarr" '
             "(--out FILE.zarr on the command line), or vary fewer values"
         )
     columns = [np.empty(grid.shape, dtype) for dtype, _ in grid.variables.values()]
