@@ -292,15 +292,13 @@ def say(page: Document) -> None:
 
 def say_list(title: str, rows: Sequence[tuple[str, str]]) -> None:
     """Names and what they are, on standard output: a page for which neither its writer nor SymPy is loaded."""
-    columns, after = _columns(), 4 + max(len(name) for name, _ in rows)
-    lines = [title, ""]
-    for name, words in rows:
-        beside = columns - after >= _ROOM
-        begun = f"  {name}".ljust(after) if beside else "    "
-        lines += [] if beside else [f"  {name}"]
-        lines.append(
-            fill(words, columns, initial_indent=begun, subsequent_indent=" " * len(begun), break_on_hyphens=False)
-        )
+    columns, after = _columns(), 4 + max(len(key) for key, _ in rows)
+    lines, is_wide = [title, ""], columns - after >= _ROOM
+    for key, words in rows:
+        begun = f"  {key}".ljust(after) if is_wide else " " * 4
+        lines += [] if is_wide else [f"  {key}"]
+        rest = " " * len(begun)
+        lines.append(fill(words, columns, initial_indent=begun, subsequent_indent=rest, break_on_hyphens=False))
     write(_spell_in_streams("\n".join(lines) + "\n"))
 
 
