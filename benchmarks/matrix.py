@@ -36,6 +36,7 @@ LIMIT = 300.0
 COMMAND = "from haptisym_command import main; main()"
 """What the shell starts."""
 ONE = ("--hand", "postural-arm")
+RANGES = ("--range", "LOW", "HIGH", "--range", "LEAST", "MOST")
 QUESTIONS: dict[str, tuple[str, ...]] = {
     "evaluate --json": ("evaluate", "SCENE", "--json"),
     "evaluate": ("evaluate", "SCENE"),
@@ -59,10 +60,10 @@ QUESTIONS: dict[str, tuple[str, ...]] = {
     "require --any-environment": ("require", "SCENE", "--free", "FREE", "--any-environment"),
     "require --that passive": ("require", "SCENE", "--free", "FREE", "--that", "passive"),
     "require --that stable": ("require", "SCENE", "--free", "FREE", "--that", "stable", *ONE),
-    "require, a map": ("require", "SCENE", "--free", "FREE", "--free", "OTHER"),
-    "sweep, 20 sets": ("sweep", "SCENE", "--vary", "FREE=RANGE:20"),
+    "require, a map": ("require", "SCENE", "--free", "FREE", "--free", "OTHER", *RANGES),
+    "sweep, 20 sets": ("sweep", "SCENE", "--vary", "FREE=LOW:HIGH:20"),
 }
-"""By what a person would call them; SCENE, FREE, OTHER and RANGE are put in."""
+"""By what a person would call them; the scene, one or two of its parameters and half and twice their values are put in."""
 OF_NO_SCENE = {"--version": ("--version",), "--help": ("--help",), "schemas": ("schemas",), "scenes": ("scenes",)}
 
 
@@ -93,14 +94,19 @@ def cells(only: str) -> Iterator[Cell]:
 
 
 def free(scene: dict[str, object]) -> dict[str, str]:
-    """What may vary in a scene: two paths, and a range of the first."""
+    """What may vary in a scene: two paths, and from half to twice the value of each."""
     *_, last = scene["effects"]  # type: ignore[misc]
     own = [(f"effects.{last.get('name', last['model'])}.{key}", x) for key, x in numbers(last)]
     own += [(f"environment.{key}", x) for key, x in numbers(scene["environment"])]  # type: ignore[arg-type]
-    (path, given), (other, _), *_ = own
-    value, unit = re.fullmatch(r"([\d.eE+-]+)\s*(.*)", str(given)).groups()  # type: ignore[union-attr]
-    low, high = (f"{share * float(value):g} {re.split(' *[+]- *', unit)[0]}".strip() for share in (0.5, 2))
-    return {"FREE": path, "OTHER": other, "RANGE": f"{low}:{high}"}
+    (path, given), (other, and_given), *_ = own
+    (low, high), (least, most) = halved(str(given)), halved(str(and_given))
+    return {"FREE": path, "OTHER": other, "LOW": low, "HIGH": high, "LEAST": least, "MOST": most}
+
+
+def halved(given: str) -> list[str]:
+    """Half a value and twice it, in its unit."""
+    value, unit = re.fullmatch(r"([\d.eE+-]+)\s*(.*)", given).groups()  # type: ignore[union-attr]
+    return [f"{share * float(value):g} {re.split(' *[+]- *', unit)[0]}".strip() for share in (0.5, 2)]
 
 
 def numbers(table: dict[str, object]) -> Iterator[tuple[str, object]]:
