@@ -15,15 +15,18 @@ def main() -> None:
     gc.disable()  # all that is loaded stays: it need not be looked through, over and over, for what could be thrown away
     from haptisym.cli import main as run
 
-    gc.freeze()
-    gc.enable()
     if is_ours:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        run()
+        run(_loaded)
     finally:
         if is_ours:
             signal.signal(signal.SIGINT, _leave)
+
+
+def _loaded() -> None:
+    gc.freeze()
+    gc.enable()
 
 
 def _leave(_signal: int, _frame: object) -> None:

@@ -15,15 +15,8 @@ from haptisym.model.measured import Measurement
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.measuring import measured, sampled
 from haptisym.model.scene import Scene
-from haptisym.model.scenefile import (
-    SceneFamily,
-    family_names,
-    load_scene,
-    load_scenes,
-    parse_scene,
-    parse_scenes,
-    scene_names,
-)
+from haptisym.model.scenefile import SceneFamily, load_scene, load_scenes, parse_scene, parse_scenes
+from haptisym.model.shipped import family_names, scene_names
 from haptisym.pages.latex import latex
 from haptisym.programs.accuracy import Accuracy
 from haptisym.verbs.cost.entry import Cost, cost

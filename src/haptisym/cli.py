@@ -7,6 +7,7 @@ for, so that ``--json`` in a loop pays for none of it.
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from pkgutil import resolve_name
 from typing import Any
@@ -17,21 +18,43 @@ from haptisym import __version__
 from haptisym.commands.options import ReaderLeft, interrupts, note, prepare, to_standard_output
 from haptisym.kernel.errors import HaptisymError, UndecidedError, meant
 
-VERBS = (
-    "evaluate", "derive", "effects", "require", "stability", "sensitivity", "tolerances", "sweep", "metrics", "cost", "simulate",
-    "identify", "jnd", "scenes", "schemas",
-)  # fmt: skip
-"""The main job first. Each is the function of its name in its module of ``commands``, loaded when it is called for."""
+VERBS = {
+    "evaluate": "Find when a hand notices a display, and as what.",
+    "derive": "Derive the formulas of a scene, as text, LaTeX or code.",
+    "effects": "Find which effects of a scene matter.",
+    "require": "Find all values of a parameter that satisfy a requirement.",
+    "stability": "Find whether a display shakes, and its stability limits.",
+    "sensitivity": "Find how each frequency moves with each parameter.",
+    "tolerances": "Find what holds for all values in given ranges.",
+    "sweep": "Evaluate a scene for every combination of values.",
+    "metrics": "Compare the JND with other measures of transparency.",
+    "cost": "Measure what accuracy costs in time, for a scene or on hard cases.",
+    "simulate": "Simulate a scene in time, and compare with the closed form.",
+    "identify": "Fit a model to a measured response.",
+    "jnd": "Fit a psychometric function to responses: the JND.",
+    "scenes": "List the shipped scenes, or print one to start from.",
+    "schemas": "List the documents of --json, or print a JSON Schema.",
+}
+"""The main job first, each with the first sentence of its help, for which its module of ``commands`` is not loaded."""
 
 
 class _Sisters(click.Group):
-    """The group of verbs; a bare call prints the help."""
+    """The group of verbs; a bare call prints the help, for which none of them is loaded."""
 
     def list_commands(self, _context: click.Context) -> list[str]:
         return list(VERBS)
 
-    def get_command(self, _context: click.Context, name: str) -> click.Command | None:
-        return resolve_name(f"haptisym.commands.{name}:{name}") if name in VERBS else None
+    def get_command(self, context: click.Context, name: str) -> click.Command | None:
+        if name not in VERBS:
+            return None
+        found: click.Command = resolve_name(f"haptisym.commands.{name}:{name}")
+        if context.obj is not None:
+            context.obj()
+        return found
+
+    def format_commands(self, _context: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(VERBS.items()))
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -77,12 +100,15 @@ _EXTRAS = {
 """Packages that only some verbs need, and the extra of each."""
 
 
-def main() -> None:
-    """Run the command line: exit status 0 done, 2 wrong scene or command line, 3 undecided, 130 interrupted."""
+def main(loaded: Callable[[], None] | None = None) -> None:
+    """Run the command line: exit status 0 done, 2 wrong scene or command line, 3 undecided, 130 interrupted.
+
+    ``loaded`` : is called when everything that the verb always needs is there.
+    """
     prepare()
     with interrupts() as interrupted:
         try:
-            status = app(sys.argv[1:] or ["--help"], standalone_mode=False, prog_name="haptisym")
+            status = app(sys.argv[1:] or ["--help"], standalone_mode=False, prog_name="haptisym", obj=loaded)
         except Exception as error:  # noqa: BLE001  all that nobody foresaw is raised again
             status = _told(error, is_interrupted=bool(interrupted))
     sys.exit(status)

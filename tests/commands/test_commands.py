@@ -205,7 +205,10 @@ def test_what_a_limit_cuts_short_is_undecided_and_has_its_document_all_the_same(
 def test_scenes_and_schemas_are_listed_and_printed_as_they_are(call: Call) -> None:
     rows = json.loads(call("scenes", "--json")[1])["scenes"]
     assert len(rows) > 15
-    assert all(x["title"] and x["source"] for x in rows)
+    loaded = [hs.load_scenes(x["name"]) for x in rows]
+    assert [(x["title"], x["source"], x["environments"]) for x in rows] == [(x.title, x.source, len(x)) for x in loaded]
+    assert [x["effects"] for x in rows] == [[e.name for e in x.first.effects] for x in loaded]
+    assert all(f"  {x['name']} " in call("scenes")[1] for x in rows)
     listed = json.loads(call("schemas", "--json")[1])["schemas"]
     assert [x["name"] for x in listed] == [*schema_names()]
     assert json.loads(call("schemas", "evaluation")[1]) == json_schema("evaluation")
@@ -216,6 +219,8 @@ def test_every_verb_is_listed_once_and_helps(call: Call) -> None:
     listed = [x.split()[0] for x in out.partition("Commands:\n")[2].splitlines() if x.startswith("  ") and x[2] != " "]
     assert (status, listed) == (0, list(VERBS))
     assert call() == call("-h") == (0, out, "")
+    for name, words in VERBS.items():
+        assert (resolve_name(f"haptisym.commands.{name}:{name}").help or "").splitlines()[0] == words
     assert call("--version") == (0, f"haptisym {hs.__version__}\n", "")
 
 

@@ -206,6 +206,8 @@ def registry() -> pint.UnitRegistry[Any]:
 
 UNITS = [
     "%", "rad", "kg", "g", "m", "mm", "s", "ms", "rad/s", "N", "N/m", "N*s/m", "N*m", "N*m/rad", "N*m*s/rad", "kg*m^2", "mN*mm*s", "kN/cm", "lbf/in", "rpm",
+    "lb", "lbs", "oz", "slug", "in", "ft", "deg", "°", "deg/s", "kgf", "kgf/mm", "lbf", "ozf", "lbf*s/ft", "ozf*in/deg", "N/mm", "t", "min", "J",
+    "newton", "kilonewtons", "pound", "pounds", "ounce", "inch", "foot", "feet", "degree", "radians", "microsecond", "grams", "tonne", "percent",
 ]  # fmt: skip
 
 

@@ -40,14 +40,13 @@ import click
 from click.core import ParameterSource
 
 from haptisym.figures.kinds import checked, checked_report
-from haptisym.judge.answers import Answer
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import HaptisymError, NothingToDrawError, SceneError
-from haptisym.model.scenefile import load_scene
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
+    from haptisym.judge.answers import Answer
     from haptisym.writing.document import Document
 
 
@@ -273,15 +272,34 @@ def _is_plain(stream: TextIOWrapper) -> bool:
     return locale in ("C", "POSIX")
 
 
-def say(page: Document) -> None:
-    """A page on standard output: as wide as the terminal, 80 columns anywhere else so that it can be compared."""
-    from haptisym.writing.plain import PAGE, WIDEST, plain  # only a page needs the writer
+PAGE, WIDEST, _ROOM = 80, 96, 22  # columns, as ``haptisym.writing.plain``, which only a page needs
 
+
+def _columns() -> int:
+    """As wide as the terminal; 80 anywhere else, so that pages can be compared."""
     is_terminal = sys.stdout is not None and sys.stdout.isatty()
-    columns = min(shutil.get_terminal_size((PAGE, 24)).columns, WIDEST) if is_terminal else PAGE
+    return min(shutil.get_terminal_size((PAGE, 24)).columns, WIDEST) if is_terminal else PAGE
+
+
+def say(page: Document) -> None:
+    """A page on standard output."""
+    from haptisym.writing.plain import plain
+
     context = click.get_current_context(silent=True)
     style = context.meta.get(STYLE, {}) if context is not None else {}
-    write(plain(page, columns, _spell_in_streams, **style))
+    write(plain(page, _columns(), _spell_in_streams, **style))
+
+
+def say_list(title: str, rows: Sequence[tuple[str, str]]) -> None:
+    """Names and what they are, on standard output: a page for which neither its writer nor SymPy is loaded."""
+    columns, after = _columns(), 4 + max(len(key) for key, _ in rows)
+    lines, is_wide = [title, ""], columns - after >= _ROOM
+    for key, words in rows:
+        begun = f"  {key}".ljust(after) if is_wide else " " * 4
+        lines += [] if is_wide else [f"  {key}"]
+        rest = " " * len(begun)
+        lines.append(fill(words, columns, initial_indent=begun, subsequent_indent=rest, break_on_hyphens=False))
+    write(_spell_in_streams("\n".join(lines) + "\n"))
 
 
 def say_document(document: str) -> None:
@@ -590,6 +608,8 @@ def scene_argument(command: Command) -> Command:
     @environment_option
     @wraps(command)
     def loaded(*args: Any, scene: str, environment: str | None, **options: Any) -> Any:
+        from haptisym.model.scenefile import load_scene  # SymPy, which help does not need
+
         return command(*args, scene=load_scene(scene, environment), **options)
 
     return loaded

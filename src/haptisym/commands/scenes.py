@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import tomllib
 from json import dumps
 
 import click
 
-from haptisym.commands.options import json_option, say, say_document, verb, write
+from haptisym.commands.options import json_option, say_document, say_list, verb, write
 from haptisym.kernel.errors import SceneError
-from haptisym.model.scenefile import family_names, load_scenes, scene_names, scene_text
+from haptisym.model.shipped import family_names, scene_names, shipped_text
 
 
 @verb(pages=False)
@@ -25,14 +26,26 @@ def scenes(name: str | None, as_json: bool) -> None:
     if name is not None:
         if as_json:
             raise SceneError("--json lists the scenes: a scene file is TOML, leave out --json")
-        write(scene_text(name)[0])
+        write(shipped_text(name) or _file(name))
         return
-    listed = [(name, load_scenes(name)) for name in (*scene_names(), *family_names())]
+    listed = [(name, tomllib.loads(shipped_text(name) or "")) for name in (*scene_names(), *family_names())]
     if as_json:
-        keys = [(name, x.title, x.source, [e.name for e in x.first.effects], len(x)) for name, x in listed]
-        rows = [dict(zip(("name", "title", "source", "effects", "environments"), row, strict=True)) for row in keys]
+        rows = [
+            {
+                "name": name,
+                "title": x["title"],
+                "source": x["source"],
+                "effects": [e.get("name", e["model"]) for e in x.get("effects", ())],
+                "environments": len(x.get("environments", [x])),
+            }
+            for name, x in listed
+        ]
         say_document(dumps({"schema": "haptisym.scenes/1", "scenes": rows}, indent=2, ensure_ascii=False))
         return
-    from haptisym.writing.document import Document, Facts
+    say_list("Scenes to start from", [(name, x["title"]) for name, x in listed])
 
-    say(Document("Scenes to start from", (), (Facts(tuple((name, x.title) for name, x in listed)),)))
+
+def _file(name: str) -> str:
+    from haptisym.model.scenefile import scene_text  # SymPy, which a list does not need
+
+    return scene_text(name)[0]

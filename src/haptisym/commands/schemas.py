@@ -6,7 +6,7 @@ from json import dumps
 
 import click
 
-from haptisym.commands.options import json_option, say, say_document, verb
+from haptisym.commands.options import json_option, say_document, say_list, verb
 from haptisym.kernel.errors import SceneError
 from haptisym.writing.schemas import json_schema, schema_names, schema_text
 
@@ -34,6 +34,4 @@ def schemas(name: str | None, as_json: bool) -> None:
         listed = [{"name": x, "description": what} for x, what in rows]
         say_document(dumps({"schema": "haptisym.schemas/1", "schemas": listed}, indent=2, ensure_ascii=False))
         return
-    from haptisym.writing.document import Document, Facts
-
-    say(Document("Documents of --json", (), (Facts(tuple((x, what.replace("`", "")) for x, what in rows)),)))
+    say_list("Documents of --json", [(x, what.replace("`", "")) for x, what in rows])

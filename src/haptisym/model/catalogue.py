@@ -95,7 +95,8 @@ class Environment(Shown):
 
         SceneError for a reference to what the environment does not have, or to what does not fit.
 
-        >>> wall, felt = (ENVIRONMENTS["kelvin-voigt"].build(k, b) for k, b in ((500, 3), ("environment.k", 2)))
+        >>> from haptisym.environments import kelvin_voigt
+        >>> wall, felt = (kelvin_voigt(k, b) for k, b in ((500, 3), ("environment.k", 2)))
         >>> felt.tied_to(wall).H
         2*s + 500
         """

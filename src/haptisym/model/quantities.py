@@ -10,7 +10,7 @@ numbers and names mean::
     exponent = ["+" | "-"] number | "(" ["+" | "-"] (number | whole "/" whole) ")"
     atom     = number | name | "(" sum ")"
 
-The usual units are known by heart, all others by Pint, value in SI and base dimensions both exact.
+Units are exact by their definitions: a rational number times a power of pi, and base dimensions.
 """
 
 from __future__ import annotations
@@ -25,8 +25,7 @@ from functools import cache
 from math import ceil
 from numbers import Real
 from operator import add, mul, sub, truediv
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, NoReturn, TypeAlias, TypeVar
+from typing import Any, Generic, NamedTuple, NoReturn, TypeAlias, TypeVar
 
 from sympy import (
     Add,
@@ -50,10 +49,6 @@ from sympy import (
 
 from haptisym.kernel.errors import ExpressionError, SceneError, meant, quoted
 from haptisym.kernel.rings import s
-
-if TYPE_CHECKING:
-    import pint  # costs as much time as SymPy: loaded where a unit is not among the usual ones
-
 
 T = TypeVar("T")
 
@@ -276,36 +271,90 @@ class _Reader(Generic[T]):
 _JUXTAPOSED = re.compile(r"(?<=[\w)°%])\s+(?=[^\W\d]|[(°%])")  # "N s/m" is N*s/m
 _PLAIN = str.maketrans({"·": "*", "×": "*", "⋅": "*", "²": "^2", "³": "^3"})
 
-_USUAL: dict[str, tuple[Expr, dict[str, int]]] = {
-    "1": (Integer(1), {}),
-    "%": (Rational(1, 100), {}),
-    "rad": (Integer(1), {}),
-    "kg": (Integer(1), {"mass": 1}),
-    "g": (Rational(1, 1000), {"mass": 1}),
-    "m": (Integer(1), {"length": 1}),
-    "mm": (Rational(1, 1000), {"length": 1}),
-    "s": (Integer(1), {"time": 1}),
-    "ms": (Rational(1, 1000), {"time": 1}),
-    "rad/s": (Integer(1), {"time": -1}),
-    "Hz": (2 * pi, {"time": -1}),
-    "N": (Integer(1), {"mass": 1, "length": 1, "time": -2}),
-    "N/m": (Integer(1), {"mass": 1, "time": -2}),
-    "N*s/m": (Integer(1), {"mass": 1, "time": -1}),
-    "N*m": (Integer(1), {"mass": 1, "length": 2, "time": -2}),
-    "N*m/rad": (Integer(1), {"mass": 1, "length": 2, "time": -2}),
-    "N*m*s/rad": (Integer(1), {"mass": 1, "length": 2, "time": -1}),
-    "kg*m^2": (Integer(1), {"mass": 1, "length": 2}),
-}
-"""The units that nearly every scene is written in, SI value and dimensions, as Pint has them."""
-
 
 def read_unit(unit: str, text: str, hint: str) -> tuple[Expr, dict[str, Fraction]]:
     """Its value in SI and its base dimensions, exact. ``text``, ``hint``: the text and the end of an error."""
     plain = _JUXTAPOSED.sub("*", unit.translate(_PLAIN))
-    if plain in _USUAL:
-        factor, exponents = _USUAL[plain]
-        return factor, {name: Fraction(power) for name, power in exponents.items()}
-    return _measured(plain, unit, text, hint)
+    try:
+        size = evaluate(plain, number=_unit_number, name=_named_unit, sums=False)
+    except (ExpressionError, ArithmeticError):
+        same = next((f'did you mean "{x}"?' for x in _SPELT if x.lower() == unit.lower()), "")
+        near = same or meant(unit, [*_units(), *_SPELT]).rstrip()
+        raise SceneError(f"unknown unit {quoted(unit)}{f': {near}' if near else '.'}{hint}") from None
+    turns, *powers = size.powers
+    if turns.denominator != 1 or (isinstance(size.factor, float) and size.factor != 1.0):
+        raise SceneError(f"{quoted(text)}: use m, s, kg, N, rad in a fractional power")
+    exact = Fraction(size.factor)
+    value = Rational(exact.numerator, exact.denominator) * pi ** Integer(int(turns))
+    return value, {name: x for name, x in zip(("mass", "length", "time"), powers, strict=True) if x}
+
+
+@dataclass(frozen=True, slots=True)
+class _Size:
+    """A unit in SI: a number, which a root may leave as a float, and powers of pi, kg, m and s. Radians are 1."""
+
+    factor: Fraction | float
+    powers: tuple[Fraction, ...] = (Fraction(0),) * 4
+
+    def __mul__(self, other: _Size) -> _Size:
+        return _Size(self.factor * other.factor, tuple(map(add, self.powers, other.powers)))
+
+    def __truediv__(self, other: _Size) -> _Size:
+        return self * other**-1
+
+    def __pow__(self, n: int | Fraction) -> _Size:
+        return _Size(self.factor**n, tuple(n * x for x in self.powers))
+
+
+def _unit_number(text: str) -> _Size:
+    if text != "1":
+        raise ValueError("a unit has no number but 1")
+    return _Size(Fraction(1))
+
+
+def _named_unit(name: str) -> _Size:
+    """A unit by name or symbol, also with a prefix or in the plural; KeyError where it is none."""
+    known, prefixes = _units(), _PREFIXES
+    for own in (name, *([name[:-1]] if name.endswith("s") and len(name) > 2 else [])):
+        if own in known:
+            return known[own]
+        for prefix, power in prefixes.items():
+            if own.startswith(prefix) and (own == name or len(own) > len(prefix) + 1) and own[len(prefix) :] in known:
+                return _Size(Fraction(10) ** power) * known[own[len(prefix) :]]
+    raise KeyError(name)
+
+
+_PREFIXES = {
+    name: power
+    for power, names in {
+        12: "tera T", 9: "giga G", 6: "mega M", 3: "kilo k", 2: "hecto h", 1: "deca da", -1: "deci d", -2: "centi c",
+        -3: "milli m", -6: "micro \N{MICRO SIGN} \N{GREEK SMALL LETTER MU} u", -9: "nano n",
+    }.items()
+    for name in names.split()
+}  # fmt: skip
+_DEFINED = (
+    ("gram g", "0.001", "kg"), ("tonne t", "1000", "kg"), ("metre", "1", "m"), ("second sec", "1", "s"),
+    ("pound lb lbm", "0.45359237", "kg"), ("ounce oz", "1/16", "lb"), ("inch inches in", "0.0254", "m"),
+    ("foot feet ft", "12", "in"), ("minute min", "60", "s"),
+    ("radian", "1", "rad"), ("hertz Hz", "2", "pi*rad/s"), ("degree deg °", "1/180", "pi*rad"),
+    ("revolution rev", "2", "pi*rad"), ("revolutions_per_minute rpm", "1", "rev/min"), ("percent %", "0.01", "rad"),
+    ("newton N", "1", "kg*m/s^2"), ("joule J", "1", "N*m"), ("force_pound lbf", "9.80665", "lb*m/s^2"),
+    ("force_ounce ozf", "1/16", "lbf"), ("force_kilogram kgf", "9.80665", "N"), ("slug", "1", "lbf*s^2/ft"),
+)  # fmt: skip
+"""Names, and what they are of a unit that stands before: exact, by definition."""
+
+
+@cache
+def _units() -> dict[str, _Size]:
+    one = Fraction(1)
+    base = {
+        name: _Size(one, tuple(Fraction(i == k) for k in range(4))) for i, name in enumerate(("pi", "kg", "m", "s"))
+    }
+    known = {**base, "kilogram": base["kg"], "meter": base["m"], "rad": _Size(one)}
+    for names, factor, of in _DEFINED:
+        size = _Size(Fraction(factor)) * evaluate(of, number=_unit_number, name=known.__getitem__, sums=False)
+        known |= dict.fromkeys(names.split(), size)
+    return known
 
 
 _OWN = {"": {}, "kg": {"mass": 1}, "kg*m^2": {"mass": 1, "length": 2}, "rad/s": {"time": -1}}
@@ -337,48 +386,6 @@ _SPELT = [
     f"{prefix}{unit}" for unit in ("Hz", "N", "J", "m", "s", "g", "rad") for prefix in ("", "k", "m", "M", "c", "u")
 ]
 """As they are meant by those who write them in other letters."""
-
-
-def _measured(plain: str, unit: str, text: str, hint: str) -> tuple[Expr, dict[str, Fraction]]:
-    """A unit's factor and dimensions from Pint's registry."""
-    import pint
-
-    try:
-        measured = evaluate(plain, number=_unit_number, name=_named_unit, sums=False)
-        base = measured.to_root_units()
-    except (ExpressionError, pint.PintError, ArithmeticError):
-        same = next((f'did you mean "{x}"?' for x in _SPELT if x.lower() == unit.lower()), "")
-        near = same or meant(unit, [*_USUAL, *_SPELT]).rstrip()
-        raise SceneError(f"unknown unit {quoted(unit)}{f': {near}' if near else '.'}{hint}") from None
-    exponents = {name.strip("[]"): Fraction(power) for name, power in base.dimensionality.items()}
-    turns = exponents.pop("circle", Fraction(0))
-    if turns.denominator != 1 or (isinstance(base.magnitude, float) and base.magnitude != 1.0):
-        raise SceneError(f"{quoted(text)}: use m, s, kg, N, rad in a fractional power")
-    exact = Fraction(base.magnitude)
-    return Rational(exact.numerator, exact.denominator) * pi ** Integer(int(turns)), exponents
-
-
-def _unit_number(text: str) -> pint.Quantity[Fraction]:
-    if text != "1":
-        raise ValueError("a unit has no number but 1")
-    return _registry().Quantity(Fraction(1))
-
-
-def _named_unit(name: str) -> pint.Quantity[Fraction]:
-    import pint
-
-    try:
-        return _registry().Quantity(Fraction(1), name)
-    except (pint.PintError, ValueError):
-        raise KeyError(name) from None
-
-
-@cache
-def _registry() -> pint.UnitRegistry:
-    import pint
-
-    units = Path(__file__).parents[1] / "data" / "units.txt"
-    return pint.UnitRegistry(str(units), non_int_type=Fraction, cache_folder=None)
 
 
 Number: TypeAlias = "str | int | float | Decimal | Fraction | Expr"

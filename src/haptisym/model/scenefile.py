@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from sympy import Expr, Integer
 
+import haptisym.effects
+import haptisym.environments  # noqa: F401  both fill the catalogue
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, meant, need, within
 from haptisym.kernel.objects import Shown, titled
@@ -26,6 +28,7 @@ from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.parameters import free_name, read_confidence
 from haptisym.model.quantities import Dimension, Number, Unit, number
 from haptisym.model.scene import Scene, frequency, read_friction
+from haptisym.model.shipped import SHIPPED, bench_names, family_names, scene_names, shipped_text
 
 if TYPE_CHECKING:
     from haptisym.model.measured import Measurement  # needs NumPy, which a scene of formulas does not load
@@ -411,40 +414,7 @@ def _only(table: Table, valid: tuple[str, ...], place: str) -> None:
 
 _T = TypeVar("_T", SceneFamily, SceneFamily | MeasuredScene)
 
-_SHIPPED = Path(__file__).parents[1]  # ``importlib.resources`` takes longer than the evaluation of a scene
 LARGEST_FILE = 1_000_000  # bytes; a scene is a page of text
-
-
-def scene_names() -> tuple[str, ...]:
-    """The names of the scenes with one environment that the package ships.
-
-    >>> "fu2019" in scene_names()
-    True
-    """
-    return _shipped("scenes")
-
-
-def family_names() -> tuple[str, ...]:
-    """The names of the scenes with several environments that the package ships.
-
-    >>> family_names()
-    ('palpation-device',)
-    """
-    return _shipped("families")
-
-
-def bench_names() -> tuple[str, ...]:
-    """The names of the measured scenes that the package ships: simulated bench runs, which ``evaluate`` and ``identify`` take.
-
-    >>> bench_names()
-    ('delayed-spring-bench', 'fu2019-bench', 'fu2019-clipped-bench')
-    """
-    return _shipped("benches")
-
-
-def _shipped(folder: str) -> tuple[str, ...]:
-    entries = (_SHIPPED / folder).iterdir()
-    return tuple(sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml")))
 
 
 def load_scene(scene: str | Path, environment: str | None = None) -> Scene:
@@ -485,7 +455,7 @@ def felt_through(own: SceneFamily, name: str, environments: Iterable[str | Path]
 def open_scenes(scene: str | Path) -> tuple[SceneFamily | MeasuredScene, str]:
     """What is in that file, or has that name: scenes of formulas, or one that is measured; and what error messages call it."""
     text, name = scene_text(scene)
-    folder = _SHIPPED / "benches" if str(scene) in bench_names() else Path(str(scene)).parent
+    folder = SHIPPED / "benches" if str(scene) in bench_names() else Path(str(scene)).parent
     return _parsed(name, lambda: read_any(text, folder)), name
 
 
@@ -566,9 +536,8 @@ def scene_text(scene: str | Path) -> tuple[str, str]:
     if not isinstance(scene, str | Path) or "\n" in str(scene):
         raise SceneError(_instead(scene))
     name = str(scene)
-    for folder, known in (("scenes", scene_names), ("families", family_names), ("benches", bench_names)):
-        if name in known():
-            return (_SHIPPED / folder / f"{name}.toml").read_text(encoding="utf-8"), name
+    if (text := shipped_text(name)) is not None:
+        return text, name
     path = Path(name)
     return _read_in_scenefile(path), path.name if path.is_file() else name
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any
 
-from sympy import Abs, Add, Expr, Integer, Symbol, count_ops, exp
+from sympy import Abs, Expr, Integer, Symbol, count_ops, exp
 
 from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon
@@ -98,8 +98,16 @@ def _in_force(x: Solution) -> list[Phrase]:
 def _degree(equation: Expr) -> tuple[Phrase, ...]:
     if not equation.is_polynomial(omega):
         return "in ", OMEGA, " and its sines and cosines"
-    degree = max(int(term.as_powers_dict().get(omega, 0)) for term in Add.make_args(equation.expand()))
-    return f"of degree {degree} in ", OMEGA
+    return f"of degree {_power(equation)} in ", OMEGA
+
+
+def _power(x: Expr) -> int:
+    """The degree in omega of a polynomial whose sums are collected by its powers: nothing in them cancels."""
+    if x.is_Pow:
+        return int(x.exp) * _power(x.base) if x.base.has(omega) else 0
+    if x.is_Add or x.is_Mul:
+        return (max if x.is_Add else sum)(map(_power, x.args))
+    return int(x == omega)
 
 
 _LONGEST = 250  # operations of a function that is written out unasked
@@ -355,11 +363,10 @@ def _when(d: Derivation) -> Section:
             found.notes.append((named(f"p_{letter}"), f" has {terms} terms; --of prints it."))
             continue
         polynomial = d[f"p_{letter}"]
-        if count_ops(polynomial) <= LONGEST:
+        if (operations := count_ops(polynomial)) <= LONGEST:
             found.lines.append(_named(f"p_{letter}", polynomial))
         else:
-            long = f" takes {count_ops(polynomial)} operations; --of prints it."
-            found.notes.append((named(f"p_{letter}"), long))
+            found.notes.append((named(f"p_{letter}"), f" takes {operations} operations; --of prints it."))
         found.solve(quantity(f"omega_{letter}"), d.crossings(part), named(_RATIOS[part]))
     return found.section(title)
 

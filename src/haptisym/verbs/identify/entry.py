@@ -32,7 +32,8 @@ from haptisym.model.measuring import measured
 from haptisym.model.parameters import Parameter, Rule
 from haptisym.model.quantities import Dimension, MotionKind, Number
 from haptisym.model.scene import Scene, frequency
-from haptisym.model.scenefile import bench_names, family_names, open_scenes, parse_scene, scene_names
+from haptisym.model.scenefile import open_scenes, parse_scene
+from haptisym.model.shipped import bench_names, family_names, scene_names
 from haptisym.verbs.identify.fitting import Degrees, Fit, Free, Table, Wanted, filled, fit, wanted, with_others
 
 

@@ -212,17 +212,25 @@ class Passage(RealNumber):
     high: Fraction
 
     def ball(self, bits: int) -> Ball:
-        low, high = self.low, self.high
-        above = _sign(self.motion._at(high, self.order) - expression_ball(self.level))
-        for _ in range(bits + 8):
-            middle = (low + high) / 2
-            with flint.ctx.workprec(2 * bits + 64):
-                here = sign_of(self.motion.value(_arb(middle), self.order) - expression_ball(self.level))
-            if not here:
-                break  # as near as the digits of the zeros tell
-            low, high = (low, middle) if here == above else (middle, high)
-        with flint.ctx.workprec(bits + 16):
-            return _arb(low).union(_arb(high))
+        """By Newton's steps with intervals: f(t) = f'(u) (t - x) for a u between, and f' is known up to f'' times the width."""
+        with flint.ctx.workprec(2 * bits + 64):
+            above, here = self._off(_arb(self.high)), _arb(self.low).union(_arb(self.high))
+            least = here.rad() * arb(2) ** -(bits + 8)
+            while here.rad() > least:
+                middle, half = here.mid(), here.rad()
+                ends = middle - half, middle + half
+                off, bend = self._off(middle), self.motion.most(*ends, self.order + 2)
+                slope = self.motion.value(middle, self.order + 1) + arb(0, (bend * half).upper())
+                inner = middle if slope.contains(0) else middle - off / slope
+                if slope.contains(0) or not (inner.rad() < half / 2 and inner > ends[0] and inner < ends[1]):
+                    if not sign_of(off):
+                        break  # as near as the digits of the zeros allow
+                    inner = middle.union(ends[0] if sign_of(off) == _sign(above) else ends[1])
+                here = inner
+            return here
+
+    def _off(self, t: Ball) -> Ball:
+        return self.motion.value(t, self.order) - expression_ball(self.level)
 
 
 @dataclass(frozen=True, repr=False)
