@@ -22,6 +22,7 @@ from haptisym.judge.crossings import Criterion
 from haptisym.judge.regions import Diamond, Ellipse, Polygon, Sided
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import c, omega
+from haptisym.kernel.where import Curve
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Knob, Scene
@@ -139,6 +140,19 @@ class Excess:
             c = inputs[0].number(self._c) if self._limit is None else self._variable(self._limit, cells, slopes=slopes)
             minus = -(c * c)
             return minus + square if isinstance(square, Model) else minus.plus(square)
+
+    def curve(self, cells: Array) -> Curve:
+        """The excess over each cell as a judge of the one search."""
+        found = Curve.of(*(x[:, 0] for x in self.model(cells, slopes=0).arrays))
+        unknown = ~np.isfinite(found.changes).all(-1)
+        found.changes[unknown] = self._spread(cells[unknown])
+        return found
+
+    def _spread(self, cells: Array) -> Array:
+        """How wide cells are, relative to the values in them: by what is cut of which nothing is known."""
+        low, width = np.array(self._intervals).T
+        ends = low[:, None] + width[:, None] * cells
+        return (ends[..., 1] - ends[..., 0]) / np.maximum(np.abs(ends).max(-1), 1e-300)
 
     def _square(self, inputs: Sequence[Model]) -> Model | float:
         return Modelled(self._program).run(inputs)[self._name]
