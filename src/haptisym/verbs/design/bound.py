@@ -8,7 +8,7 @@ others. Only *broken* must be proven of a cell: what stays open keeps the bound 
 
 first(q) >= w for all q of a box if every F_i is negative on [0, w) in each of its cells (``smallest``).
 
-Places are shares of the band, values shares of their ranges. Derivation: 27_design.
+Places are shares of the band, values shares of their ranges. Derivation: 20_best_damping.
 """
 
 from __future__ import annotations
