@@ -144,7 +144,9 @@ output = Path(sys.argv[1] if len(sys.argv) > 1 else "derived")
 output.mkdir(parents=True, exist_ok=True)
 formulas = {r"(2\zeta\omega_n)^2": Z_of, "0": factor.as_expr()}
 (output / "20_best_damping.tex").write_text(
-    "\\begin{align}\n" + " \\\\\n".join(f"{name} &= {latex(form)}" for name, form in formulas.items()) + "\n\\end{align}\n",
+    "\\begin{align}\n"
+    + " \\\\\n".join(f"{name} &= {latex(form)}" for name, form in formulas.items())
+    + "\n\\end{align}\n",
     encoding="utf-8",
 )
 

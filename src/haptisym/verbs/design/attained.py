@@ -6,7 +6,7 @@ Floats only propose. What is called attained was evaluated exactly at rational v
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
@@ -20,7 +20,7 @@ from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import HaptisymError, LimitError
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import Array
-from haptisym.verbs.sweep.entry import in_floats
+from haptisym.verbs.sweep.passes import Kernel
 
 PASSIVE, STABLE, STEADY = "passive", "stable", "steady"
 KEPT = (PASSIVE, STABLE, STEADY)
@@ -77,6 +77,7 @@ class Points:
     keep: Sequence[str]
     factors: Sequence[tuple[Expr, ...]]
     known: dict[tuple[Expr, ...], Attained | None] = field(default_factory=dict)
+    _kernels: dict[int, Kernel] = field(default_factory=dict)
 
     @cached_property
     def _scales(self) -> list[tuple[float, float, bool]]:
@@ -105,7 +106,7 @@ class Points:
         found = np.full(len(values), np.inf)
         for scene, factors in product(self.scenes, self.factors):
             own = values * np.array(factors, float)
-            columns, left = in_floats(scene, self.free, own.T)
+            columns, left = self._kernel(scene).in_floats(own.T)
             bandwidths = np.nan_to_num(columns["bandwidth"], nan=0.0)
             bandwidths[left] = 0.0
             for i in left[:_EXACT] if len(left) == len(values) else ():
@@ -113,6 +114,11 @@ class Points:
                 bandwidths[i] = self._exactly(scene, own[i])
             found = np.minimum(found, bandwidths)
         return found
+
+    def _kernel(self, scene: Scene) -> Kernel:
+        if id(scene) not in self._kernels:
+            self._kernels[id(scene)] = Kernel.of(replace(scene, hands=()), self.free)
+        return self._kernels[id(scene)]
 
     def _exactly(self, scene: Scene, values: Array) -> float:
         try:
@@ -203,9 +209,12 @@ class Points:
         return None
 
     def rounded(self, best: Attained, loss: float) -> Attained:
-        """The same with fewer digits, where that costs no more than a share of the bandwidth."""
+        """The same with fewer digits in the units of the scene, where that costs no more than a share of the bandwidth."""
+        sizes = [x.shown_unit(x.motion).size for x in self.free]
         for digits in range(2, 17):
-            values = [Rational(f"{float(x):.{digits}g}") for x in best.values]
+            values = [
+                Rational(f"{float(x / size):.{digits}g}") * size for x, size in zip(best.values, sizes, strict=True)
+            ]
             if not all(low <= x <= high for x, (low, high) in zip(values, self.ranges, strict=True)):
                 continue
             found = self.attained(values)

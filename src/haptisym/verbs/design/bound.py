@@ -34,9 +34,9 @@ _PIECES, _BATCH = 16, 128
 """Of the band, to begin with; cells in a round."""
 _NARROW = 2.0**-44
 """Share of the box down to which cells are cut."""
-_OFFERED, _CUT_FIRST = 32, 5
+_OFFERED, _PATIENCE, _CUT_FIRST = 32, 8, 5
 _WITHOUT_END = 10**12  # pieces: time is the limit
-_REACH = 100
+_REACH = 20
 """As many times the band's high end is looked at for what must be kept: beyond, the highest coefficient alone tells."""
 
 
@@ -103,7 +103,7 @@ class LargestBandwidth:
         )  # fmt: skip
 
     def prove(self, aim: Callable[[float], float], offer: Offer) -> float | None:
-        """A target that no values of the box are better than; None where cells became too narrow, or the time was over.
+        """A target that no values of the box are better than, the whole band if it is attained; None where cells became too narrow, or the time was over.
 
         ``aim`` : the target for what is attained; it rises where an offer is better than all before.
         """
@@ -111,11 +111,17 @@ class LargestBandwidth:
         target = aim(attained)
         self._put_back(target)
         self._reach(target)
-        for done in self._search:
+        missed = 0
+        for n, done in enumerate(self._search):
             self._settled.append(done)
-            points = self._promising()
+            points = (
+                self._promising() if n % (1 + missed // _PATIENCE) == 0 else ()
+            )  # where nothing better was found for long, less often
+            missed += len(points) > 0
             if len(points) and (now := offer(points)) > attained:
-                attained, target = now, aim(now)
+                if now >= 1:
+                    return 1.0
+                attained, target, missed = now, aim(now), 0
                 self._reach(target)
         return None if len(self._search.left) else target
 
@@ -264,5 +270,3 @@ def _by_powers(f: RealFunction, polynomial: object) -> dict[int, Expr]:
         term = Mul(Rational(int(value.p), int(value.q)), *(x ** int(exponents[i]) for i, x in others if exponents[i]))
         found[power] = found.get(power, Integer(0)) + term
     return found
-
-

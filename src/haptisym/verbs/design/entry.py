@@ -100,7 +100,9 @@ class Design(Answer):
     def _line(self) -> str:
         if self.best is None:
             return f"{titled(self.family.title)}: no values were found"
-        values = ", ".join(f"{x.name} = {float(value):.6g}" for x, value in zip(self.free, self.best.values, strict=True))
+        values = ", ".join(
+            f"{x.name} = {float(value):.6g}" for x, value in zip(self.free, self.best.values, strict=True)
+        )
         return f"{titled(self.family.title)}: {values}: bandwidth {self.bandwidth[0]:.6g} rad/s"
 
     @property
@@ -109,8 +111,13 @@ class Design(Answer):
         return self.family.first
 
     @property
-    def _about(self) -> Any:
+    def about(self) -> SceneFamily | Scene:
+        """The scene, or all of several."""
         return self.family if len(self.family) > 1 else self.family.first
+
+    @property
+    def _about(self) -> SceneFamily | Scene:
+        return self.about
 
     @property
     def _varied(self) -> tuple[list[str], list[str]]:
@@ -121,7 +128,9 @@ class Design(Answer):
     def certified(self) -> bool:
         """Whether the bounds are no further apart than the gap."""
         (low, high), (start, end) = self.bandwidth, map(float, self.family.band)
-        least = low if low > start else end - start  # of what is noticed from the low end on the gap is a share of the band
+        least = (
+            low if low > start else end - start
+        )  # of what is noticed from the low end on the gap is a share of the band
         return Fraction(high) - Fraction(low) <= self.gap * Fraction(least)
 
     @property
@@ -335,7 +344,9 @@ class _Search:
         whole = points.nearest_whole(start, self._high, np.array([float(x) for x in own]))
         found = whole or points.best(start, self.best.bandwidth if self.best else 0.0)
         if found is None and self.best is None:  # what is attained may be nothing, and is kept
-            found = next((x for x in map(points.attained, map(exact, start[:: max(len(start) // 12, 1)])) if x and x.kept), None)
+            found = next(
+                (x for x in map(points.attained, map(exact, start[:: max(len(start) // 12, 1)])) if x and x.kept), None
+            )
         self.best = found or self.best
         self._round()
 
@@ -347,7 +358,9 @@ class _Search:
         """What the largest bandwidth lies between, rad/s; of all values that are off by as much as they may the worst."""
         if self.is_refused:
             return 0.0, 0.0
-        upper = self._high if self.upper >= 1 else min(float(np.nextafter(self.frequency(self.upper), np.inf)), self._high)
+        upper = (
+            self._high if self.upper >= 1 else min(float(np.nextafter(self.frequency(self.upper), np.inf)), self._high)
+        )
         if self.best is None:
             return 0.0, upper
         if self.attained >= 1 and not self.question.robust:
@@ -468,7 +481,9 @@ def _box(family: SceneFamily, free: Mapping[str, Range] | Sequence[str] | str) -
     found = [knobs[path].felt() for path in asked]
     for path, x in zip(asked, found, strict=True):
         if x.parts:
-            raise SceneError(f"{x.path} is what a person notices, and nothing to design: choose a parameter of the display")
+            raise SceneError(
+                f"{x.path} is what a person notices, and nothing to design: choose a parameter of the display"
+            )
         if found.count(x) > 1:
             raise SceneError(f"{x.path} is free twice, the second time as {path}")
         if len(family) > 1 and not x.path.startswith("effects."):
@@ -487,7 +502,11 @@ def _range(free: Knob, given: Range) -> tuple[Expr, Expr]:
         low = asked.low if asked.holds_low or asked.low else asked.high / 10**6
         return low, asked.high
     if free.value.free_symbols or not free.value:
-        raise SceneError(f"{free.path} is {free.value}, of which a tenth and ten times are no range: give one, as {free.path}=1:10")
+        raise SceneError(
+            f"{free.path} is {free.value}, of which a tenth and ten times are no range: give one, as {free.path}=1:10"
+        )
     if free.value > 0:
-        return free.value / 10, min(free.value * 10, asked_high) if (asked_high := domain(free, None).high) else free.value * 10
+        return free.value / 10, min(free.value * 10, asked_high) if (
+            asked_high := domain(free, None).high
+        ) else free.value * 10
     return free.value * 10, -free.value * 10
