@@ -1,39 +1,42 @@
 """Where, in a box of omega and up to three numbers, is each of some functions positive, negative or unknown: the one search.
 
-Branch and bound. The sides of the box are of two kinds. *Outer* ones are values of parameters q, which are settled cell by cell;
-*inner* ones stand behind each outer cell: omega first, then what else a cell is to be settled for. For each function F_i an outer
-cell holds *pieces* of the inner sides, those on which the sign of F_i is open.
+Branch and bound. The sides of the box are of two kinds. *Outer* ones are values of parameters q, which are settled cell
+by cell; *inner* ones stand behind each outer cell: omega first, then what else a cell is to be settled for. For each
+function F_i an outer cell holds *pieces* of the inner sides, those on which the sign of F_i is open.
 
-**Guaranteed** of every outer cell, at any time, with first(q) the lowest omega from which on some F_i > 0 (infinite if there is
-none)::
+**Guaranteed** of every outer cell, at any time, with first(q) the lowest omega from which on some F_i > 0 (infinite if
+there is none)::
 
     floor <= first(q) <= ceiling  for all q of the cell;
     F_i(omega, q) < 0  for all q of the cell, all omega below the ceiling, and all else, outside of the pieces of F_i.
 
-A cell is *kept* where its floor is infinite (no piece is left, and nothing is positive), *broken* where its ceiling is not: F_i,
-i = ``by``, is positive at that omega for all q of the cell. What is not settled is returned, always: cells that are too small to be
-cut, and those that waited when the budget, or the time, was over. Nothing is claimed about F_i itself: what a judge says of it must
-be proven. Cells are closed, and ends that are rounded are within what the judge must allow for (an ulp of the box).
+A cell is *kept* where its floor is infinite (no piece is left, and nothing is positive), *broken* where its ceiling is
+not: F_i, i = ``by``, is positive at that omega for all q of the cell. What is not settled is returned, always: cells
+that are too small to be cut, and those that waited when the budget, or the time, was over. Nothing is claimed about F_i
+itself: what a judge says of it must be proven. Cells are closed, and ends that are rounded are within what the judge
+must allow for (an ulp of the box).
 
 **A judge** tells of F_i, over many cells at once, a line along omega and how far F_i may be from it::
 
     |F_i(omega, q) - (middle + slope t)| <= rest,  omega = m + h t,  t in [-1, 1],
 
-and how much it changes along each side; where that is not finite nothing is known (a pole may lie there). From the line a piece
-is *contracted* from both sides, as by Newton's method for intervals but without a second derivative: the part on which
-middle + slope t + rest < 0 goes, which raises floors, and from where on middle + slope t - rest > 0 the ceiling lies. A judge need
-not be smooth: one that cannot be positive (``D(j omega) is on one side of a line through 0``) settles by pieces alone.
+and how much it changes along each side; where that is not finite nothing is known (a pole may lie there). From the line
+a piece is *contracted* from both sides, as by Newton's method for intervals but without a second derivative: the part
+on which middle + slope t + rest < 0 goes, which raises floors, and from where on middle + slope t - rest > 0 the
+ceiling lies. A judge need not be smooth: one that cannot be positive (``D(j omega) is on one side of a line through
+0``) settles by pieces alone.
 
-**How cells are cut.** The remainder of a Taylor model is of third order, so the share of each side in it is that of the cube
-of F's change along it (``Curve.of``): all of it to omega, and pieces without end are cut that only the parameters could settle; to
-each alike, and the parameters are. A piece along whose inner sides F changes more than half as much as along the outer ones is cut
-there, every other open piece wants its cell cut: along the side with the largest share of the change in any piece. Of pieces about
-which nothing is known 32 of a cell may be cut; then it is the cell that is too large.
+**How cells are cut.** The remainder of a Taylor model is of third order, so the share of each side in it is that of the
+cube of F's change along it (``Curve.of``): all of it to omega, and pieces without end are cut that only the parameters
+could settle; to each alike, and the parameters are. A piece along whose inner sides F changes more than half as much as
+along the outer ones is cut there, every other open piece wants its cell cut: along the side with the largest share of
+the change in any piece. Of pieces about which nothing is known 32 of a cell may be cut; then it is the cell that is too
+large.
 
-**What is asked** is a reading: ``told`` settles a cell that is kept or broken (requirements, maps, planes of hands), and a
-question about the best or the worst value settles what cannot be better than a bound (``no_better``, ``no_worse``). The
-order is a rank: all at once if there is none, else the best ones first (``Search``). The queue, ``Batches``, serves searches that
-have no outer cells too.
+**What is asked** is a reading: ``told`` settles a cell that is kept or broken (requirements, maps, planes of hands),
+and a question about the best or the worst value settles what cannot be better than a bound (``no_better``,
+``no_worse``). The order is a rank: all at once if there is none, else the best ones first (``Search``). The queue,
+``Batches``, serves searches that have no outer cells too.
 
 >>> def parabola(cells):  # q - (omega - 1/2)^2, of which only intervals are known
 ...     (a, b), (q, p) = cells[:, 0].T - 0.5, cells[:, 1].T
@@ -117,10 +120,9 @@ class Curve:
 
     def known_negative(self, which: Array) -> Curve:
         """The same of a function that was shown to be negative on some cells in another way."""
-        arrays = [x.copy() for x in (self.middle, self.slope, self.bend, self.rest)]
-        for x, value in zip(arrays, (-1.0, 0.0, 0.0, 0.0), strict=True):
-            x[which] = value
-        return Curve(*arrays, self.changes)
+        middle, slope, bend, rest = (x.copy() for x in (self.middle, self.slope, self.bend, self.rest))
+        middle[which], slope[which], bend[which], rest[which] = -1.0, 0.0, 0.0, 0.0
+        return Curve(middle, slope, bend, rest, self.changes)
 
     def __getitem__(self, which: Array) -> Curve:
         return Curve(self.middle[which], self.slope[which], self.bend[which], self.rest[which], self.changes[which])
@@ -211,7 +213,7 @@ class Batches(Generic[R]):
     that goes on has settled them, but for what it put back with ``add``. LimitError out of the iteration when the time is over.
     ``rest`` : all that is not settled, also what a loop was left with.
 
-    ``rank`` : of rows an array, least for those to be given first; if there is none they come in the order in which they were added.
+    ``rank`` : of rows an array, least for those to be given first; if there is none they come as they were added.
 
     >>> waiting, settled = Batches(np.array([[0, 8]]), size=2), []
     >>> for cells in waiting:
@@ -261,7 +263,8 @@ def joined(rows: Sequence[R]) -> R:
     own = [x for x in rows if len(x)] or [*rows[:1]]
     if len(own) == 1:
         return own[0]
-    found: R = np.concatenate(own) if isinstance(own[0], np.ndarray) else type(own[0]).together(own)  # type: ignore[attr-defined]
+    together: Any = np.concatenate if isinstance(own[0], np.ndarray) else type(own[0]).together  # type: ignore[attr-defined]
+    found: R = together(own)
     return found
 
 
@@ -300,8 +303,8 @@ class Pieces:
 class Cells:
     """Outer cells (n, outer, 2), for each judge the pieces on which its sign is open, and what is proven of each cell.
 
-    ``floor``, ``ceiling`` : (n,), bounds on the lowest omega from which on a judge is positive, as above; ``by`` : (n,), the number
-    of the judge that is positive at the ceiling, for all of the cell; -1 where there is none.
+    ``floor``, ``ceiling`` : (n,), bounds on the lowest omega from which on a judge is positive, as above; ``by`` : (n,),
+    the number of the judge that is positive at the ceiling, for all of the cell; -1 where there is none.
     """
 
     outer: Array
@@ -345,7 +348,8 @@ class Cells:
     @property
     def has_no_pieces(self) -> Array:
         """Of which cells no sign is open: cutting them tells no more."""
-        return np.bincount(np.concatenate([x.owner for x in self.pieces]), minlength=len(self)) == 0
+        owners = [np.zeros(0, int), *(x.owner for x in self.pieces)]
+        return np.bincount(np.concatenate(owners), minlength=len(self)) == 0
 
     def extended(self, inner: Sequence[ArrayLike]) -> Cells:
         """With more pieces behind each, for each judge; what was proven of frequencies below holds on."""
@@ -387,7 +391,8 @@ class Search:
     array, least for those to be cut first, at most ``batch`` in a round; all at once if there is none. ``last`` : how often the
     pieces of cells that cannot be cut are cut once more. ``most`` : pieces that are looked at, in all.
 
-    ``left`` : what is not settled: what was too small, and what waited when it was enough or the time was over. Never a LimitError.
+    ``left`` : what is not settled: what was too small, and what waited when it was enough or the time was over. Never
+    a LimitError.
     """
 
     def __init__(
@@ -439,7 +444,10 @@ class Search:
 
     def _judged(self, cells: Cells) -> tuple[Cells, Array]:
         """What every judge shows of some cells, and how much each changes along their sides where that is open."""
-        found, changes = replace(cells, ceiling=cells.ceiling.copy(), by=cells.by.copy()), np.zeros(cells.outer.shape[:2])
+        found, changes = (
+            replace(cells, ceiling=cells.ceiling.copy(), by=cells.by.copy()),
+            np.zeros(cells.outer.shape[:2]),
+        )
         waiting, kept = [*cells.pieces], [list[Pieces]() for _ in cells.pieces]
         for n in range(2 + self._last):
             for i, own in enumerate(waiting):
@@ -489,12 +497,15 @@ def _contracted(i: int, found: Cells, pieces: Pieces, curve: Curve) -> tuple[Pie
     positive = _first(curve.bend, curve.slope, curve.middle - curve.rest)
     shown = curve.known & np.isfinite(positive)
     before = found.ceiling.copy()
-    np.minimum.at(found.ceiling, pieces.owner[shown], (start + radius * (1 + positive))[shown])
+    at = np.where(positive < 1, np.minimum(np.nextafter(start + radius * (1 + positive), np.inf), end), end)
+    at = np.where(positive > -1, at, start)
+    np.minimum.at(found.ceiling, pieces.owner[shown], at[shown])
     found.by[found.ceiling < before] = i
     low, high = _hull(curve.bend, curve.slope, curve.middle + curve.rest)
     inner, known = pieces.inner.copy(), curve.known
-    inner[:, 0, 0] = np.where(known, np.maximum(start, start + radius * (1 + low)), start)
-    inner[:, 0, 1] = np.where(known, np.minimum(end, start + radius * (1 + high)), end)
+    first, last = np.nextafter(start + radius * (1 + low), -np.inf), np.nextafter(start + radius * (1 + high), np.inf)
+    inner[:, 0, 0] = np.where(known, np.maximum(start, first), start)
+    inner[:, 0, 1] = np.where(known, np.minimum(end, last), end)
     left = ~known | (low <= high)
     return Pieces(pieces.owner[left], inner[left]), curve[left]
 
@@ -524,8 +535,8 @@ class Found:
 
 
 def search(
-    judges: Sequence[Judge], outer: ArrayLike, inner: ArrayLike, *, wide: Callable[[Array], Array], last: int = 0, most: int = _MOST,
-    what: str = "cells",
+    judges: Sequence[Judge], outer: ArrayLike, inner: ArrayLike, *, wide: Callable[[Array], Array],
+    last: int = 0, most: int = _MOST, what: str = "cells",
 ) -> Found:  # fmt: skip
     """Outer cells that fill a domain as they are told: kept, broken, or neither; ``inner`` : the pieces of all judges alike.
 

@@ -16,11 +16,11 @@ from typing import TypeAlias
 import numpy as np
 from sympy import Expr, Rational, Symbol, pi
 
-from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import sign_of_number
-from haptisym.programs.taylormodels import Array, Model, floated, halves, valued, variable
+from haptisym.kernel.where import Array, Batches, Curve, halves
+from haptisym.programs.taylormodels import Model, floated, valued, variable
 
 _BATCH = 512  # cells that are bounded together
 _MOST_CELLS = 40_000
@@ -111,37 +111,40 @@ class OnAxis:
 
     def left(self) -> Array:
         """Cells outside which there are no zeros on the axis, and in which there may be: none where that is proven."""
-        cells, looked = np.zeros((64, self.sides, 2)), 0
+        cells = np.zeros((64, self.sides, 2))
         cells[:, :, 1] = 1.0
         edges = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 64)])
         cells[:, 0, 0], cells[:, 0, 1] = edges[:-1], edges[1:]
-        while len(cells):
-            if looked > _MOST_CELLS:
-                return cells
-            now, later = cells[:_BATCH], cells[_BATCH:]
-            looked += len(now)
-            tick(min(looked, _MOST_CELLS), _MOST_CELLS, "cells of frequency and ranges")
-            clear, rates = self.bounded(now)
-            cells = np.concatenate([later, halves(now[~clear], np.argmax(rates, -1)[~clear])])
-        return cells
+        waiting = Batches(cells, size=_BATCH, most=_MOST_CELLS, what="cells of frequency and ranges")
+        for own in waiting:
+            clear, rates = self.bounded(own)
+            waiting.add(halves(own[~clear], np.argmax(rates, -1)[~clear]))
+        return waiting.rest
 
     def bounded(self, cells: Array) -> tuple[Array, Array]:
         """Whether D is nowhere 0 in a cell, proven, and how much it varies along each side, in shares of its size there."""
+        c0, c1, c2, r = self._along(cells)
         with np.errstate(all="ignore"):
-            real, imag = self.parts(cells)
-            a, b = real.c0, imag.c0
-            size = np.hypot(a, b)
-            a, b = a / size, b / size
-            c1 = a[..., None] * real.c1 + b[..., None] * imag.c1
-            c2 = a[..., None, None] * real.c2 + b[..., None, None] * imag.c2
-            varies = np.abs(c1) + np.abs(c2).sum(-1)
-            radius = varies.sum(-1) + np.abs(a) * real.r + np.abs(b) * imag.r
-            radius = radius + 1e-13 * (np.abs(a) * real.deviation + np.abs(b) * imag.deviation)
-            clear = (size * (1 - 1e-12) > radius * (1 + 1e-12))[:, 0]
-            rates = varies[:, 0] / size
+            rates = (np.abs(c1) + np.abs(c2).sum(-1)) / -c0[:, None]
         width = cells[:, :, 1] - cells[:, :, 0]
         rates = np.where(np.isfinite(rates).all(-1, keepdims=True), rates, width)
-        return clear, rates * (width > 0) + 1e-12 * width
+        return Curve.of(c0, c1, c2, r).negative, rates * (width > 0) + 1e-12 * width
+
+    def curve(self, cells: Array) -> Curve:
+        """As a judge of the one search: negative where D is not 0, and told nowhere to be positive, which would mean nothing."""
+        return Curve.of(*self._along(cells)).never_positive()
+
+    def _along(self, cells: Array) -> tuple[Array, Array, Array, Array]:
+        """A Taylor model of minus D's share along what D is in the middle of a cell: D is not 0 where that is negative."""
+        with np.errstate(all="ignore"):
+            real, imag = self.parts(cells)
+            size = np.hypot(real.c0, imag.c0)
+            a, b = -real.c0 / size, -imag.c0 / size
+            c1 = a[..., None] * real.c1 + b[..., None] * imag.c1
+            c2 = a[..., None, None] * real.c2 + b[..., None, None] * imag.c2
+            r = np.abs(a) * real.r + np.abs(b) * imag.r
+            r = r + 1e-13 * (np.abs(a) * real.deviation + np.abs(b) * imag.deviation)
+            return -size[:, 0] * (1 - 1e-12), c1[:, 0], c2[:, 0], r[:, 0]
 
     def parts(self, cells: Array) -> tuple[Model, Model]:
         """Real and imaginary part of D(j omega) over cells."""

@@ -274,14 +274,6 @@ def _flat(value: Array, r: Array, sides: int, *, linear: bool) -> Model:
     return Model(c0, c1, c2, np.asfortranarray(r))
 
 
-def halves(cells: Array, side: Array) -> Array:
-    """Each cell cut in two along a side."""
-    lower, upper, rows = cells.copy(), cells.copy(), np.arange(len(cells))
-    middle = (cells[rows, side, 0] + cells[rows, side, 1]) / 2
-    lower[rows, side, 1], upper[rows, side, 0] = middle, middle
-    return np.concatenate([lower, upper])
-
-
 ModelOrFloat: TypeAlias = Model | float
 """Numbers that are the same everywhere stay floats, to within some roundings."""
 

@@ -21,7 +21,7 @@ from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, noticed
-from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.budget import SECONDS, Waiting, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber
@@ -288,7 +288,7 @@ class Relevance(Answer):
     def dominance(self) -> tuple[Dominance, ...]:
         """Which effect changes the ratios most, along the band; in the gaps two are alike, or nothing is told to 1/1000 of it."""
         with series_arithmetic():
-            pieces = list(self._dominated(BandPiece()))
+            pieces = list(self._dominated())
         found = []
         for index, run in groupby(pieces, key=lambda pair: pair[0]):
             if index is not None:
@@ -296,17 +296,18 @@ class Relevance(Answer):
                 found.append(Dominance(self.scene.effects[index], ends[0][0], ends[-1][1]))
         return tuple(found)
 
-    def _dominated(self, piece: BandPiece) -> Iterator[tuple[int | None, BandPiece]]:
+    def _dominated(self) -> Iterator[tuple[int | None, BandPiece]]:
         """The band in pieces, each with the effect that dominates on it, if one does."""
-        ranges = [self._range(i, piece) for i in range(len(self.scene.effects))]
-        first = max(range(len(ranges)), key=lambda i: ranges[i].least, default=None)
-        if first is not None and all(x.most < ranges[first].least for i, x in enumerate(ranges) if i != first):
-            yield first, piece
-        elif first is None or piece.depth >= _FINEST:
-            yield None, piece
-        else:
-            for half in piece.halves():
-                yield from self._dominated(half)
+        waiting = Waiting([BandPiece()])
+        for piece in waiting:
+            ranges = [self._range(i, piece) for i in range(len(self.scene.effects))]
+            first = max(range(len(ranges)), key=lambda i: ranges[i].least, default=None)
+            if first is not None and all(x.most < ranges[first].least for i, x in enumerate(ranges) if i != first):
+                yield first, piece
+            elif first is None or piece.depth >= _FINEST:
+                yield None, piece
+            else:
+                waiting.add(*piece.halves())
 
     def _range(self, index: int, piece: BandPiece) -> SupremumBounds:
         """Of the larger one of an effect's changes of r_r and r_i."""

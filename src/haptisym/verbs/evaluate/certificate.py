@@ -29,7 +29,7 @@ from sympy import I, pi
 from haptisym.judge.crossings import Curve, curves
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.percepts import find_percepts
-from haptisym.kernel.budget import tick
+from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, bounds, rational_between
@@ -142,13 +142,13 @@ def breakpoints(places: Sequence[RealNumber], factors: Sequence[Factor]) -> list
         last = [] if ends[1] is not None else [simplest(*places[-2:])]
         inner = sorted({*first, *inner, *last})
     low, high = _beside(places[0], -1), _beside(places[-1], 1)
-    found, waiting, asked = [low], [high, *inner[::-1]], [*factors]
-    while waiting:
-        tick()
-        if _is_shown(asked, found[-1], waiting[-1]):
-            found.append(waiting.pop())
-        elif len(found) + len(waiting) < _MOST:
-            waiting.append(_between(factors, found[-1], waiting[-1]))
+    found, waiting, asked = [low], Waiting(pairwise([low, *inner, high])), [*factors]
+    for a, b in waiting:
+        if _is_shown(asked, a, b):
+            found.append(b)
+        elif len(found) + len(waiting.rest) < _MOST:
+            middle = _between(factors, a, b)
+            waiting.add((a, middle), (middle, b))
         else:
             raise UndecidedError("a certificate: it would take too many cells")
     return found
@@ -247,18 +247,17 @@ def _cells(polynomial: Sequence[Sequence[str]]) -> list[Fraction]:
         return []  # s itself
     even, odd = (sliced([[c * (-1) ** k for c in row] for k, row in enumerate(rows[i::2])] or [[0]]) for i in (0, 1))
     places = sorted([*_positive(even[0]), *_positive(odd[0])], key=lambda x: x.bounds(0)[0])
-    found, waiting = [Fraction(0)], [None, *[simplest(a, b) for a, b in pairwise(places)][::-1]]
-    while waiting:
-        tick()
-        low, high = found[-1], waiting[-1]
+    found, between = [Fraction(0)], [simplest(a, b) for a, b in pairwise(places)]
+    waiting: Waiting[tuple[Fraction, Fraction | None]] = Waiting(
+        zip([found[0], *between], [*between, None], strict=True)
+    )
+    for low, high in waiting:
         if _turns_are_shown(even, odd, low, high):
-            waiting.pop()
             found += [] if high is None else [high]
-        elif len(found) + len(waiting) < _MOST_ZEROS:
+        elif len(found) + len(waiting.rest) < _MOST_ZEROS:
             tried = [2 * low + n - 1 if high is None else low + (high - low) / n for n in range(2, 2 + len(even[0]))]
-            waiting.append(
-                next((x for x in tried if any((_signs(even, x, None) or [0])[:1])), tried[0])
-            )  # E is not zero
+            middle = next((x for x in tried if any((_signs(even, x, None) or [0])[:1])), tried[0])  # E is not zero
+            waiting.add((low, middle), (middle, high))
         else:
             raise UndecidedError(
                 "a certificate: the real or the imaginary part of p(j omega) has zeros that cells do not part, as a double one"

@@ -28,7 +28,7 @@ import flint
 from flint import acb, acb_poly, arb, fmpq
 from sympy import Expr, Rational
 
-from haptisym.kernel.budget import tick
+from haptisym.kernel.budget import Waiting, tick
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import SURE_BITS, Ball, ExactNumber, RealNumber, at_rising_precision, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
@@ -130,10 +130,8 @@ class Motion:
             low = sign_of(self.begin - expression_ball(level))
             if low and _sign(self._at(start) - expression_ball(level)) == -low:
                 found.append(Passage(self, level, 0, Fraction(0), start))
-        cells = [(start, max(last, start))]
-        while cells:
-            tick()
-            low_end, high_end = cells.pop()
+        cells = Waiting([(start, max(last, start))])
+        for low_end, high_end in cells:
             if self._is_apart(low_end, high_end, level, order):
                 continue
             if self._is_apart(low_end, high_end, Rational(0), order + 1):  # it is monotonic
@@ -144,7 +142,7 @@ class Motion:
             if high_end - low_end < _FINEST * last:
                 raise UndecidedError("whether a free response touches a level or passes it")
             middle = (low_end + high_end) / 2
-            cells += [(middle, high_end), (low_end, middle)]
+            cells.add((low_end, middle), (middle, high_end))
         return found
 
     @property

@@ -17,7 +17,7 @@ from itertools import pairwise
 from math import isqrt
 from typing import Any, TypeAlias
 
-from haptisym.kernel.budget import tick
+from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber
@@ -49,15 +49,13 @@ class Problem:
         """Slabs from end to end, each with its proof. UndecidedError where so many as a certificate may have do not suffice."""
         most = _MOST_WITH_WAVES if self.linked.has_waves else _MOST_SLABS
         whole = Slab(self, low, high)
-        waiting, count = [*whole.halves()[::-1]] if low is high is None else [whole], 1
-        while waiting:
-            tick()
-            here = waiting.pop()
+        waiting, count = Waiting(whole.halves() if low is high is None else [whole]), 1
+        for here in waiting:
             found = here.kept() if holds else here.failed()
             if found is not None:
                 yield {"from": _text(here.low), "to": _text(here.high), **found}
             elif count < most:
-                waiting += here.halves()[::-1]
+                waiting.add(*here.halves())
                 count += 1
             else:
                 raise UndecidedError(
@@ -107,13 +105,13 @@ class Slab:
     def kept(self) -> dict[str, Any] | None:
         """Points between which no excess is positive; None where so many as a slab may have do not suffice."""
         low, *_, high = self.problem.band
-        found, waiting = [low], [high, *sorted({x for x in self.problem.starts if low < x < high})[::-1]]
-        while waiting:
-            signs = (self._sign(name, found[-1], waiting[-1]) for name in self.problem.linked.told)
-            if all(x in (-1, 0) for x in signs):
-                found.append(waiting.pop())
-            elif len(found) + len(waiting) < _MOST_CELLS:
-                waiting.append((found[-1] + waiting[-1]) / 2)
+        starts = sorted(x for x in self.problem.starts if low < x < high)
+        found, waiting = [low], Waiting(pairwise([low, *dict.fromkeys(starts), high]))
+        for a, b in waiting:
+            if all(self._sign(name, a, b) in (-1, 0) for name in self.problem.linked.told):
+                found.append(b)
+            elif len(found) + len(waiting.rest) < _MOST_CELLS:
+                waiting.add((a, (a + b) / 2), ((a + b) / 2, b))
             else:
                 return None
         return {"points": [str(x) for x in found], "part": None}

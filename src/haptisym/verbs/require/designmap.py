@@ -24,25 +24,25 @@ from sympy import Dummy, Expr, Rational
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion
-from haptisym.judge.excess import Box, Excess, Side, excess_of
-from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, spared, tick
+from haptisym.judge.excess import Box, Side, excess_of
+from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, spared
 from haptisym.kernel.errors import HaptisymError, SceneError, several
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.where import Array, search
 from haptisym.model.catalogue import Hand
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.programs.taylormodels import Array
 from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder
 from haptisym.verbs.require.feasible import End, Kind, Solved, together
 from haptisym.verbs.require.freeparameter import asked_of, conditions, domain, edge_polynomial, pieces, touch_polynomial
 from haptisym.verbs.require.hands import with_hands
 from haptisym.verbs.require.required import STABLE, SUITS_ALL, TRANSPARENT, Requirement, further, require, wishes
-from haptisym.verbs.tolerances.heldbox import Pieces, RectangleSearch, held_plane
+from haptisym.verbs.tolerances.heldbox import grid, held_plane, wider_than
 
 
 @dataclass(frozen=True)
@@ -226,8 +226,7 @@ def _worst(found: Sequence[Slice], size: tuple[float, float], share: float) -> l
 
 _PIECES = 16  # of the band, to begin with
 _FINEST_PLANE, _FINEST_HELD = 2.0**-8, 2.0**-9
-_MOST_PLANE, _BATCH_PLANE = 60_000, 4096
-"""Cells of band and plane that are looked at, and how many at once."""
+_MOST_PLANE = 60_000  # cells of band and plane that are looked at
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -267,9 +266,10 @@ def rectangles(
         excesses = [excess_of(box, x) for x in criteria]
     except HaptisymError:
         return None
-    search = _SearchInPlane(_FINEST_PLANE, _MOST_PLANE, [x for x in excesses if not x.is_zero])
-    search.go()
-    return _placed(ranges, *(np.concatenate([_NONE, *x]) for x in (search.kept, search.broken, search.left)))
+    judges, steps = [x.curve for x in excesses if not x.is_zero], np.arange(_PIECES + 1) / _PIECES
+    band = np.stack([steps[:-1], steps[1:]], -1)[:, None]
+    found = search(judges, grid(), band, wide=wider_than(_FINEST_PLANE), most=_MOST_PLANE, what="rectangles")
+    return _placed(ranges, *(x.outer for x in found.parts))
 
 
 def held_rectangles(scene: Scene, free: tuple[Knob, Knob], ranges: Sequence[tuple[Expr, Expr]]) -> Rectangles | None:
@@ -313,9 +313,6 @@ def _placed(ranges: Sequence[tuple[Expr, Expr]], *shares: Array) -> Rectangles:
     return Rectangles(*(lows + widths * x for x in shares))
 
 
-_NONE = np.empty((0, 2, 2))
-
-
 @dataclass(frozen=True)
 class _Plane(Box):
     """A box of two sides."""
@@ -338,66 +335,6 @@ def _is_modelled(box: Box, free: Sequence[Knob], criteria: Sequence[Criterion]) 
     return plain and all(
         box.part_name(x.part) == limit.name for x in criteria for limit in limits if x.part and x.part in limit.parts
     )
-
-
-def _points(pieces: Pieces) -> Pieces:
-    """One frequency of each piece of the band: the end of the band where it reaches there."""
-    band = pieces.rest[:, 0]
-    at = np.where(band[:, 1] == 1, 1.0, band.mean(-1))
-    return Pieces(pieces.owner, np.stack([at, at], -1)[:, None])
-
-
-@dataclass
-class _SearchInPlane(RectangleSearch):
-    """Rectangles in which conditions are kept, or broken; behind each are the pieces of the band on which that is open."""
-
-    excesses: Sequence[Excess]
-    kept: list[Array] = field(default_factory=list)
-    broken: list[Array] = field(default_factory=list)
-
-    def go(self) -> None:
-        """Tell all rectangles."""
-        steps = np.arange(_PIECES + 1) / _PIECES
-        self._search([np.stack([steps[:-1], steps[1:]], -1)[:, None]] * len(self.excesses))
-
-    def _round(self, plane: Array, pieces: Sequence[Pieces]) -> tuple[Array, list[Pieces]]:
-        broken, changes = np.zeros(len(plane), bool), np.zeros((len(plane), 2))
-        found = [self._judged(x, plane, own, broken, changes) for x, own in zip(self.excesses, pieces, strict=True)]
-        doubtful = np.zeros(len(plane), bool)
-        for own in found:
-            doubtful[own.owner] = True
-        doubtful &= ~broken
-        self.kept.append(plane[~doubtful & ~broken])
-        self.broken.append(plane[broken])
-        return self._cut(plane, doubtful, changes, found)
-
-    def _judged(self, excess: Excess, plane: Array, own: Pieces, broken: Array, changes: Array) -> Pieces:
-        """The pieces of the band that stay in doubt; what is ``broken``, and along what it changes, is noted."""
-        for again in (True, False):
-            own = own.where(~broken[own.owner])
-            low, high, rates = self._bounds(excess, own.cells(plane))
-            broken[own.owner[low > 0]] = True
-            doubt = ~(high < 0)
-            own, rates = own.where(doubt), rates[doubt]
-            broken[own.owner[self._bounds(excess, _points(own).cells(plane))[0] > 0]] = True
-            if again:
-                wide = rates[:, 0] >= rates[:, 1:].max(-1) / 2
-                own = own.cut(wide, np.zeros(len(wide), int))
-            else:
-                np.maximum.at(changes, own.owner, rates[:, 1:])
-        return own
-
-    def _bounds(self, excess: Excess, cells: Array) -> tuple[Array, Array, Array]:
-        """Bounds on an excess over cells, and how much it changes along each side; 0 where that is not known."""
-        low, high, rates = np.empty(len(cells)), np.empty(len(cells)), np.empty(cells.shape[:2])
-        for i in range(0, len(cells), _BATCH_PLANE):
-            tick()
-            part = slice(i, i + _BATCH_PLANE)
-            model = excess.model(cells[part], slopes=0)
-            low[part], high[part] = (x[:, 0] for x in model.bounds())
-            rates[part] = np.abs(model.c1[:, 0]) + np.abs(model.c2[:, 0]).sum(-1)
-        self.looked += len(cells)
-        return low, high, np.nan_to_num(rates, nan=0.0, posinf=0.0)
 
 
 _ROUNDING, _SAME = 1e-9, 1e-12

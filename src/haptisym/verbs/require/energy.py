@@ -22,12 +22,12 @@ import flint
 import numpy as np
 from sympy import Expr, I, Integer, Poly, Rational, Symbol, pi
 
-from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
-from haptisym.programs.taylormodels import Array, Model, between, floated, halves, valued, variable
+from haptisym.kernel.where import Array, Batches, halves
+from haptisym.programs.taylormodels import Model, between, floated, valued, variable
 from haptisym.verbs.require.freeparameter import ExactSign
 
 Span: TypeAlias = tuple[float, float]
@@ -197,20 +197,16 @@ class Energy:
         edges = np.concatenate([[start], np.geomspace(max(start, 1e-4 * reach), max(reach, 2 * start), _FIRST)])
         cells = np.empty((_FIRST, 2, 2))
         cells[:, 0, 0], cells[:, 0, 1], cells[:, 1] = edges[:-1], edges[1:], q
-        looked = 0
-        while len(cells):
-            tick()
-            looked += len(cells)
-            if looked > _MOST:
-                return False
-            model = self._function(*variables(cells))
+        waiting = Batches(cells, size=_MOST, most=_MOST, what="cells of frequency and value")
+        for own in waiting:
+            model = self._function(*variables(own))
             low, high = (x[:, 0] for x in model.bounds())
             if (high < 0).any():
                 return False
             left = ~(low > 0)
             rates = np.abs(model.c1[left, 0]) + np.abs(model.c2[left, 0]).sum(-1)
-            cells = halves(cells[left], np.argmax(np.nan_to_num(rates, nan=0.0, posinf=0.0), -1))
-        return True
+            waiting.add(halves(own[left], np.argmax(np.nan_to_num(rates, nan=0.0, posinf=0.0), -1)))
+        return not len(waiting.rest)
 
     def active_at(self, q: Span) -> float | None:
         """A frequency at which Im H < 0 for all values of a range, proven; None where none was found."""

@@ -15,6 +15,7 @@ resultants and discriminants alone, and the stiffness at rest at roots of its nu
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
@@ -28,7 +29,7 @@ from sympy import Expr, Integer, Rational, exp, pi
 from haptisym.judge.colgate import SampledPassivity, loop_of, sampled_passivity
 from haptisym.judge.crossings import PASSIVE, Criterion
 from haptisym.judge.passivity import environment_alone, passivity
-from haptisym.kernel.budget import spared, tick
+from haptisym.kernel.budget import Waiting, spared, tick
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
@@ -326,23 +327,21 @@ class _Search:
     def cells(self, start: Rational, end: Rational) -> Iterator[_Cell]:
         """Cells that fill a range, in order."""
         places = sorted({start, end, *(x for x in self.marks if start < x < end)})
-        waiting, looked = [*pairwise(places)][::-1], 0
-        while waiting:
-            low, high = waiting.pop()
-            looked += 1
-            try:
-                tick(looked, _MOST, "cells of values")
-                found = self._told(low, high)
-            except LimitError:
-                found, looked = _Cell(low, high, None), _MOST
-            except UndecidedError:
-                found = _Cell(low, high, None)
-            is_small = high - low <= max(_FINEST * max(-low, high), _LEAST * (end - start))
-            if found.verdict is not None or found.turn or found.is_last or looked >= _MOST or is_small:
-                yield found
-                continue
-            middle = (low + high) / 2
-            waiting += [(middle, high), (low, middle)]
+        waiting = Waiting(pairwise(places), most=_MOST, what="cells of values")
+        with suppress(LimitError):
+            for low, high in waiting:
+                try:
+                    found = self._told(low, high)
+                except LimitError:
+                    break
+                except UndecidedError:
+                    found = _Cell(low, high, None)
+                is_small = high - low <= max(_FINEST * max(-low, high), _LEAST * (end - start))
+                if found.verdict is not None or found.turn or found.is_last or is_small:
+                    yield found
+                else:
+                    waiting.add((low, (low + high) / 2), ((low + high) / 2, high))
+        yield from (_Cell(low, high, None) for low, high in sorted(waiting.rest))
 
     def is_told(self, value: Rational) -> bool:
         """Whether a sign is shown for one value, be it which it may."""
@@ -610,16 +609,12 @@ def _is_positive(margins: Sequence[RealFunction], free: Knob, value: RealNumber)
     """Whether damping is left over at all angles, proven, at a value that is known by balls."""
     with flint.ctx.workprec(_BITS):
         known = {free.symbol: value.ball(_BITS), pi: arb.pi()}
-        waiting = [(f, arb(k) / _PIECES, arb(k + 1) / _PIECES) for f in margins for k in range(_PIECES)]
-        looked = 0
-        while waiting:
-            f, low, high = waiting.pop()
-            looked += 1
-            if looked > _MOST_PIECES:
-                return False
+        pieces = [(f, arb(k) / _PIECES, arb(k + 1) / _PIECES) for f in margins for k in range(_PIECES)]
+        waiting = Waiting(pieces, most=_MOST_PIECES)
+        for f, low, high in waiting:
             at = known | {f.axis.meanings[0]: low.union(high)}
             above, below = (f.axis.ball(x, at) for x in (f.function.numerator, f.function.denominator))
             if not above * below > 0:
                 middle = (low + high) / 2
-                waiting += [(f, low, middle), (f, middle, high)]
-        return True
+                waiting.add((f, low, middle), (f, middle, high))
+        return not waiting.rest

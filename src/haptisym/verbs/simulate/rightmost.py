@@ -19,7 +19,7 @@ import numpy as np
 from flint import acb, acb_poly, arb
 from sympy import Expr, Integer, Rational
 
-from haptisym.kernel.budget import tick
+from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import expression_ball
@@ -253,10 +253,8 @@ class Characteristic:
 
     def _turned(self, start: complex, end: complex, left: list[int]) -> Any:
         """By how much the function turns along a segment; None where that is not shown with so many pieces."""
-        total, pieces = arb(0), [(acb(start.real, start.imag), acb(end.real, end.imag))]
-        while pieces:
-            tick()
-            a, b = pieces.pop()
+        total, pieces = arb(0), Waiting([(acb(start.real, start.imag), acb(end.real, end.imag))])
+        for a, b in pieces:
             left[0] -= 1
             if left[0] < 0:
                 return None
@@ -266,7 +264,7 @@ class Characteristic:
                 total += (self.ball(b) / middle).arg() - (self.ball(a) / middle).arg()
                 continue
             half = ((a + b) / 2).mid()
-            pieces += [(half, b), (a, half)]
+            pieces.add((a, half), (half, b))
         return total
 
     def _radius(self, line: float) -> float | None:

@@ -38,10 +38,10 @@ from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball, rational_between
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.roots import each_once, is_told, ordered
+from haptisym.kernel.where import Array, halves
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.programs.onaxis import OnAxis
-from haptisym.programs.taylormodels import Array, halves
 from haptisym.verbs.stability.chains import Switches, cells, from_infinity, is_neutral, neutral_meetings
 from haptisym.verbs.stability.clocked import passages
 from haptisym.verbs.stability.held import drifts, need_roots

@@ -8,10 +8,9 @@ rectangles that touch have one number of unstable roots, which is counted exactl
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections import deque
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import islice, product
@@ -20,16 +19,16 @@ from typing import Any
 import numpy as np
 from sympy import Expr, I, Rational, Symbol
 
-from haptisym.kernel.budget import tick
+from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.rootcount import count_roots
+from haptisym.kernel.where import Array, search
 from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import values as values_of
 from haptisym.model.scene import Scene, clocks
 from haptisym.programs.onaxis import OnAxis
-from haptisym.programs.taylormodels import Array, halves
 from haptisym.verbs.stability.clocked import Cell, OnCircle, cell_halves
 from haptisym.verbs.stability.held import Share, characteristic, unstable_roots
 from haptisym.verbs.tolerances.search import together
@@ -213,22 +212,21 @@ class ClockPlane:
         whole: Cell = ((Fraction(0), Fraction(1)),) * (len(self.loops[0].ranges) - 2)
         sides = [(Fraction(i, _FIRST), Fraction(i + 1, _FIRST)) for i in range(_FIRST)]
         grid: list[Cell] = [(a, b) for a in sides for b in sides]
-        waiting = deque((own, [[whole] for _ in self.loops]) for own in grid)
-        try:
-            while waiting and looked <= self.most:
-                own, rest = waiting.popleft()
-                tick(looked, self.most, "rectangles")
-                rest, tried = self._doubtful(own, rest)
+        first: list[tuple[Cell, Sequence[Sequence[Cell]]]] = [(own, [[whole] for _ in self.loops]) for own in grid]
+        waiting = Waiting(first, lambda x: x[0][0][0] - x[0][0][1], what="rectangles")  # the widest first
+        with suppress(LimitError):
+            for own, others in waiting:
+                if looked > self.most:
+                    break
+                rest, tried = self._doubtful(own, others)
                 looked += tried
                 if not any(rest):
                     clear.append(own)
                 elif max(b - a for a, b in own) <= self.finest:
                     left.append(own)
                 else:
-                    waiting += ((half, rest) for half in cell_halves(own, (0, 1)))
-        except LimitError:
-            left.append(own)
-        left += [x for x, _ in waiting]
+                    waiting.add(*((half, rest) for half in cell_halves(own, (0, 1))))
+        left += [x for x, _ in waiting.rest]
         return _array(clear), _array(left)
 
     def _doubtful(self, own: Cell, rest: Sequence[Sequence[Cell]]) -> tuple[list[list[Cell]], int]:
@@ -238,17 +236,16 @@ class ClockPlane:
         """
         found, looked = list[list[Cell]](), 0
         for loop, others in zip(self.loops, rest, strict=True):
-            waiting, doubtful, most = [*others], list[Cell](), looked + _MOST_PIECES
-            while waiting:
-                cell, looked = waiting.pop(), looked + 1
+            waiting, most = Waiting(others), looked + _MOST_PIECES
+            for cell in waiting:
+                looked += 1
                 if loop.is_clear((*own, *cell)):
                     continue
                 looked += bool(cell)
                 if not cell or looked >= most or not loop.is_clear((*own, *(((a + b) / 2,) * 2 for a, b in cell))):
-                    doubtful.append(cell)
                     break
-                waiting += cell_halves(cell, range(len(cell)))
-            found.append([*waiting, *doubtful])
+                waiting.add(*cell_halves(cell, range(len(cell))))
+            found.append(waiting.rest)
         return found, looked
 
 
@@ -256,90 +253,12 @@ def _array(cells: Sequence[Cell]) -> Array:
     return np.array([[[float(x) for x in side] for side in cell] for cell in cells]).reshape(-1, 2, 2)
 
 
-@dataclass(frozen=True, eq=False)
-class Pieces:
-    """Pieces of the frequencies, and of what else varies, (pieces, 1 + others, 2); ``owner`` : in which rectangle."""
-
-    owner: Array
-    rest: Array
-
-    @classmethod
-    def all(cls, count: int, first: Array) -> Pieces:
-        """The same ones of so many rectangles."""
-        return cls(np.repeat(np.arange(count), len(first)), np.tile(first, (count, 1, 1)))
-
-    def where(self, which: Array) -> Pieces:
-        """Those that a mask picks."""
-        return Pieces(self.owner[which], self.rest[which])
-
-    def cells(self, plane: Array) -> Array:
-        """Of frequency, plane and the rest."""
-        return np.concatenate([self.rest[:, :1], plane[self.owner], self.rest[:, 1:]], 1)
-
-    def cut(self, which: Array, side: Array) -> Pieces:
-        """Some in halves, each along its side."""
-        owner = np.concatenate([self.owner[~which], *[self.owner[which]] * 2])
-        return Pieces(owner, np.concatenate([self.rest[~which], halves(self.rest[which], side[which])]))
-
-    def within(self, which: Array, count: int) -> Pieces:
-        """Those of some of so many rectangles, once for each half of these."""
-        number = np.full(count, -1)
-        number[which] = np.arange(len(which))
-        own = number[self.owner]
-        owner, rest = own[own >= 0], self.rest[own >= 0]
-        return Pieces(np.concatenate([owner, owner + len(which)]), np.concatenate([rest, rest]))
-
-
-@dataclass
-class RectangleSearch(ABC):
-    """Rectangles in shares of both ranges, as they are told; ``left`` are those that are small, or too many."""
-
-    finest: float
-    most: int
-    left: list[Array] = field(default_factory=list, kw_only=True)
-    looked: int = field(default=0, kw_only=True)
-
-    @abstractmethod
-    def _round(self, plane: Array, pieces: Sequence[Pieces]) -> tuple[Array, list[Pieces]]:
-        """What is left of some rectangles, ``_cut``."""
-
-    def _search(self, first: Sequence[Array]) -> None:
-        """Cut until all is told, is small, or too much was looked at; ``first`` : pieces of a rectangle, for each question."""
-        steps = np.arange(_FIRST + 1) / _FIRST
-        sides = np.stack([steps[:-1], steps[1:]], -1)
-        plane = np.array([[a, b] for a in sides for b in sides])
-        pieces = [Pieces.all(len(plane), x) for x in first]
-        while len(plane):
-            try:
-                plane, pieces = self._round(plane, pieces)
-            except LimitError:
-                self.left.append(plane)
-                break
-
-    def _cut(
-        self, plane: Array, doubtful: Array, changes: Array, pieces: Sequence[Pieces]
-    ) -> tuple[Array, list[Pieces]]:
-        """Those in doubt in halves, along what changes more, if they may be."""
-        widths = plane[..., 1] - plane[..., 0]
-        done = self._small(plane) | (self.looked > self.most)
-        self.left.append(plane[doubtful & done])
-        which = np.flatnonzero(doubtful & ~done)
-        side = np.argmax(np.where(widths > self.finest, changes + 1e-300 * widths, -1.0), -1)
-        return halves(plane[which], side[which]), [x.within(which, len(plane)) for x in pieces]
-
-    def _small(self, plane: Array) -> Array:
-        """Those that are cut no further."""
-        return (plane[..., 1] - plane[..., 0] <= self.finest).all(-1)
-
-
 _FIRST_PIECES = 48  # of the frequencies, to begin with
-_BATCH = 4096
 _AT_LAST = 5  # times that pieces of the smallest ones are cut
 _MOST_COUNTS = 48
 _DEARER, _FINEST_SAMPLED = 60, 2.0**-8  # a cell of a loop with a clock, by Taylor polynomials
 
 Interval = tuple[Expr, Expr]
-_NONE = np.empty((0, 2, 2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -376,9 +295,24 @@ def held_plane(
     loops = [_Loop(*quotient(scene, x, set(ranges)), ranges) for x in hands]
     if any(x.form.reach is None for x in loops):
         raise UndecidedError("whether roots come from infinity for some of the values")
-    search = _Search(finest, most, [x.form for x in loops])
-    search.go()
-    return _told(loops, np.concatenate([_NONE, *search.clear]), np.concatenate([_NONE, *search.left]))
+    first = np.tile([0.0, 1.0], (_FIRST_PIECES, len(ranges) - 1, 1))  # of the frequencies, with all of what else varies
+    edges = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _FIRST_PIECES)])
+    first[:, 0] = np.stack([edges[:-1], edges[1:]], -1)
+    judges = [x.form.curve for x in loops]
+    found = search(judges, grid(), first, wide=wider_than(finest), last=_AT_LAST, most=most, what="rectangles")
+    return _told(loops, found.kept.outer, found.left.outer)
+
+
+def grid() -> Array:
+    """Rectangles to begin with, in shares of both ranges."""
+    steps = np.arange(_FIRST + 1) / _FIRST
+    sides = np.stack([steps[:-1], steps[1:]], -1)
+    return np.array([[a, b] for a in sides for b in sides])
+
+
+def wider_than(finest: float) -> Callable[[Array], Array]:
+    """Which sides of rectangles may be cut."""
+    return lambda cells: cells[..., 1] - cells[..., 0] > finest
 
 
 def _told(loops: Sequence[_Loop | _Sampled], clear: Array, left: Array) -> HeldPlane:
@@ -391,64 +325,6 @@ def _told(loops: Sequence[_Loop | _Sampled], clear: Array, left: Array) -> HeldP
         verdicts = [x.is_stable(own[np.argmax(_areas(own))]) for x in loops]
         stable[label == n], unstable[label == n] = all(verdicts), False in verdicts
     return HeldPlane(clear[stable], clear[unstable], np.concatenate([left, clear[~stable & ~unstable]]))
-
-
-@dataclass
-class _Search(RectangleSearch):
-    """Rectangles that are clear of the zeros of all forms."""
-
-    forms: Sequence[OnAxis]
-    clear: list[Array] = field(default_factory=list)
-
-    def go(self) -> None:
-        """Tell all rectangles."""
-        edges, first = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _FIRST_PIECES)]), []
-        for form in self.forms:  # pieces of the frequencies, with all of what else varies
-            found = np.tile([0.0, 1.0], (_FIRST_PIECES, form.sides - 2, 1))
-            found[:, 0, 0], found[:, 0, 1] = edges[:-1], edges[1:]
-            first.append(found)
-        self._search(first)
-
-    def _round(self, plane: Array, pieces: Sequence[Pieces]) -> tuple[Array, list[Pieces]]:
-        small, doubtful, changes = self._small(plane), np.zeros(len(plane), bool), np.zeros((len(plane), 2))
-        found = list[Pieces]()
-        for form, waiting in zip(self.forms, pieces, strict=True):
-            own, rates = self._judged(form, plane, waiting, small)
-            doubtful[own.owner] = True
-            np.maximum.at(changes, own.owner, rates[:, 1:3])
-            found.append(own)
-        self.clear.append(plane[~doubtful])
-        return self._cut(plane, doubtful, changes, found)
-
-    def _judged(self, form: OnAxis, plane: Array, pieces: Pieces, small: Array) -> tuple[Pieces, Array]:
-        """The pieces that stay in doubt, and how much D varies there: cut where it varies more along them than the rectangle.
-
-        Of rectangles that are cut no further, pieces are cut some times more, whatever it varies along.
-        """
-        for n in range(1 + _AT_LAST):
-            clear, rates = self._bounded(form, pieces.cells(plane))
-            pieces, rates = pieces.where(~clear), rates[~clear]
-            last = small[pieces.owner]
-            own, many = np.delete(rates, [1, 2], -1), np.bincount(pieces.owner, minlength=len(plane))[pieces.owner]
-            wide = (
-                ~last & (many <= _MOST_PIECES) & (own.max(-1) >= rates[:, 1:3].max(-1) / 2)
-                if n == 0
-                else np.zeros_like(last)
-            )
-            which = wide | (last & (many <= 2 * _MOST_PIECES))
-            if n == _AT_LAST or not which.any():
-                break
-            pieces = pieces.cut(which, np.argmax(own, -1))
-        return pieces, rates
-
-    def _bounded(self, form: OnAxis, cells: Array) -> tuple[Array, Array]:
-        found = [(np.zeros(0, bool), np.zeros((0, form.sides)))]
-        for i in range(0, len(cells), _BATCH):
-            tick()
-            found.append(form.bounded(cells[i : i + _BATCH]))
-        self.looked += len(cells)
-        clear, rates = (np.concatenate(x) for x in zip(*found, strict=True))
-        return clear, rates
 
 
 @dataclass(frozen=True)

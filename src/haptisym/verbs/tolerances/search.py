@@ -9,15 +9,15 @@ cannot leave the cluster, whose surroundings hold none.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from haptisym.judge.excess import Excess
-from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError
-from haptisym.programs.taylormodels import Array, halves
+from haptisym.kernel.where import Array, Batches, Columns, halves
 
 _BATCH = 256  # cells that are bounded together
 _MOST_CELLS = 3000  # that are looked at for one part
@@ -100,33 +100,24 @@ def _apart(found: list[Cluster]) -> Iterator[Cluster]:
 def _leaves(excess: Excess, within: tuple[float, float]) -> _Bounded:
     first = np.tile([0.0, 1.0], (_FIRST, excess.sides, 1))
     first[:, 0] = sliding_window_view(np.linspace(*within, _FIRST + 1), 2)
-    waiting = [first]
-    depth = [np.zeros(_FIRST, int)]
+    waiting = Batches(Columns((first, np.zeros(_FIRST, int))), size=_BATCH, what="cells of band and ranges")
     kept: list[_Bounded] = []
-    looked = 0
-    while waiting:
-        cells, depths = np.concatenate(waiting), np.concatenate(depth)
-        cells, later, depths, deeper = cells[:_BATCH], cells[_BATCH:], depths[:_BATCH], depths[_BATCH:]
-        waiting, depth = ([later], [deeper]) if len(later) else ([], [])
-        looked += len(cells)
-        try:
-            tick(min(looked, _MOST_CELLS), _MOST_CELLS, "cells of band and ranges")
+    try:
+        for cells, depths in waiting:
             found = bounded(excess, cells)
             unclear = _unclear(excess, found)
-        except LimitError:  # of what waits nothing is known: crossings may be anywhere in it
-            rest = np.concatenate([cells, *waiting])
-            signs = np.zeros((len(rest), 1 + excess.sides), int)
-            kept.append(_Bounded(rest, signs, rest[:, 0].copy(), signs[:, 0]))
-            break
-        steady = (found.signs[:, 2:] != 0)[:, excess.matters[1:]].all(-1)
-        regular, tired = found.signs[:, 1] != 0, depths >= _MOST_SPLITS
-        clear_of_ends = (found.omega[:, 0] > 0) & (found.omega[:, 1] < 1)
-        leaf = unclear & ((steady & regular & clear_of_ends) | ((steady | regular) & tired) | (looked > _MOST_CELLS))
-        kept.append(_chosen(found, leaf))
-        rest = unclear & ~leaf
-        if rest.any():
-            waiting.append(halves(found.cells[rest], found.split[rest]))
-            depth.append(np.tile(depths[rest] + 1, 2))
+            steady = (found.signs[:, 2:] != 0)[:, excess.matters[1:]].all(-1)
+            regular, tired = found.signs[:, 1] != 0, depths >= _MOST_SPLITS
+            clear_of_ends = (found.omega[:, 0] > 0) & (found.omega[:, 1] < 1)
+            enough = ((steady | regular) & tired) | (waiting.examined > _MOST_CELLS)
+            leaf = unclear & ((steady & regular & clear_of_ends) | enough)
+            kept.append(_chosen(found, leaf))
+            rest = unclear & ~leaf
+            waiting.add(Columns((halves(found.cells[rest], found.split[rest]), np.tile(depths[rest] + 1, 2))))
+    except LimitError:  # of what waits nothing is known: crossings may be anywhere in it
+        rest, _ = waiting.rest
+        signs = np.zeros((len(rest), 1 + excess.sides), int)
+        kept.append(_Bounded(rest, signs, rest[:, 0].copy(), signs[:, 0]))
     return _Bounded(
         *(np.concatenate([getattr(x, name) for x in kept]) for name in ("cells", "signs", "omega", "split"))
     )
@@ -203,29 +194,24 @@ def together(cells: Array) -> Array:
 
 def beyond(excess: Excess, cells: Array, reached: float, *, highest: bool) -> float:
     """A bound on how low (high) crossings in cells go, shares of the band: ``reached`` itself where none goes beyond."""
-    out, looked = 1 if highest else -1, 0
+    out = 1 if highest else -1
     near, far = (0, 1) if highest else (1, 0)
-    waiting = [cells]
-    end = reached
-    while waiting:
-        own = np.concatenate(waiting)
+
+    def further(own: Array) -> Array:
+        """What of some cells is beyond."""
         own = own[out * (own[:, 0, far] - reached) > 0].copy()
         own[:, 0, near] = out * np.maximum(out * own[:, 0, near], out * reached)
-        if looked > _MOST_BEYOND or not len(own):
-            return float(out * np.max(out * own[:, 0, far])) if len(own) else end
-        order = np.argsort(-out * own[:, 0, far])
-        own, later = own[order[:_BATCH]], own[order[_BATCH:]]
-        looked += len(own)
-        try:
+        return own
+
+    waiting = Batches(further(cells), size=_BATCH, rank=lambda x: -out * x[:, 0, far], most=_MOST_BEYOND + 1)
+    with suppress(LimitError):
+        for own in waiting:
             found = bounded(excess, own)
             found = _chosen(found, _unclear(excess, found))
-        except LimitError:
-            return float(out * np.max(out * np.concatenate([own, later])[:, 0, far]))
-        own = found.cells.copy()
-        own[:, 0, 0], own[:, 0, 1] = (
-            np.maximum(own[:, 0, 0], found.omega[:, 0]),
-            np.minimum(own[:, 0, 1], found.omega[:, 1]),
-        )
-        whole = own[:, 0, 0] <= own[:, 0, 1]
-        waiting = [later, halves(own[whole], found.split[whole])]
-    return end
+            own = found.cells.copy()
+            own[:, 0, 0] = np.maximum(own[:, 0, 0], found.omega[:, 0])
+            own[:, 0, 1] = np.minimum(own[:, 0, 1], found.omega[:, 1])
+            whole = own[:, 0, 0] <= own[:, 0, 1]
+            waiting.add(further(halves(own[whole], found.split[whole])))
+    left = waiting.rest
+    return float(out * np.max(out * left[:, 0, far])) if len(left) else reached
