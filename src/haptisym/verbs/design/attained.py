@@ -1,4 +1,4 @@
-"""Bandwidths that are attained: many sets of values in floats, the best of them exactly, and whether these keep what must be kept.
+"""Bandwidths that are attained: many sets of values in floats, the best of them exactly, with what must be kept.
 
 Floats only propose. What is called attained was evaluated exactly at rational values, and what must be kept was decided there.
 """
@@ -32,13 +32,16 @@ _EXACT = 24
 """Sets that are evaluated exactly at once where floats prove nothing of any."""
 _TRIED = 6
 """Of the proposals of a round that look better than what keeps all, how many are tried."""
-_IRRATIONAL = {1: (0.6180339887498949,), 2: (0.7548776662466927, 0.5698402909980532), 3: (0.8191725133961645, 0.6710436067037893, 0.5497004779019702)}  # fmt: skip
-"""Steps of sequences that fill a box evenly: powers of 1/x for the root x of x^(d+1) = x + 1."""
+_GOLDEN = {1: 1.618033988749895, 2: 1.324717957244746, 3: 1.2207440846057596}
+"""Roots x of x^(d+1) = x + 1: steps of 1/x, 1/x^2, ... fill a box of d sides evenly."""
 
 
 @dataclass(frozen=True)
 class Attained:
-    """Values, SI, and the exact evaluation of each environment there; ``kept`` : whether all that must be is kept, None if undecided."""
+    """Values, SI, and what is exact there: the evaluation of each environment, and whether all that must be is ``kept``.
+
+    None where that is undecided.
+    """
 
     values: tuple[Expr, ...]
     evaluations: tuple[Evaluation, ...]
@@ -68,7 +71,8 @@ def least_of(x: Evaluation) -> float:
 class Points:
     """Sets of values of one to three parameters, of one scene or of one for each environment.
 
-    ``keep`` : what must be kept, in the scenes' hands. ``factors`` : a set of values stands for those that are so many times them.
+    ``keep`` : what must be kept, in the scenes' hands. ``factors`` : a set of values stands for all that are so many
+    times them.
     """
 
     scenes: Sequence[Scene]
@@ -92,9 +96,12 @@ class Points:
     def spread(self, count: int = 0) -> Array:
         """Values all over the box, and its corners; by ratios where a range spans more than a factor of eight."""
         n = len(self.free)
-        even = (0.5 + np.arange(1, (count or _POINTS[n]) + 1)[:, None] * np.array(_IRRATIONAL[n])) % 1.0
+        even = _even(n, 1 + np.arange(count or _POINTS[n]))
         shares = np.concatenate([even, np.array(list(product((0.0, 1.0), repeat=n)))])
-        columns = [low * (high / low) ** u if by_ratio else low + (high - low) * u for (low, high, by_ratio), u in zip(self._scales, shares.T, strict=True)]  # fmt: skip
+        columns = [
+            low * (high / low) ** u if by_ratio else low + (high - low) * u
+            for (low, high, by_ratio), u in zip(self._scales, shares.T, strict=True)
+        ]
         return self._inside(np.stack(columns, -1))
 
     def _inside(self, values: Array) -> Array:
@@ -175,8 +182,7 @@ class Points:
     def _near(self, centre: Array, width: float, n: int) -> Array:
         """Sets of values about one, within a share of the box (by ratios: of the logarithm of its range)."""
         count = _ROUND[len(self.free)]
-        steps = np.array(_IRRATIONAL[len(self.free)])
-        shares = ((0.5 + (np.arange(count) + 7 * n)[:, None] * steps) % 1.0 - 0.5) * 2 * width
+        shares = (_even(len(self.free), np.arange(count) + 7 * n) - 0.5) * 2 * width
         columns = [
             c * (high / low) ** u if by_ratio and c > 0 else c + (high - low) * u
             for c, (low, high, by_ratio), u in zip(centre, self._scales, shares.T, strict=True)
@@ -198,7 +204,7 @@ class Points:
         return None
 
     def nearest_whole(self, values: Array, high: float, to: Array) -> Attained | None:
-        """Of sets of values with which floats see nothing noticed on the band, up to ``high``, the nearest that is so and keeps all."""
+        """Of sets of values with which floats see nothing noticed up to ``high``, the nearest that keeps all."""
         found = values[self.bandwidths(values) >= high]
         spans = np.array([high - low for low, high, _ in self._scales])
         for x in found[np.argsort(np.abs((found - to) / spans).max(-1), kind="stable")][:_TRIED]:
@@ -221,6 +227,11 @@ class Points:
             if found and found.kept and found.bandwidth >= best.bandwidth * (1 - loss):
                 return found
         return best
+
+
+def _even(sides: int, numbers: Array) -> Array:
+    steps = 1 / _GOLDEN[sides] ** np.arange(1, sides + 1)
+    return (0.5 + numbers[:, None] * steps) % 1.0
 
 
 def exact(values: Array) -> tuple[Expr, ...]:

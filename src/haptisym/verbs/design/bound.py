@@ -1,10 +1,11 @@
-"""How large, and how small, the bandwidth can be in a box of parameters: readings of the one search (``kernel.where``), proven.
+"""How large, and how small, the bandwidth can be in a box of parameters, proven: readings of the one search, ``kernel.where``.
 
-Let first(q) be the lowest frequency at which some criterion's excess F_i(omega, q) is positive: the bandwidth at the values q, but
-for the band's high end where nothing is noticed. first(q) <= W for all q of a box if the box is covered by cells each of which has
-one criterion and one omega_0 <= W with F_i(omega_0, q) > 0 for all q of the cell (``LargestBandwidth``). What must be kept is
-judged at places below all of the band, so that first(q) is negative where it is broken: such values are no better than any
-others. Only *broken* must be proven of a cell: what stays open keeps the bound true.
+Let first(q) be the lowest frequency at which some criterion's excess F_i(omega, q) is positive: the bandwidth at the
+values q, but for the band's high end where nothing is noticed. first(q) <= W for all q of a box if the box is covered by
+cells each of which has one criterion and one omega_0 <= W with F_i(omega_0, q) > 0 for all q of the cell
+(``LargestBandwidth``). What must be kept is judged at places below all of the band, so that first(q) is negative where it
+is broken: such values are no better than any others. Only *broken* must be proven of a cell: what stays open keeps the
+bound true.
 
 first(q) >= w for all q of a box if every F_i is negative on [0, w) in each of its cells (``smallest``).
 
@@ -27,7 +28,7 @@ from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.rings import monomials, omega
 from haptisym.kernel.where import Array, Cells, Curve, Judge, Search, joined, no_better, no_worse
 from haptisym.model.distortion import Distortion
-from haptisym.model.scene import Scene, clocks
+from haptisym.model.scene import clocks
 from haptisym.programs.taylormodels import Model, Modelled, valued
 
 _PIECES, _BATCH = 16, 128
@@ -72,7 +73,10 @@ class DesignBox(Box):
 
     @property
     def passive(self) -> list[tuple[Judge, int]]:
-        """What is positive where a display gives energy away, at places from -1 to 0, and in how many pieces; nothing with a clock."""
+        """What is positive where a display gives energy away, at places from -1 to 0, each in how many pieces.
+
+        Nothing of loops with a clock.
+        """
         if clocks(self.scene):
             return []
         high = _REACH * self.scene.band[1]
@@ -81,7 +85,7 @@ class DesignBox(Box):
 
 
 Offer: TypeAlias = Callable[[Array], float]
-"""Is given points, in shares of the box, at which the bandwidth may be large; gives the largest that is attained so far, a share of the band."""
+"""Is given points, shares of the box, at which the bandwidth may be large; gives the largest that is attained so far."""
 
 
 class LargestBandwidth:
@@ -103,7 +107,9 @@ class LargestBandwidth:
         )  # fmt: skip
 
     def prove(self, aim: Callable[[float], float], offer: Offer) -> float | None:
-        """A target that no values of the box are better than, the whole band if it is attained; None where cells became too narrow, or the time was over.
+        """A target that no values of the box are better than, the whole band if it is attained.
+
+        None where cells became too narrow, or the time was over.
 
         ``aim`` : the target for what is attained; it rises where an offer is better than all before.
         """
@@ -202,11 +208,22 @@ def profile(criteria: Sequence[Judge], sides: int, within: float, most: int) -> 
     ``within`` : how far apart bounds are to be; ``most`` : pieces that are looked at, after which some are further apart.
     """
     search = Search(
-        criteria, _whole_box(criteria, sides), wide=_wide, settled=lambda low, high: np.minimum(high, 1) - np.minimum(low, 1) <= within,
-        rank=_by_size, batch=_BATCH, most=most,
+        criteria, _whole_box(criteria, sides), wide=_wide, rank=_by_size, batch=_BATCH, most=most,
+        settled=lambda low, high: np.minimum(high, 1) - np.minimum(low, 1) <= within,
     )  # fmt: skip
     cells = joined([*search, search.left])
     return cells.outer, np.clip(np.stack([cells.floor, cells.ceiling], -1), 0.0, 1.0)
+
+
+def broken(judges: Sequence[tuple[Judge, int]], sides: int, finest: float, most: int) -> Array:
+    """Cells, (cells, parameters, 2), for all values of which something that must be kept is proven to be broken.
+
+    ``judges`` : as of ``LargestBandwidth``; ``finest`` : the share of a range down to which cells are cut.
+    """
+    first = Cells.of(np.tile([0.0, 1.0], (1, sides, 1)), [_pieces(-1.0, 0.0, n) for _, n in judges])
+    search = Search([x for x, _ in judges], first, wide=lambda x: x[..., 1] - x[..., 0] > finest, rank=_by_size, most=most)
+    cells = joined([first[:0], *search])
+    return cells.outer[cells.ceiling < np.inf]
 
 
 _FIELDS = ("imag", "environment_imag")

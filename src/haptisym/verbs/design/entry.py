@@ -1,11 +1,12 @@
 """Which values of one to three parameters make the bandwidth largest, proven; and what it costs to miss them.
 
-The bandwidth B(q) is the end of the transparent interval that starts at the band's low end: the lowest frequency at which some
-criterion is exceeded with some environment, the band's high end if none is. It is upper semicontinuous, so that it has a maximum
-on a closed box; at the maximum several criteria are often met at once, and B falls off sharply on either side.
+The bandwidth B(q) is the end of the transparent interval that starts at the band's low end: the lowest frequency at which
+some criterion is exceeded with some environment, the band's high end if none is. It is upper semicontinuous, so that it has
+a maximum on a closed box; at the maximum several criteria are often met at once, and B falls off sharply on either side.
 
-Found by branch and bound: exact evaluations at single values give what is attained, which counts if it keeps what must be kept;
-cells that are proven to hold nothing better by more than the gap are closed (``bound``). Both meet, or the gap that is left is said.
+Found by branch and bound: exact evaluations at single values give what is attained, which counts if it keeps what must be
+kept; cells that are proven to hold nothing better by more than the gap are closed (``bound``). Both meet, or the gap that
+is left is said.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import SceneFamily, as_family
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.design.attained import KEPT, PASSIVE, STABLE, STEADY, Attained, Points, exact, offsets
-from haptisym.verbs.design.bound import DesignBox, LargestBandwidth, profile, smallest
+from haptisym.verbs.design.bound import DesignBox, LargestBandwidth, broken, profile, smallest
 from haptisym.verbs.require.freeparameter import domain
 from haptisym.verbs.tolerances.search import together
 
@@ -45,6 +46,7 @@ _TARGETS = (1.0, 0.1, 0.01)
 _MISSED = (Rational(1, 100), Rational(1, 20))
 _LOSS = 1e-3
 _FINEST_HELD = 2.0**-5
+_ULPS = 1e-15
 _MOST_LOSS = 5.0  # seconds for what a best value costs to miss
 
 
@@ -59,7 +61,10 @@ class Bound(Judged):
 
 @dataclass(frozen=True)
 class Loss:
-    """What all values within a relative distance of the best attain: ``bandwidth``, rad/s, proven; ``kept`` None where not proven."""
+    """What all values within a relative distance of the best attain: ``bandwidth``, rad/s, proven.
+
+    ``kept`` : whether all of them keep what must be kept, None where that is not proven.
+    """
 
     relative: Expr
     bandwidth: float
@@ -75,13 +80,14 @@ class Design(Answer):
     """The values that make the bandwidth largest, and proven bounds on how large it can be.
 
     ``given`` : what the scene's own values attain. ``best`` : what the best values found attain, exactly, and that they keep what
-    must be kept; None where no values were found that do. ``bandwidth`` : between which numbers the largest one lies, rad/s.
-    ``where`` : cells, (cells, parameters, 2), SI, outside of which nothing is better than ``best``. ``limit`` : as in ``Requirement``.
+    must be kept; None where no values were found that do. ``bandwidth`` : between which numbers the largest one lies,
+    rad/s. ``where`` : cells, (cells, parameters, 2), SI, outside of which nothing is better than ``best``. ``limit`` : as
+    in ``Requirement``.
     """
 
     _schema: ClassVar[str] = "haptisym.design/1"
     _page: ClassVar[str] = "haptisym.pages.design:page"
-    _figure: ClassVar[str] = "haptisym.figures.design:design_figure"
+    _figure: ClassVar[str] = "haptisym.figures.design:DESIGN"
 
     family: SceneFamily
     free: tuple[Knob, ...]
@@ -216,49 +222,69 @@ class Question:
         """The upper bound's."""
         criteria = [x for box in self.boxes for x in box.criteria]
         kept = [x for box in self.boxes for x in box.passive] if PASSIVE in self.keep else []
-        return LargestBandwidth(criteria, kept, self._outer())
+        return LargestBandwidth(criteria, kept, self._held[0])
 
-    def _outer(self) -> Array:
-        """Cells, in shares, that hold all values with which the display may be stable."""
+    @cached_property
+    def _held(self) -> tuple[Array, Array]:
+        """Cells, in shares, that hold all values with which the display may be stable, and such with which it is not."""
         whole = np.tile([0.0, 1.0], (1, len(self.free), 1))
         if STABLE not in self.keep or self.robust:
-            return whole
+            return whole, whole[:0]
         try:
-            found = self._held_alone() if len(self.free) == 1 else self._held_plane()
+            return self._held_alone() if len(self.free) == 1 else self._held_plane()
         except UndecidedError:
-            return whole
-        return found if len(found) else whole[:0]
+            return whole, whole[:0]
 
-    def _held_alone(self) -> Array:
+    def refused(self, finest: float, most: int) -> Array:
+        """Cells, (cells, parameters, 2), in shares, for all values of which what must be kept is proven to be broken."""
+        judges = [x for box in self.boxes for x in box.passive] if PASSIVE in self.keep else []
+        own = broken(judges, len(self.free), finest, most) if judges else self._held[1][:0]
+        return np.concatenate([own, self._held[1]])
+
+    def profile(self, within: float, most: int) -> tuple[Array, Array]:
+        """Cells in shares, and between which numbers, rad/s, the bandwidths of their values lie; as of ``bound.profile``."""
+        criteria = [x for box in self.boxes for x in box.criteria]
+        cells, shares = profile(criteria, len(self.free), within, most)
+        low, high = map(float, self.family.band)
+        return cells, np.where(shares > 0, low + shares * (high - low), 0.0)
+
+    def _held_alone(self) -> tuple[Array, Array]:
         from haptisym.verbs.require.required import require
 
         (low, high), [free] = self.ranges[0], self.free
         found = require(self.scenes[0], free.path, (low, high), that=[STABLE], limit=None)
-        spans = [(x.low.value, x.high.value) for x in found.feasible] + list(found.undecided)
-        width = high - low
-        ends = [[0.0 if a is None else float((Rational(a.enclosure(20)[0]) - low) / width), 1.0 if b is None else float((Rational(b.enclosure(20)[1]) - low) / width)] for a, b in spans]  # fmt: skip
-        return np.clip(np.array(ends).reshape(-1, 1, 2) + [-1e-15, 1e-15], 0.0, 1.0)
+        spans = [*((x.low.value, x.high.value) for x in found.feasible), *found.undecided]
 
-    def _held_plane(self) -> Array:
+        def share(x: RealNumber | None, end: int, none: float) -> float:
+            return none if x is None else float((Rational(x.enclosure(20)[end]) - low) / (high - low))
+
+        ends = [[share(a, 0, 0.0) - _ULPS, share(b, 1, 1.0) + _ULPS] for a, b in spans]
+        allowed = np.clip(np.array(ends).reshape(-1, 1, 2), 0.0, 1.0)
+        between = np.concatenate([[0.0], np.sort(allowed.ravel()), [1.0]]).reshape(-1, 1, 2)
+        return allowed, between[between[:, 0, 1] > between[:, 0, 0]]
+
+    def _held_plane(self) -> tuple[Array, Array]:
         from haptisym.verbs.tolerances.heldbox import held_plane
 
         sides = {x.symbol: ends for x, ends in zip(self.free, self.ranges, strict=True)}
         first = dict(list(sides.items())[:2])
         rest = {x: ends for x, ends in sides.items() if x not in first}
         found = held_plane(self.scenes[0], self.scenes[0].hands, first, rest, finest=_FINEST_HELD)
-        cells = np.concatenate([found.stable, found.left])
-        own = np.tile([0.0, 1.0], (len(cells), len(self.free), 1))
-        own[:, :2] = cells
-        return own
+        both = []
+        for cells in (np.concatenate([found.stable, found.left]), found.unstable):
+            own = np.tile([0.0, 1.0], (len(cells), len(self.free), 1))
+            own[:, :2] = cells
+            both.append(own)
+        return both[0], both[1]
 
     def worst(self, best: Attained, relative: Expr, within: float = _LOSS) -> float:
         """What all values within a relative distance of the best attain, a share of the band; ``within`` : of it, how closely."""
         sides = tuple(Side(x.symbol.name, v, v, x.unit) for x, v in zip(self.free, best.values, strict=True))
         criteria = [x for scene in self.scenes for x in DesignBox(scene, sides).around(relative).criteria]
-        low = 0.0
-        for low, _ in smallest(criteria, len(self.free), within):
+        found = 0.0
+        for found, _ in smallest(criteria, len(self.free), within):  # noqa: B007  the last and closest
             tick()
-        return low
+        return found
 
     def all_keep(self, best: Attained, relative: Expr) -> bool | None:
         """Whether all values within a relative distance of the best keep what must be kept; None where that is not proven."""
@@ -419,7 +445,8 @@ def design(
     range of each, numbers in SI or strings with a unit; a tenth to ten times its value where none is given.
     ``keep`` : "passive", "stable" (in ``hand``, or in all hands of the scene), "steady" (without shaking, a drift allowed).
     ``robust`` : a share, such as "5 %": the values whose worst bandwidth is largest when all are off by up to as much.
-    ``gap`` : relative, to which bounds are to come together; 1e-3, for three parameters 1e-2. ``limit``, ``told`` : as in ``require``.
+    ``gap`` : relative, to which bounds are to come together; 1e-3, for three parameters 1e-2. ``limit``, ``told`` : as in
+    ``require``.
 
     Guaranteed: the best values attain the lower bound and keep everything, exactly; no values of the box that keep everything
     attain more than the upper one. SceneError where the scene, a path or a range does not fit.
@@ -496,17 +523,15 @@ def _box(family: SceneFamily, free: Mapping[str, Range] | Sequence[str] | str) -
 
 
 def _range(free: Knob, given: Range) -> tuple[Expr, Expr]:
-    if given is not None:
-        asked = domain(free, given)
-        assert asked.low is not None and asked.high is not None
-        low = asked.low if asked.holds_low or asked.low else asked.high / 10**6
-        return low, asked.high
-    if free.value.free_symbols or not free.value:
+    """The two ends, SI, within what the model allows; of an end that is not allowed itself a millionth is left out."""
+    own = free.value
+    if given is None and (own.free_symbols or not own):
         raise SceneError(
-            f"{free.path} is {free.value}, of which a tenth and ten times are no range: give one, as {free.path}=1:10"
+            f"{free.path} is {own}, so that a tenth to ten times of it is no range: give one, as {free.path}=1:10"
         )
-    if free.value > 0:
-        return free.value / 10, min(free.value * 10, asked_high) if (
-            asked_high := domain(free, None).high
-        ) else free.value * 10
-    return free.value * 10, -free.value * 10
+    asked = domain(free, given or ((own / 10, own * 10) if own > 0 else (own * 10, -own * 10)))
+    low, high = asked.low, asked.high
+    assert low is not None
+    assert high is not None
+    inside = (high - low) / 10**6
+    return low if asked.holds_low else low + inside, high if asked.holds_high else high - inside
