@@ -19,9 +19,9 @@ from haptisym.programs.values import Array
 from haptisym.verbs.design.entry import Design, Question
 
 _VALUES, _GRID = 241, 49
-_WITHIN, _MOST = 1 / 200, 40_000
+_WITHIN, _MOST = 1 / 200, 100_000
 """How far apart bounds are to be, a share of the band; pieces that are looked at."""
-_FINEST = {1: 2.0**-10, 2: 2.0**-6}
+_FINEST, _ROOM = {1: 2.0**-12, 2: 2.0**-9}, 1.04
 _REFUSED = {"facecolor": "none", "edgecolor": pen.GREY, "hatch": "////", "linewidth": 0}
 
 
@@ -48,21 +48,40 @@ def _places(axis: Axis, count: int) -> Array:
 def _curve(found: Design, question: Question, axis: Axis) -> Chart:
     values = _places(axis, _VALUES)
     cells, bounds = question.profile(_WITHIN, _MOST)
+    bandwidths = question.points.bandwidths(values[:, None])
     layers: list[Layer] = [
-        Ground(_si(found, cells[:, 0], 0), bounds, label="proven bounds"),
+        Ground(_si(found, cells[:, 0], 0), (bounds[:, 0], bounds[:, 1]), label="proven bounds"),
         *_refused(found, question),
-        Curve(values, question.points.bandwidths(values[:, None]), label="bandwidth"),
+        Curve(values, bandwidths, width=2.0, label="bandwidth"),
+        *_parts(question, values),
         *_marks(found, lambda values, bandwidth: ([values[0]], [bandwidth])),
     ]
-    top = float(found.family.band[1])
-    upright = Axis("bandwidth", found.family.frequency, (0.0, top * 1.04), frequency(found.family.frequency).dimension)
+    end = float(found.family.band[1])
+    top = min(1.2 * float(bandwidths.max(initial=end / 100)), end)
+    upright = Axis("bandwidth", found.family.frequency, (0.0, top * _ROOM), frequency(found.family.frequency).dimension)
     return Chart(layers, axis, upright, height=2.3)
+
+
+_LOOKS = {"real": ("real part noticed", pen.BLUE, pen.SOLID), "imag": ("imaginary part noticed", pen.RED, pen.DASHED)}
+
+
+def _parts(question: Question, values: Array) -> Iterator[Layer]:
+    """From where on each part is noticed: the lower one limits the bandwidth."""
+    for name, first in question.points.first_crossings(values[:, None]).items():
+        if name in _LOOKS and np.isfinite(first).any():
+            label, color, stroke = _LOOKS[name]
+            yield Curve(values, first, color, stroke, 0.9, label=label)
 
 
 def _map(found: Design, question: Question, x: Axis, y: Axis) -> Chart:
     u, v = _places(x, _GRID), _places(y, _GRID)
     sets = np.stack(np.meshgrid(u, v), -1).reshape(-1, 2)
-    levels = _Levels(u, v, question.points.bandwidths(sets).reshape(len(v), len(u)), label="bandwidth, " + found.family.frequency.text)
+    levels = _Levels(
+        u,
+        v,
+        question.points.bandwidths(sets).reshape(len(v), len(u)),
+        label="bandwidth, " + found.family.frequency.text,
+    )
     layers = [*_refused(found, question), levels, *_marks(found, lambda values, _: ([values[0]], [values[1]]))]
     return Chart(layers, x, y, height=2.6)
 
@@ -78,7 +97,7 @@ def _refused(found: Design, question: Question) -> Iterator[Layer]:
     cells = question.refused(_FINEST[len(found.free)], _MOST) if found.keep else np.empty((0, 1, 2))
     if not len(cells):
         return
-    top = np.tile([0.0, 1.04 * float(found.family.band[1])], (len(cells), 1))
+    top = np.tile([0.0, _ROOM * float(found.family.band[1])], (len(cells), 1))
     y = (top[:, 0], top[:, 1]) if len(found.free) == 1 else _si(found, cells[:, 1], 1)
     yield Ground(_si(found, cells[:, 0], 0), y, label=f"not {' and '.join(found.keep)}", look=_REFUSED)
 

@@ -30,6 +30,7 @@ _ROUNDS, _ROUND = 24, {1: 16, 2: 40, 3: 80}
 """Times that the search closes in on the best, and sets of values each time."""
 _EXACT = 24
 """Sets that are evaluated exactly at once where floats prove nothing of any."""
+_FIRST = "first_crossing_"
 _TRIED = 6
 """Of the proposals of a round that look better than what keeps all, how many are tried."""
 _GOLDEN = {1: 1.618033988749895, 2: 1.324717957244746, 3: 1.2207440846057596}
@@ -120,6 +121,16 @@ class Points:
                 tick()
                 bandwidths[i] = self._exactly(scene, own[i])
             found = np.minimum(found, bandwidths)
+        return found
+
+    def first_crossings(self, values: Array) -> dict[str, Array]:
+        """From where on each part is noticed with any environment, of sets of values; in floats, nan where it is not."""
+        found: dict[str, Array] = {}
+        for scene in self.scenes:
+            columns, _ = self._kernel(scene).in_floats(values.T)
+            for name in (x for x in columns if x.startswith(_FIRST)):
+                own = found.setdefault(name.removeprefix(_FIRST), np.full(len(values), np.nan))
+                np.fmin(own, columns[name], out=own)
         return found
 
     def _kernel(self, scene: Scene) -> Kernel:

@@ -35,6 +35,7 @@ _PIECES, _BATCH = 16, 128
 """Of the band, to begin with; cells in a round."""
 _NARROW = 2.0**-44
 """Share of the box down to which cells are cut."""
+_LOW = -1 + 1e-3  # nearer to 0 rad/s -Im H_perc has no sign that could be seen; its lowest coefficient tells
 _OFFERED, _PATIENCE, _CUT_FIRST = 32, 8, 5
 _WITHOUT_END = 10**12  # pieces: time is the limit
 _REACH = 20
@@ -97,7 +98,7 @@ class LargestBandwidth:
 
     def __init__(self, criteria: Sequence[Judge], kept: Sequence[tuple[Judge, int]], outer: Array) -> None:
         self._criteria = len(criteria)
-        first = Cells.of(outer, [*[np.empty((0, 1, 2))] * len(criteria), *(_pieces(-1.0, 0.0, n) for _, n in kept)])
+        first = Cells.of(outer, [*[np.empty((0, 1, 2))] * len(criteria), *(_pieces(_LOW, 0.0, n) for _, n in kept)])
         self._reached = 0.0
         self._offered: set[bytes] = set()
         self._settled: list[Cells] = [first[:0]]
@@ -220,8 +221,10 @@ def broken(judges: Sequence[tuple[Judge, int]], sides: int, finest: float, most:
 
     ``judges`` : as of ``LargestBandwidth``; ``finest`` : the share of a range down to which cells are cut.
     """
-    first = Cells.of(np.tile([0.0, 1.0], (1, sides, 1)), [_pieces(-1.0, 0.0, n) for _, n in judges])
-    search = Search([x for x, _ in judges], first, wide=lambda x: x[..., 1] - x[..., 0] > finest, rank=_by_size, most=most)
+    first = Cells.of(np.tile([0.0, 1.0], (1, sides, 1)), [_pieces(_LOW, 0.0, n) for _, n in judges])
+    search = Search(
+        [x for x, _ in judges], first, wide=lambda x: x[..., 1] - x[..., 0] > finest, rank=_by_size, most=most
+    )
     cells = joined([first[:0], *search])
     return cells.outer[cells.ceiling < np.inf]
 
