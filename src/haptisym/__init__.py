@@ -37,6 +37,7 @@ _NAMES = {
     "verbs.cost.hardcosts": "HardCosts hard_costs",
     "verbs.derive.derivation": "Derivation derive",
     "verbs.derive.verify": "Verification verify",
+    "verbs.design.entry": "Design design",
     "verbs.effects.relevance": "Relevance relevance",
     "verbs.evaluate.entry": "evaluate",
     "verbs.family.entry": "FamilyEvaluation evaluate_all",

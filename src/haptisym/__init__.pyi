@@ -23,6 +23,7 @@ from haptisym.verbs.cost.entry import Cost, cost
 from haptisym.verbs.cost.hardcosts import HardCosts, hard_costs
 from haptisym.verbs.derive.derivation import Derivation, derive
 from haptisym.verbs.derive.verify import Verification, verify
+from haptisym.verbs.design.entry import Design, design
 from haptisym.verbs.effects.relevance import Relevance, relevance
 from haptisym.verbs.evaluate.entry import evaluate
 from haptisym.verbs.family.entry import FamilyEvaluation, evaluate_all
@@ -53,6 +54,7 @@ __all__ = [
     "Crossing",
     "CrossingKind",
     "Derivation",
+    "Design",
     "DesignMap",
     "Distortion",
     "Effect",
@@ -99,6 +101,7 @@ __all__ = [
     "chirp",
     "cost",
     "derive",
+    "design",
     "design_map",
     "distort",
     "distortion_code",

@@ -150,6 +150,33 @@ class LeftOut(Protocol):
         """What a document says of the full scene."""
 
 
+class Reported(Protocol):
+    """What a fit of k, b and m to a movement reports: ``verbs.evaluate.movement``."""
+
+    @property
+    def spectrum(self) -> str:
+        """The movement."""
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """From where to where its frequencies lie, rad/s."""
+
+    @property
+    def environment(self) -> Mapping[str, float]:
+        """Of the environment, by name, SI."""
+
+    @property
+    def perceived(self) -> Mapping[str, float]:
+        """Of what is felt."""
+
+    @property
+    def change(self) -> Mapping[str, float | None]:
+        """Relative."""
+
+    def row(self) -> dict[str, Any]:
+        """As a part of a document."""
+
+
 @dataclass(frozen=True, repr=False)
 class Evaluation(Answer):
     """The answers for a scene, all proven: nothing is missed on the band and nothing is invented.
@@ -164,7 +191,8 @@ class Evaluation(Answer):
     ``digits``: decimal digits shown of each crossing. ``undecided``: where
     something stayed open at the precision limit (a tangency of a scene with delays): empty for every rational scene.
     ``relevance`` : what was left out, where a tolerance was given; all answers are then those of the pruned scene, ``scene``.
-    ``regions`` : where other JND models were asked about, what each says.
+    ``regions`` : where other JND models were asked about, what each says. ``movement`` : where one was given, what a fit to it
+    reports.
     """
 
     _schema: ClassVar[str] = "haptisym.evaluation/1"
@@ -178,6 +206,7 @@ class Evaluation(Answer):
     digits: int = 15
     relevance: LeftOut | None = None
     regions: tuple[Compared, ...] = ()
+    movement: Reported | None = None
 
     def _line(self) -> str:
         width = "no bandwidth" if self.bandwidth is None else f"bandwidth {self.bandwidth.digits(5)} rad/s"
@@ -325,6 +354,7 @@ class Evaluation(Answer):
         rows = [{"part": x.name, "enclosure": list(p.omega.enclosure(self.digits))} for x, p in self.undecided]
         found: dict[str, Any] = {"undecided": rows} if rows else {}
         found |= {"regions": [x.row(self.digits) for x in self.regions]} if self.regions else {}
+        found |= {} if self.movement is None else {"movement": self.movement.row()}
         return found | ({} if self.relevance is None else {"relevance": self.relevance.row()})
 
     def _crossing(self, c: Crossing) -> dict[str, Any]:

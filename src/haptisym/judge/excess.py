@@ -144,7 +144,16 @@ class Excess:
 
     def curve(self, cells: Array) -> Curve:
         """The excess over each cell as a judge of the one search."""
-        return Curve.of(*(x[:, 0] for x in self.model(cells, slopes=0).arrays))
+        found = Curve.of(*(x[:, 0] for x in self.model(cells, slopes=0).arrays))
+        unknown = ~np.isfinite(found.changes).all(-1)
+        found.changes[unknown] = self._spread(cells[unknown])
+        return found
+
+    def _spread(self, cells: Array) -> Array:
+        """How wide cells are, relative to the values in them: by what is cut of which nothing is known."""
+        low, width = np.array(self._intervals).T
+        ends = low[:, None] + width[:, None] * cells
+        return (ends[..., 1] - ends[..., 0]) / np.maximum(np.abs(ends).max(-1), 1e-300)
 
     def _square(self, inputs: Sequence[Model]) -> Model | float:
         return Modelled(self._program).run(inputs)[self._name]

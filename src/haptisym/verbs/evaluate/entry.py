@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
@@ -30,6 +31,7 @@ def evaluate(
     tolerance: Number | None = ...,
     regions: bool = ...,
     proportion: Number | None = ...,
+    movement: str | Path | None = ...,
     limit: float | None = ...,
 ) -> Evaluation: ...
 @overload
@@ -40,6 +42,7 @@ def evaluate(
     tolerance: Number | None = ...,
     regions: bool = ...,
     proportion: Number | None = ...,
+    movement: str | Path | None = ...,
     limit: float | None = ...,
 ) -> Evaluation | Any: ...
 def evaluate(
@@ -49,6 +52,7 @@ def evaluate(
     tolerance: Number | None = None,
     regions: bool = False,
     proportion: Number | None = None,
+    movement: str | Path | None = None,
     limit: float | None = SECONDS,
 ) -> Evaluation | MeasuredEvaluation:
     """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing, as many as wanted.
@@ -56,7 +60,8 @@ def evaluate(
     ``tolerance`` : if given, only the effects that matter for it are used (see ``relevance``); the answers are those of the scene
     without the others, and ``relevance`` says by how much the full scene's ratios may differ, and where its crossings are.
     ``regions`` : whether ``regions`` is to tell what square, disc and diamond of the JND's half widths say, beside its own.
-    ``proportion`` : of right answers, to which a JND that tells its own is converted. ``limit`` : seconds after which a
+    ``proportion`` : of right answers, to which a JND that tells its own is converted. ``movement`` : as
+    ``verbs.evaluate.movement`` takes it, such as "0:15" (rad/s): what a fit of k, b and m to it reports. ``limit`` : seconds after which a
     LimitError says that it is not decided; None for none.
     A scene whose perceived dynamics is measured is judged at its lines alone, and gives a ``MeasuredEvaluation``.
     Raises SceneError if a parameter is still a symbol.
@@ -68,16 +73,21 @@ def evaluate(
     if isinstance(given, MeasuredScene):
         from haptisym.verbs.measured.entry import judge  # loaded where it is asked for
 
-        if tolerance is not None or digits != _DIGITS or regions or proportion is not None:
+        if tolerance is not None or digits != _DIGITS or regions or proportion is not None or movement is not None:
             raise SceneError(
-                "a measured scene is evaluated without digits, tolerance, regions and proportion: leave them out"
+                "a measured scene is evaluated without digits, tolerance, regions, proportion and movement: leave them out"
             )
         return judge(given)
     if proportion is not None:
         given = as_scene(given).at_proportion(proportion)
     with limited(limit):
         found = _evaluated(given, digits, tolerance)
-        return found.with_regions() if regions else found
+        found = found.with_regions() if regions else found
+        if movement is None:
+            return found
+        from haptisym.verbs.evaluate.movement import movement as fitted  # loaded where it is asked for
+
+        return replace(found, movement=fitted(found.scene, movement))
 
 
 def _evaluated(scene: Scene, digits: int, tolerance: Number | None) -> Evaluation:

@@ -1,0 +1,134 @@
+"""The page of the best values: what they are, how large the bandwidth can be, what limits it, and what it costs to miss them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from sympy import Expr
+
+from haptisym.kernel.reals import Way
+from haptisym.model.scene import Knob
+from haptisym.pages.words import both, cell, near, page_about, proof, undecided, value_of
+from haptisym.verbs.design.attained import PASSIVE
+from haptisym.verbs.design.entry import Design
+from haptisym.writing.document import FREQUENCY_UNIT, Block, Column, Document, Figure, Phrase, Real, Table, listed
+from haptisym.writing.layout import named
+
+_DIGITS = 17  # as many as a float has: of values that are rounded further the bandwidth may be another one
+
+
+def page(a: Design) -> Document:
+    """The whole page."""
+    further = [_require(a)] if a.is_whole and len(a.free) < 3 else []
+    return page_about(
+        a.about, _answer(a), _blocks(a), _proven(a), "Values with the largest bandwidth", a.asides(), further
+    )
+
+
+def _require(a: Design) -> str:
+    """The call that gives all values with which nothing is noticed."""
+    ranges = zip(a.free, a.ranges, strict=True)
+    free = " ".join(f"--free {x.path} --range {float(low):g} {float(high):g}" for x, (low, high) in ranges)
+    return f"haptisym require SCENE {free}"
+
+
+def _answer(a: Design) -> Iterator[tuple[Phrase, Phrase]]:
+    if a.best is None:
+        none = "no values in the range are" if a.certified else "no values were found that are"
+        yield "Best values", (f"{none} ", listed(a.keep) if a.keep else "fit for the model")
+        yield "Bandwidth", "none" if a.certified else ("at most ", both(a.bandwidth[1], Way.UP))
+        return
+    values = zip(a.free, a.best.values, strict=True)
+    yield "Best values", listed((named(x.name), " = ", _written(x, v), _now(x)) for x, v in values)
+    yield "Bandwidth", _bandwidth(a)
+    if not a.is_whole:
+        yield "Limited by", _limits(a)
+    if a.keep:
+        yield "Kept", (listed(a.keep), " (proven at these values)")
+
+
+def _written(x: Knob, value: Expr) -> Real:
+    return Real(value, Way.NEAREST, _DIGITS, x.shown_unit(x.motion))
+
+
+def _now(x: Knob) -> Phrase:
+    return " (is ", value_of(x, x.value, Way.NEAREST), ")"
+
+
+def _bandwidth(a: Design) -> Phrase:
+    low, high = a.bandwidth
+    now: Phrase = () if a.given is None else ("; is ", cell(a.given.bandwidth, Way.DOWN))
+    off: Phrase = (" or more if all values are off by ", _percent(a.robust), " at most") if a.robust else ()
+    if a.is_whole:
+        return both(low, Way.DOWN), ", the whole band", off, now
+    return both(low, Way.DOWN), off, now, "; at most ", cell(high, Way.UP), " with any values in the range"
+
+
+def _limits(a: Design) -> Phrase:
+    if not a.binding:
+        return "the low end of the band: noticed from there on"
+    several = len(a.family) > 1
+    first = a.binding[0]
+    said = [(named(x.criterion.symbol), f" with {x.environment}" if several else "") for x in a.binding]
+    together = " at once" if len(said) > 1 else ""
+    return listed(said), f"{together} from ", both(first.omega), " on"
+
+
+def _blocks(a: Design) -> Iterator[Block]:
+    if a.loss:
+        columns = (
+            Column("All values off by at most"),
+            Column(("Bandwidth, ", FREQUENCY_UNIT), number=True),
+            *_kept_column(a),
+        )
+        rows = [
+            (_percent(x.relative), ("at least ", cell(x.bandwidth, Way.DOWN)), *((_KEPT[x.kept],) if a.keep else ()))
+            for x in a.loss
+        ]
+        yield Table(columns, tuple(rows), "What it costs to miss the best values.")
+    if len(a.free) < 3 and a.best is not None:
+        words = (
+            "The bandwidth over the free parameter, with proven bounds."
+            if len(a.free) == 1
+            else "The bandwidth over both parameters."
+        )
+        yield Figure("design", words, a.figure)
+
+
+def _kept_column(a: Design) -> tuple[Column, ...]:
+    return (Column(("Kept: ", listed(a.keep))),) if a.keep else ()
+
+
+_KEPT = {True: "yes", False: "not by all", None: "not proven"}
+
+
+def _percent(x: Expr) -> str:
+    return f"{float(100 * x):g}\xa0%"
+
+
+def _proven(a: Design) -> Iterator[Phrase]:
+    spans = (_range(x, float(low), float(high)) for x, (low, high) in zip(a.free, a.ranges, strict=True))
+    yield "Range searched: ", listed(spans), "."
+    if a.best is not None and len(a.clusters):
+        boxes = [listed(_range(x, *ends) for x, ends in zip(a.free, box, strict=True)) for box in a.clusters[:4]]
+        more = f" and {len(a.clusters) - 4} more" if len(a.clusters) > 4 else ""
+        yield "Nothing better lies outside of ", listed(boxes, "or"), f"{more}."
+    if a.certified and a.best is None:
+        yield proof(a.scene, ("no values in the range are ", listed(a.keep)))
+    elif a.certified:
+        most = "" if a.is_whole else ", and that no other values in the range have more than the bound"
+        yield proof(a.scene, f"the bandwidth at these values{most}")
+    else:
+        yield undecided(("whether other values have up to ", both(a.bandwidth[1], Way.UP), _why(a)))
+
+
+def _why(a: Design) -> str:
+    if a.limit is not None:
+        return f": the limit of {a.limit:g} s was reached; --limit allows more"
+    exact = " and how passive a display is far above the band" if PASSIVE in a.keep else ""
+    return f": cells became too narrow{exact}; narrower ranges help"
+
+
+def _range(x: Knob, low: float, high: float) -> Phrase:
+    unit = x.shown_unit(x.motion)
+    return named(x.name), " from ", near(low, unit=unit), " to ", near(high, unit=unit)

@@ -1,0 +1,1 @@
+"""Which values of one to three parameters make the bandwidth largest."""

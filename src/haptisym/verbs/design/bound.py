@@ -1,0 +1,292 @@
+"""How large, and how small, the bandwidth can be in a box of parameters, proven: readings of the one search, ``kernel.where``.
+
+Let first(q) be the lowest frequency at which some criterion's excess F_i(omega, q) is positive: the bandwidth at the
+values q, but for the band's high end where nothing is noticed. first(q) <= W for all q of a box if the box is covered by
+cells each of which has one criterion and one omega_0 <= W with F_i(omega_0, q) > 0 for all q of the cell
+(``LargestBandwidth``). What must be kept is judged at places below all of the band, so that first(q) is negative where it
+is broken: such values are no better than any others. Only *broken* must be proven of a cell: what stays open keeps the
+bound true.
+
+first(q) >= w for all q of a box if every F_i is negative on [0, w) in each of its cells (``smallest``).
+
+Places are shares of the band, values shares of their ranges. Derivation: 20_best_damping.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from sympy import Expr, Integer, Mul, Rational
+
+from haptisym.judge.crossings import PASSIVE, noticed
+from haptisym.judge.excess import Box, Excess, Side, excess_of
+from haptisym.kernel.dynamics import RealFunction
+from haptisym.kernel.rings import monomials, omega
+from haptisym.kernel.where import Array, Cells, Curve, Judge, Search, joined, no_better, no_worse
+from haptisym.model.distortion import Distortion
+from haptisym.model.scene import clocks
+from haptisym.programs.taylormodels import Model, Modelled, valued
+
+_PIECES, _BATCH = 16, 128
+"""Of the band, to begin with; cells in a round."""
+_NARROW = 2.0**-44
+"""Share of the box down to which cells are cut."""
+_LOW = -1 + 1e-3  # nearer to 0 rad/s -Im H_perc has no sign that could be seen; its lowest coefficient tells
+_OFFERED, _PATIENCE, _CUT_FIRST = 32, 8, 5
+_WITHOUT_END = 10**12  # pieces: time is the limit
+_REACH = 20
+"""As many times the band's high end is looked at for what must be kept: beyond, the highest coefficient alone tells."""
+
+
+@dataclass(frozen=True)
+class DesignBox(Box):
+    """A scene and its free parameters, each between two values."""
+
+    free: tuple[Side, ...] = ()
+
+    @cached_property
+    def sides(self) -> tuple[Side, ...]:
+        """The free parameters."""
+        return self.free
+
+    def times(self, factors: Sequence[Expr]) -> DesignBox:
+        """The box of all values that are so many times those of this one; shares mean the same."""
+        scaled = (replace(x, low=x.low * f, high=x.high * f) for x, f in zip(self.free, factors, strict=True))
+        return replace(self, free=tuple(scaled))
+
+    def around(self, relative: Expr) -> DesignBox:
+        """The box of all values within that relative distance of the middle of this one."""
+        sides = []
+        for x in self.free:
+            middle, away = (x.low + x.high) / 2, abs(x.low + x.high) / 2 * relative
+            sides.append(replace(x, low=middle - away, high=middle + away))
+        return replace(self, free=tuple(sides))
+
+    @property
+    def criteria(self) -> list[Judge]:
+        """What must not be positive on the band."""
+        found = (excess_of(self, x) for x in noticed(self.scene.threshold))
+        return [x.curve for x in found if not x.is_zero]
+
+    @property
+    def passive(self) -> list[tuple[Judge, int]]:
+        """What is positive where a display gives energy away, at places from -1 to 0, each in how many pieces.
+
+        Nothing of loops with a clock.
+        """
+        if clocks(self.scene):
+            return []
+        high = _REACH * self.scene.band[1]
+        wide = replace(self, scene=replace(self.scene, band=(Integer(0), high)))
+        return [(_Activity(wide).below, _PIECES), *((_Coefficient(self, x).curve, 1) for x in _at_both_ends(self))]
+
+
+Offer: TypeAlias = Callable[[Array], float]
+"""Is given points, shares of the box, at which the bandwidth may be large; gives the largest that is attained so far."""
+
+
+class LargestBandwidth:
+    """Upper bounds on the bandwidth in a box, in shares of the band, by targets that come closer to what is attained.
+
+    ``criteria`` : judges of the band; ``kept`` : of what must be kept, at places from -1 to 0, each with the number of pieces of
+    these to begin with; ``outer`` : the cells that hold all values that are allowed, (cells, parameters, 2).
+    """
+
+    def __init__(self, criteria: Sequence[Judge], kept: Sequence[tuple[Judge, int]], outer: Array) -> None:
+        self._criteria = len(criteria)
+        first = Cells.of(outer, [*[np.empty((0, 1, 2))] * len(criteria), *(_pieces(_LOW, 0.0, n) for _, n in kept)])
+        self._reached = 0.0
+        self._offered: set[bytes] = set()
+        self._settled: list[Cells] = [first[:0]]
+        self._search = Search(
+            [*criteria, *(x for x, _ in kept)], first, wide=_wide, settled=no_better(0.0), rank=_by_size, batch=_BATCH, most=_WITHOUT_END,
+            what="cells of the parameters",
+        )  # fmt: skip
+
+    def prove(self, aim: Callable[[float], float], offer: Offer) -> float | None:
+        """A target that no values of the box are better than, the whole band if it is attained.
+
+        None where cells became too narrow, or the time was over.
+
+        ``aim`` : the target for what is attained; it rises where an offer is better than all before.
+        """
+        attained = offer(np.empty((0, self._search.left.outer.shape[1])))
+        target = aim(attained)
+        self._put_back(target)
+        self._reach(target)
+        missed = 0
+        for n, done in enumerate(self._search):
+            self._settled.append(done)
+            points = (
+                self._promising() if n % (1 + missed // _PATIENCE) == 0 else ()
+            )  # where nothing better was found for long, less often
+            missed += len(points) > 0
+            if len(points) and (now := offer(points)) > attained:
+                if now >= 1:
+                    return 1.0
+                attained, target, missed = now, aim(now), 0
+                self._reach(target)
+        return None if len(self._search.left) else target
+
+    def _put_back(self, target: float) -> None:
+        """Cells that were settled for a larger target, and are not for this one."""
+        cells = joined(self._settled)
+        again = cells.ceiling > target
+        self._settled = [cells[~again]]
+        self._search.waiting.add(cells[again])
+
+    def _reach(self, target: float) -> None:
+        """Look up to a target."""
+        self._search.settled = no_better(target)
+        if target > self._reached:
+            more = _pieces(self._reached, target, max(1, round(_PIECES * (1 - self._reached / target))))
+            none = np.empty((0, 1, 2))
+            inner = [more if i < self._criteria else none for i in range(len(self._search.judges))]
+            self._search.restart(self._search.left.extended(inner))
+            self._reached = target
+
+    def _promising(self) -> Array:
+        """The middles of the open cells whose criteria are negative furthest up, each once."""
+        cells = self._search.left
+        floor = np.full(len(cells), self._reached)
+        for pieces in cells.pieces[: self._criteria]:
+            np.minimum.at(floor, pieces.owner, pieces.inner[:, 0, 0])
+        middles = cells.outer[np.argsort(-floor, kind="stable")[:_OFFERED]].mean(-1)
+        new = [x for x in middles if x.tobytes() not in self._offered]
+        self._offered |= {x.tobytes() for x in new}
+        return np.array(new).reshape(len(new), middles.shape[1])
+
+    def better_than(self, attained: float) -> Array:
+        """The cells, (cells, parameters, 2), outside of which no values are better than what is attained."""
+        cells = joined([*self._settled, self._search.left])
+        return cells.outer[cells.ceiling > attained]
+
+
+def _wide(outer: Array) -> Array:
+    return outer[..., 1] - outer[..., 0] > _NARROW
+
+
+def _uncut(outer: Array) -> Array:
+    return np.zeros(outer.shape[:2], bool)
+
+
+def _by_size(cells: Cells) -> Array:
+    return -np.prod(cells.outer[..., 1] - cells.outer[..., 0], -1)
+
+
+def _pieces(low: float, high: float, count: int) -> Array:
+    ends = np.linspace(low, high, count + 1)
+    return np.stack([ends[:-1], ends[1:]], -1)[:, None]
+
+
+def _whole_box(criteria: Sequence[Judge], sides: int) -> Cells:
+    return Cells.of(np.tile([0.0, 1.0], (1, sides, 1)), [_pieces(0.0, 1.0, _PIECES)] * len(criteria))
+
+
+def smallest(criteria: Sequence[Judge], sides: int, relative: float) -> Iterator[tuple[float, float]]:
+    """Bounds on the smallest first(q) in a box, in shares of the band, that come closer until they are within ``relative``."""
+    first = Search(criteria, _whole_box(criteria, sides), wide=_uncut, settled=no_worse(np.inf), last=_CUT_FIRST)
+    cells = joined([*first, first.left])  # most pieces need no cut of the box
+    search = Search(
+        criteria, cells, wide=_wide, settled=no_worse(np.inf), rank=lambda x: x.floor, batch=_BATCH, most=_WITHOUT_END
+    )
+    seen, lowest = 1.0, 1.0
+    for done in search:
+        rest = search.left
+        seen = min([seen, *done.ceiling.tolist(), *rest.ceiling.tolist()])
+        search.settled = no_worse(seen * (1 - relative))
+        lowest = min([lowest, *done.floor.tolist()])
+        yield min([lowest, seen, *rest.floor.tolist()]), seen
+
+
+def profile(criteria: Sequence[Judge], sides: int, within: float, most: int) -> tuple[Array, Array]:
+    """Cells that fill a box, (cells, parameters, 2), and bounds on first(q) in each, (cells, 2), in shares of the band.
+
+    ``within`` : how far apart bounds are to be; ``most`` : pieces that are looked at, after which some are further apart.
+    """
+    search = Search(
+        criteria, _whole_box(criteria, sides), wide=_wide, rank=_by_size, batch=_BATCH, most=most,
+        settled=lambda low, high: np.minimum(high, 1) - np.minimum(low, 1) <= within,
+    )  # fmt: skip
+    cells = joined([*search, search.left])
+    return cells.outer, np.clip(np.stack([cells.floor, cells.ceiling], -1), 0.0, 1.0)
+
+
+def broken(judges: Sequence[tuple[Judge, int]], sides: int, finest: float, most: int) -> Array:
+    """Cells, (cells, parameters, 2), for all values of which something that must be kept is proven to be broken.
+
+    ``judges`` : as of ``LargestBandwidth``; ``finest`` : the share of a range down to which cells are cut.
+    """
+    first = Cells.of(np.tile([0.0, 1.0], (1, sides, 1)), [_pieces(_LOW, 0.0, n) for _, n in judges])
+    search = Search(
+        [x for x, _ in judges], first, wide=lambda x: x[..., 1] - x[..., 0] > finest, rank=_by_size, most=most
+    )
+    cells = joined([first[:0], *search])
+    return cells.outer[cells.ceiling < np.inf]
+
+
+_FIELDS = ("imag", "environment_imag")
+
+
+class _Activity(Excess):
+    """-Im H_perc, positive where the display gives energy away, on its box's band."""
+
+    def __init__(self, box: Box) -> None:
+        self._over(box)
+        self._program = box.scene.chain.at(self._fixed).program(_FIELDS)
+        self._inputs = self._places(self._program)
+
+    def model(self, cells: Array, *, slopes: int | None = None) -> Model:
+        """-Im H_perc over each cell."""
+        with np.errstate(all="ignore"):
+            inputs = [self._variable(i, cells, slopes=slopes or 0) for i in self._inputs]
+            found = Modelled(self._program).run(inputs)
+            x, y = (v if isinstance(v, Model) else inputs[0].number(v) for v in (found[name] for name in _FIELDS))
+            return -(x + y)
+
+    def below(self, cells: Array) -> Curve:
+        """The same at places from -1, for 0 rad/s, to 0, for the high end of its band."""
+        cells = cells.copy()
+        cells[:, 0] += 1.0
+        return self.curve(cells)
+
+
+class _Coefficient(Excess):
+    """A formula of the parameters alone: positive where what must be kept is broken."""
+
+    def __init__(self, box: Box, formula: Expr) -> None:
+        self._over(box)
+        self._formula = formula
+
+    def model(self, cells: Array, *, slopes: int | None = None) -> Model:
+        """The formula over each cell."""
+        with np.errstate(all="ignore"):
+            sides = {name: self._variable(1 + i, cells, slopes=0) for i, name in enumerate(self._names)}
+            known = {x: sides[x.name] for x in self._formula.free_symbols}
+            return valued(self._formula, known, self._variable(0, cells, slopes=0))
+
+
+def _at_both_ends(box: DesignBox) -> list[Expr]:
+    """Formulas that are positive where -Im H_perc is near 0 rad/s, and far out; none where it is no rational function."""
+    scene, names = box.scene, [x.name for x in box.free]
+    chain = scene.chain.at({p.symbol: p.value for p in scene.parameters if p.symbol.name not in names})
+    found = PASSIVE.function(Distortion.of(chain))
+    if not isinstance(found, RealFunction) or found.axis.functions or found.axis.orders or found.function.is_zero:
+        return []
+    above, below = (_by_powers(found, x) for x in (found.function.numerator, found.function.denominator))
+    return [above[end(above)] * below[end(below)] for end in (min, max)]
+
+
+def _by_powers(f: RealFunction, polynomial: object) -> dict[int, Expr]:
+    """The coefficient of each power of omega, as a formula."""
+    found: dict[int, Expr] = {}
+    own, others = f.axis.meanings.index(omega), [(i, x) for i, x in enumerate(f.axis.meanings) if x != omega]
+    for exponents, value in monomials(polynomial):
+        power = int(exponents[own])
+        term = Mul(Rational(int(value.p), int(value.q)), *(x ** int(exponents[i]) for i, x in others if exponents[i]))
+        found[power] = found.get(power, Integer(0)) + term
+    return found

@@ -1,0 +1,537 @@
+"""Which values of one to three parameters make the bandwidth largest, proven; and what it costs to miss them.
+
+The bandwidth B(q) is the end of the transparent interval that starts at the band's low end: the lowest frequency at which
+some criterion is exceeded with some environment, the band's high end if none is. It is upper semicontinuous, so that it has
+a maximum on a closed box; at the maximum several criteria are often met at once, and B falls off sharply on either side.
+
+Found by branch and bound: exact evaluations at single values give what is attained, which counts if it keeps what must be
+kept; cells that are proven to hold nothing better by more than the gap are closed (``bound``). Both meet, or the gap that
+is left is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from itertools import product
+from pathlib import Path
+from typing import Any, ClassVar, TypeAlias
+
+import numpy as np
+from sympy import Expr, Rational
+
+from haptisym.judge.answers import Answer
+from haptisym.judge.crossings import Criterion, Judged
+from haptisym.judge.excess import Side
+from haptisym.kernel.budget import SECONDS, Told, limited, tick
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
+from haptisym.kernel.objects import titled
+from haptisym.kernel.reals import RealNumber
+from haptisym.model.catalogue import Hand
+from haptisym.model.quantities import Dimension, Number, number
+from haptisym.model.scene import Knob, Scene
+from haptisym.model.scenefile import SceneFamily, as_family
+from haptisym.programs.taylormodels import Array
+from haptisym.verbs.design.attained import KEPT, PASSIVE, STABLE, STEADY, Attained, Points, exact, offsets
+from haptisym.verbs.design.bound import DesignBox, LargestBandwidth, broken, profile, smallest
+from haptisym.verbs.require.freeparameter import domain
+from haptisym.verbs.tolerances.search import together
+
+Range: TypeAlias = tuple[Number, Number] | None
+_GAPS = {1: Fraction(1, 1000), 2: Fraction(1, 1000), 3: Fraction(1, 100)}
+_TARGETS = (1.0, 0.1, 0.01)
+"""How far above what is attained an upper bound is proven first, before the gap itself."""
+_MISSED = (Rational(1, 100), Rational(1, 20))
+_LOSS = 1e-3
+_FINEST_HELD = 2.0**-5
+_ULPS = 1e-15
+_MOST_LOSS = 5.0  # seconds for what a best value costs to miss
+
+
+@dataclass(frozen=True)
+class Bound(Judged):
+    """A criterion that is met at the best values: where, rad/s, and with which environment."""
+
+    criterion: Criterion
+    omega: RealNumber
+    environment: str
+
+
+@dataclass(frozen=True)
+class Loss:
+    """What all values within a relative distance of the best attain: ``bandwidth``, rad/s, proven.
+
+    ``kept`` : whether all of them keep what must be kept, None where that is not proven.
+    """
+
+    relative: Expr
+    bandwidth: float
+    kept: bool | None
+
+    def row(self) -> dict[str, Any]:
+        """As a row of a document."""
+        return {"relative": float(self.relative), "bandwidth": self.bandwidth, "kept": self.kept}
+
+
+@dataclass(frozen=True, repr=False)
+class Design(Answer):
+    """The values that make the bandwidth largest, and proven bounds on how large it can be.
+
+    ``given`` : what the scene's own values attain. ``best`` : what the best values found attain, exactly, and that they keep what
+    must be kept; None where no values were found that do. ``bandwidth`` : between which numbers the largest one lies,
+    rad/s. ``where`` : cells, (cells, parameters, 2), SI, outside of which nothing is better than ``best``. ``limit`` : as
+    in ``Requirement``.
+    """
+
+    _schema: ClassVar[str] = "haptisym.design/1"
+    _page: ClassVar[str] = "haptisym.pages.design:page"
+    _figure: ClassVar[str] = "haptisym.figures.design:DESIGN"
+
+    family: SceneFamily
+    free: tuple[Knob, ...]
+    ranges: tuple[tuple[Expr, Expr], ...]
+    keep: tuple[str, ...]
+    robust: Expr
+    gap: Fraction
+    given: Attained | None
+    best: Attained | None
+    bandwidth: tuple[float, float]
+    where: Array
+    loss: tuple[Loss, ...] = ()
+    limit: float | None = None
+    question: Question | None = field(default=None, repr=False)
+
+    def _line(self) -> str:
+        if self.best is None:
+            return f"{titled(self.family.title)}: no values were found"
+        values = ", ".join(
+            f"{x.name} = {float(value):.6g}" for x, value in zip(self.free, self.best.values, strict=True)
+        )
+        return f"{titled(self.family.title)}: {values}: bandwidth {self.bandwidth[0]:.6g} rad/s"
+
+    @property
+    def scene(self) -> Scene:
+        """The first environment's."""
+        return self.family.first
+
+    @property
+    def about(self) -> SceneFamily | Scene:
+        """The scene, or all of several."""
+        return self.family if len(self.family) > 1 else self.family.first
+
+    @property
+    def _about(self) -> SceneFamily | Scene:
+        return self.about
+
+    @property
+    def _varied(self) -> tuple[list[str], list[str]]:
+        paths = [x.path for x in self.free]
+        return paths, paths
+
+    @property
+    def certified(self) -> bool:
+        """Whether the bounds are no further apart than the gap."""
+        (low, high), (start, end) = self.bandwidth, map(float, self.family.band)
+        least = (
+            low if low > start else end - start
+        )  # of what is noticed from the low end on the gap is a share of the band
+        return Fraction(high) - Fraction(low) <= self.gap * Fraction(least)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether nothing is noticed on the band at the best values."""
+        return self.best is not None and self.best.is_whole
+
+    @cached_property
+    def binding(self) -> tuple[Bound, ...]:
+        """The criteria that are met at the best values, to within the gap."""
+        if self.best is None or self.is_whole:
+            return ()
+        names = [name for name in self.family for _ in offsets(len(self.free), self.robust)]
+        end, found = self.best.bandwidth * (1 + float(self.gap)), dict[tuple[str, str], Bound]()
+        for name, evaluation in zip(names, self.best.evaluations, strict=True):
+            for x in evaluation.crossings:
+                if float(x.omega) <= end:
+                    found.setdefault((name, x.criterion.name), Bound(x.criterion, x.omega, name))
+        return tuple(sorted(found.values(), key=lambda x: float(x.omega)))
+
+    @cached_property
+    def clusters(self) -> list[list[tuple[float, float]]]:
+        """Boxes, from where to where of each parameter, SI, outside of which nothing is better than the best."""
+        label = together(self.where)
+        own = [self.where[label == n] for n in sorted(set(label.tolist()))]
+        return [list(zip(x[..., 0].min(0).tolist(), x[..., 1].max(0).tolist(), strict=True)) for x in own]
+
+    def _body(self) -> dict[str, Any]:
+        several = len(self.family) > 1
+        return {
+            "free": [{"path": x.path, "unit": x.unit, "low": float(a), "high": float(b)} for x, (a, b) in zip(self.free, self.ranges, strict=True)],
+            "keep": list(self.keep),
+            "band": [float(x) for x in self.family.band],
+            "given": None if self.given is None else {"bandwidth": self.given.bandwidth, "kept": self.given.kept},
+            "best": self.best and self._row(self.best),
+            "bandwidth": list(self.bandwidth),
+            "where": [{x.path: list(ends) for x, ends in zip(self.free, cluster, strict=True)} for cluster in self.clusters],
+            "binding": [
+                {"criterion": x.criterion.symbol, "omega": float(x.omega)} | ({"environment": x.environment} if several else {})
+                for x in self.binding
+            ],
+            "loss": [x.row() for x in self.loss],
+            "whole_band": self.is_whole,
+            "certified": self.certified,
+        }  # fmt: skip
+
+    def _row(self, found: Attained) -> dict[str, Any]:
+        values = {x.path: float(value) for x, value in zip(self.free, found.values, strict=True)}
+        return {"values": values, "bandwidth": found.bandwidth, "kept": found.kept}
+
+    def _left(self) -> dict[str, Any]:
+        robust = {"robust": float(self.robust)} if self.robust else {}
+        return robust | ({"limit": self.limit} if self.limit is not None else {})
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked: scenes by environment, free parameters, each between two values, and what must be kept."""
+
+    family: SceneFamily
+    free: tuple[Knob, ...]
+    ranges: tuple[tuple[Expr, Expr], ...]
+    keep: tuple[str, ...]
+    robust: Expr
+
+    @property
+    def scenes(self) -> list[Scene]:
+        """One for each environment."""
+        return list(self.family.scenes.values())
+
+    @cached_property
+    def points(self) -> Points:
+        """Single sets of values."""
+        return Points(self.scenes, self.free, self.ranges, self.keep, offsets(len(self.free), self.robust))
+
+    @cached_property
+    def boxes(self) -> list[DesignBox]:
+        """All values, of each environment, and as far off as they may be."""
+        sides = tuple(Side(x.symbol.name, *ends, x.unit) for x, ends in zip(self.free, self.ranges, strict=True))
+        return [DesignBox(s, sides).times(f) for s, f in product(self.scenes, offsets(len(self.free), self.robust))]
+
+    def search(self) -> LargestBandwidth:
+        """The upper bound's."""
+        criteria = [x for box in self.boxes for x in box.criteria]
+        kept = [x for box in self.boxes for x in box.passive] if PASSIVE in self.keep else []
+        return LargestBandwidth(criteria, kept, self._held[0])
+
+    @cached_property
+    def _held(self) -> tuple[Array, Array]:
+        """Cells, in shares, that hold all values with which the display may be stable, and such with which it is not."""
+        whole = np.tile([0.0, 1.0], (1, len(self.free), 1))
+        if STABLE not in self.keep or self.robust:
+            return whole, whole[:0]
+        try:
+            return self._held_alone() if len(self.free) == 1 else self._held_plane()
+        except UndecidedError:
+            return whole, whole[:0]
+
+    def refused(self, finest: float, most: int) -> Array:
+        """Cells, (cells, parameters, 2), in shares, for all values of which what must be kept is proven to be broken."""
+        judges = [x for box in self.boxes for x in box.passive] if PASSIVE in self.keep else []
+        own = broken(judges, len(self.free), finest, most) if judges else self._held[1][:0]
+        return np.concatenate([own, self._held[1]])
+
+    def profile(self, within: float, most: int) -> tuple[Array, Array]:
+        """Cells in shares, and between which numbers, rad/s, the bandwidths of their values lie; as of ``bound.profile``."""
+        criteria = [x for box in self.boxes for x in box.criteria]
+        cells, shares = profile(criteria, len(self.free), within, most)
+        low, high = map(float, self.family.band)
+        return cells, np.where(shares > 0, low + shares * (high - low), 0.0)
+
+    def _held_alone(self) -> tuple[Array, Array]:
+        from haptisym.verbs.require.required import require
+
+        (low, high), [free] = self.ranges[0], self.free
+        found = require(self.scenes[0], free.path, (low, high), that=[STABLE], limit=None)
+        spans = [*((x.low.value, x.high.value) for x in found.feasible), *found.undecided]
+
+        def share(x: RealNumber | None, end: int, none: float) -> float:
+            return none if x is None else float((Rational(x.enclosure(20)[end]) - low) / (high - low))
+
+        ends = [[share(a, 0, 0.0) - _ULPS, share(b, 1, 1.0) + _ULPS] for a, b in spans]
+        allowed = np.clip(np.array(ends).reshape(-1, 1, 2), 0.0, 1.0)
+        between = np.concatenate([[0.0], np.sort(allowed.ravel()), [1.0]]).reshape(-1, 1, 2)
+        return allowed, between[between[:, 0, 1] > between[:, 0, 0]]
+
+    def _held_plane(self) -> tuple[Array, Array]:
+        from haptisym.verbs.tolerances.heldbox import held_plane
+
+        sides = {x.symbol: ends for x, ends in zip(self.free, self.ranges, strict=True)}
+        first = dict(list(sides.items())[:2])
+        rest = {x: ends for x, ends in sides.items() if x not in first}
+        found = held_plane(self.scenes[0], self.scenes[0].hands, first, rest, finest=_FINEST_HELD)
+        both = []
+        for cells in (np.concatenate([found.stable, found.left]), found.unstable):
+            own = np.tile([0.0, 1.0], (len(cells), len(self.free), 1))
+            own[:, :2] = cells
+            both.append(own)
+        return both[0], both[1]
+
+    def worst(self, best: Attained, relative: Expr, within: float = _LOSS) -> float:
+        """What all values within a relative distance of the best attain, a share of the band; ``within`` : of it, how closely."""
+        sides = tuple(Side(x.symbol.name, v, v, x.unit) for x, v in zip(self.free, best.values, strict=True))
+        criteria = [x for scene in self.scenes for x in DesignBox(scene, sides).around(relative).criteria]
+        found = 0.0
+        for found, _ in smallest(criteria, len(self.free), within):  # noqa: B007  the last and closest
+            tick()
+        return found
+
+    def all_keep(self, best: Attained, relative: Expr) -> bool | None:
+        """Whether all values within a relative distance of the best keep what must be kept; None where that is not proven."""
+        if not self.keep:
+            return True
+        if len(self.free) > 1 or STEADY in self.keep:
+            corners = Points(self.scenes, self.free, self.ranges, self.keep, offsets(len(self.free), relative))
+            found = corners.attained(best.values)
+            return False if found is not None and found.kept is False else None
+        from haptisym.verbs.require.required import require
+
+        [value], [free] = best.values, self.free
+        ends = sorted((value * (1 - relative), value * (1 + relative)))
+        for scene in self.scenes:
+            asked = require(scene, free.path, (ends[0], ends[1]), that=self.keep, limit=None)
+            if asked.undecided:
+                return None
+            if len(asked.feasible) != 1 or any(x.bindings for x in (asked.feasible[0].low, asked.feasible[0].high)):
+                return False
+        return True
+
+
+@dataclass
+class _Search:
+    """The work on a question, and what is known at any moment."""
+
+    question: Question
+    gap: float
+    best: Attained | None = None
+    given: Attained | None = None
+    upper: float = 1.0
+    cells: Array = field(default_factory=lambda: np.empty((0, 1, 2)))
+    is_refused: bool = False
+    """Whether it is proven that no values keep what must be kept."""
+
+    def __post_init__(self) -> None:
+        low, high = self.question.family.band
+        self._low, self._high = float(low), float(high)
+        self.points = self.question.points
+
+    def share(self, bandwidth: float) -> float:
+        """Of the band."""
+        return max((bandwidth - self._low) / (self._high - self._low), 0.0)
+
+    def frequency(self, share: float) -> float:
+        """rad/s."""
+        return self._low + share * (self._high - self._low)
+
+    @property
+    def attained(self) -> float:
+        """A share of the band."""
+        return 0.0 if self.best is None else 1.0 if self.best.is_whole else self.share(self.best.bandwidth)
+
+    def go(self) -> None:
+        """Find the best, and prove how much better it can be."""
+        self._start()
+        if self.attained >= 1:
+            return
+        cover = self.question.search()
+        for relative in (*(x for x in _TARGETS if x > self.gap), self.gap):
+            proven = cover.prove(lambda share, x=relative: self._aim(share, x), self._offer)  # type: ignore[misc]
+            if self.attained >= 1:
+                return
+            if proven is None:
+                break
+            self.upper = min(self.upper, proven)
+        self.cells = cover.better_than(self.attained)
+        self.is_refused = self.best is None and not len(cover.better_than(-1e-9))
+
+    def _aim(self, share: float, relative: float) -> float:
+        relative *= 1 - 1e-6  # what is rounded on the way stays within the gap
+        return min(self.share(self.frequency(share) * (1 + relative)) if share > 0 else relative, 1.0)
+
+    def _start(self) -> None:
+        points, own = self.points, tuple(x.value for x in self.question.free)
+        self.given = points.attained(own)
+        inside = all(low <= x <= high for x, (low, high) in zip(own, self.question.ranges, strict=True))
+        if inside and self.given and self.given.kept:
+            self.best = self.given
+        if self.attained >= 1:
+            return
+        start = points.spread()
+        whole = points.nearest_whole(start, self._high, np.array([float(x) for x in own]))
+        found = whole or points.best(start, self.best.bandwidth if self.best else 0.0)
+        if found is None and self.best is None:  # what is attained may be nothing, and is kept
+            found = next(
+                (x for x in map(points.attained, map(exact, start[:: max(len(start) // 12, 1)])) if x and x.kept), None
+            )
+        self.best = found or self.best
+        self._round()
+
+    def _round(self) -> None:
+        if self.best is not None and self.best is not self.given:
+            self.best = self.points.rounded(self.best, self.gap / 20)
+
+    def bounds(self) -> tuple[float, float]:
+        """What the largest bandwidth lies between, rad/s; of all values that are off by as much as they may the worst."""
+        if self.is_refused:
+            return 0.0, 0.0
+        upper = (
+            self._high if self.upper >= 1 else min(float(np.nextafter(self.frequency(self.upper), np.inf)), self._high)
+        )
+        if self.best is None:
+            return 0.0, upper
+        if self.attained >= 1 and not self.question.robust:
+            return self._high, self._high
+        low = self.best.bandwidth
+        if self.question.robust:
+            share = self.question.worst(self.best, self.question.robust, self.gap / 100)
+            low = min(self.frequency(share), low) if share > 0 else 0.0
+        return low, max(upper, low)
+
+    def where(self) -> Array:
+        """Cells outside of which nothing is better, SI."""
+        low, width = np.array([(float(a), float(b - a)) for a, b in self.question.ranges]).T
+        cells = self.cells if len(self.cells) else np.empty((0, len(low), 2))
+        return low[:, None] + width[:, None] * cells
+
+    def losses(self) -> Iterator[Loss]:
+        """What it costs to miss the best values."""
+        for relative in _MISSED if self.best is not None else ():
+            try:
+                with limited(_MOST_LOSS):
+                    share = self.question.worst(self.best, relative)
+                    kept = self.question.all_keep(self.best, relative)
+            except (LimitError, UndecidedError, SceneError):
+                continue
+            yield Loss(relative, self.frequency(share) if share > 0 else 0.0, kept)
+
+    def _offer(self, shares: Array) -> float:
+        tick()
+        if not len(shares):
+            return self.attained
+        values, least = self.points.values(shares), self.best.bandwidth if self.best else 0.0
+        found = self.points.bandwidths(values)
+        if (found > least * (1 + self.gap / 20)).any():
+            better = self.points.best(values[np.argsort(-found, kind="stable")[:8]], least * (1 + self.gap / 20))
+            if better is not None:
+                self.best = better
+                self._round()
+        return self.attained
+
+
+def design(
+    scene: SceneFamily | Scene | str | Path,
+    free: Mapping[str, Range] | Sequence[str] | str,
+    *,
+    keep: Sequence[str] | str = (),
+    hand: str | Hand | None = None,
+    robust: Number | None = None,
+    gap: Number | None = None,
+    limit: float | None = SECONDS,
+    told: Told | None = None,
+) -> Design:
+    """The values of one to three parameters with which the bandwidth is largest, with proven bounds on how large it can be.
+
+    ``scene`` : of formulas; with several environments the least of their bandwidths counts. ``free`` : paths or names, with the
+    range of each, numbers in SI or strings with a unit; a tenth to ten times its value where none is given.
+    ``keep`` : "passive", "stable" (in ``hand``, or in all hands of the scene), "steady" (without shaking, a drift allowed).
+    ``robust`` : a share, such as "5 %": the values whose worst bandwidth is largest when all are off by up to as much.
+    ``gap`` : relative, to which bounds are to come together; 1e-3, for three parameters 1e-2. ``limit``, ``told`` : as in
+    ``require``.
+
+    Guaranteed: the best values attain the lower bound and keep everything, exactly; no values of the box that keep everything
+    attain more than the upper one. SceneError where the scene, a path or a range does not fit.
+
+    >>> found = design("fu2019", {"zeta": (0.3, 1)})
+    >>> [x.name for x in found.free], found.certified
+    (['zeta'], True)
+    """
+    family = as_family(scene)
+    wanted = _wishes(keep)
+    if hand is not None or {STABLE, STEADY} & set(wanted):
+        from haptisym.verbs.require.hands import with_hands  # which much else is loaded for
+
+        family = SceneFamily({k: with_hands(x, hand) for k, x in family.scenes.items()}, family.title, family.source)
+    knobs, ranges = _box(family, free)
+    off = Rational(0) if robust is None else _share("robust", robust)
+    within = _GAPS[len(knobs)] if gap is None else Fraction(str(_share("gap", gap)))
+    question = Question(family, knobs, ranges, wanted, off)
+    search = _Search(question, float(within))
+    with limited(limit, told) as budget:
+        cut = _reached(search.go)
+        losses = tuple(search.losses())
+    return Design(
+        family, knobs, ranges, wanted, off, within, search.given, search.best, search.bounds(), search.where(), losses,
+        budget.seconds if cut or budget.reached else None, question,
+    )  # fmt: skip
+
+
+def _reached(work: Callable[[], None]) -> bool:
+    """Whether the time was over before the work was done."""
+    try:
+        work()
+    except LimitError:
+        return True
+    return False
+
+
+def _share(what: str, given: Number) -> Expr:
+    found = number(given, Dimension.RATIO).value
+    if not (found.is_Rational and 0 < found <= Rational(1, 2)):
+        raise SceneError(f"{what}: {given} must be a share above 0, at most 0.5 (or 50 %)")
+    return found
+
+
+def _wishes(keep: Sequence[str] | str) -> tuple[str, ...]:
+    listed = [keep] if isinstance(keep, str) else list(keep)
+    for x in listed:
+        if x not in KEPT:
+            raise SceneError(f'keep: "{str(x)[:60]}" is none of {", ".join(KEPT)}; {meant(str(x), KEPT)}'.rstrip("; "))
+    return tuple(x for x in KEPT if x in listed)
+
+
+def _box(family: SceneFamily, free: Mapping[str, Range] | Sequence[str] | str) -> tuple[tuple[Knob, ...], tuple[tuple[Expr, Expr], ...]]:  # fmt: skip
+    """The free parameters, and from where to where each is looked for."""
+    asked: dict[str, Range] = {free: None} if isinstance(free, str) else dict(free) if isinstance(free, Mapping) else dict.fromkeys(free)  # fmt: skip
+    if not 1 <= len(asked) <= 3:
+        raise SceneError(f"{len(asked)} parameters are free: the best values of one, two or three are found")
+    knobs = family.first.knobs
+    found = [knobs[path].felt() for path in asked]
+    for path, x in zip(asked, found, strict=True):
+        if x.parts:
+            raise SceneError(
+                f"{x.path} is what a person notices, and nothing to design: choose a parameter of the display"
+            )
+        if found.count(x) > 1:
+            raise SceneError(f"{x.path} is free twice, the second time as {path}")
+        if len(family) > 1 and not x.path.startswith("effects."):
+            raise SceneError(f"{x.path} is of one environment: with several, choose parameters of effects")
+    for scene in family.scenes.values():
+        scene.knobs.need_numbers(found)
+        if not scene.threshold.is_box or scene.threshold.ranges:
+            raise SceneError("the JND has a range: give it a number here, which the best values depend on")
+    return tuple(found), tuple(_range(x, given) for x, given in zip(found, asked.values(), strict=True))
+
+
+def _range(free: Knob, given: Range) -> tuple[Expr, Expr]:
+    """The two ends, SI, within what the model allows; of an end that is not allowed itself a millionth is left out."""
+    own = free.value
+    if given is None and (own.free_symbols or not own):
+        raise SceneError(
+            f"{free.path} is {own}, so that a tenth to ten times of it is no range: give one, as {free.path}=1:10"
+        )
+    asked = domain(free, given or ((own / 10, own * 10) if own > 0 else (own * 10, -own * 10)))
+    low, high = asked.low, asked.high
+    assert low is not None
+    assert high is not None
+    inside = (high - low) / 10**6
+    return low if asked.holds_low else low + inside, high if asked.holds_high else high - inside

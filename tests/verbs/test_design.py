@@ -1,0 +1,198 @@
+"""Which values make the bandwidth largest: against exact evaluations all over the box, published digits and wrong input."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from random import Random
+
+import pytest
+from sympy import Integer, Rational
+
+import haptisym as hs
+
+E, F = hs.environments, hs.effects
+PAPER = replace(hs.load_scene("fu2019"), band=(Integer(0), Integer(60)))
+BEST, AT = "27.1337522921323016", "0.0734002886766650244"
+"""The paper's filter: derivation 20_best_damping."""
+
+
+def exact(scene: hs.Scene, values: dict[str, Rational]) -> float:
+    """The bandwidth at some values, 0 where there is none."""
+    found = hs.evaluate(scene.with_values(values)).bandwidth
+    return 0.0 if found is None else float(found)
+
+
+def somewhere(found: hs.Design, r: Random, share: Rational | None = None) -> dict[str, Rational]:
+    """Values of the box; with a share those that are off by so much at most from the best."""
+    if share is None:
+        pairs = found.ranges
+    else:
+        assert found.best
+        pairs = tuple((x * (1 - share), x * (1 + share)) for x in found.best.values)
+    free = zip(found.free, pairs, strict=True)
+    return {x.path: a + (b - a) * Rational(r.randint(0, 64), 64) for x, (a, b) in free}
+
+
+def test_the_papers_best_damping():
+    found = hs.design(PAPER, {"zeta": (0.01, 1)}, keep="passive", gap="1e-7")
+    assert found.certified
+    assert found.best
+    assert found.bandwidth[0] <= float(BEST) <= found.bandwidth[1]
+    assert found.bandwidth[1] - found.bandwidth[0] <= 1e-7 * found.bandwidth[0]
+    assert found.best.kept is True
+    assert {x.criterion.symbol for x in found.binding} == {"r_r", "r_i"}
+    assert any(low <= float(AT) <= high for [(low, high)] in found.clusters)
+    assert found.given
+    assert found.given.bandwidth == pytest.approx(7.978916790174708, abs=1e-12)
+
+
+SCENES = {
+    "two parameters": (replace(PAPER, band=(Integer(0), Integer(300))), {"omega_n": (8, 800), "zeta": (0.01, 1)}),
+    "a delay": (hs.Scene(E.kelvin_voigt(500, 4), (F.delay("3 ms"), F.first_order_lag(90)), (0, 100)), {"omega_c": (30, 300), "tau": ("1 ms", "9 ms")}),
+    "a virtual wall": (hs.load_scene("virtual-wall"), {"T": ("0.2 ms", "2 ms"), "device.m": ("4 g", "0.4 kg")}),
+    "a spring-pot": (hs.load_scene("organ-tissue"), ["omega_c"]),
+    "a lead that never suits": (hs.Scene(E.kelvin_voigt(100, 2), (F.first_order_lag(20),), (1, 80)), {"environment.k": (20, 200), "omega_c": (10, 40)}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_no_values_of_the_box_do_better_than_the_bound(name):
+    scene, free = SCENES[name]
+    found, r = hs.design(scene, free), Random(name)
+    assert found.certified
+    assert found.best
+    assert exact(scene, dict(zip((x.path for x in found.free), found.best.values, strict=True))) == pytest.approx(
+        found.bandwidth[0]
+    )
+    for _ in range(12):
+        assert exact(scene, somewhere(found, r)) <= found.bandwidth[1]
+    for loss in found.loss:
+        assert loss.bandwidth <= found.bandwidth[0]
+        for _ in range(4):
+            assert exact(scene, somewhere(found, r, loss.relative)) >= loss.bandwidth
+
+
+def test_the_best_of_values_that_are_off():
+    """The worst of its neighbourhood, against exact evaluations at its ends; no other values have a better worst."""
+    found, share = hs.design(PAPER, {"zeta": (0.01, 1)}, robust="5 %"), Rational(1, 20)
+    assert found.certified
+    assert found.best
+
+    def worst(zeta: Rational) -> float:
+        return min(exact(PAPER, {"effects.filter.zeta": zeta * f}) for f in (1 - share, Integer(1), 1 + share))
+
+    assert found.bandwidth[0] <= worst(found.best.values[0])
+    plain = hs.design(PAPER, {"zeta": (0.01, 1)}).best
+    assert plain
+    assert worst(plain.values[0]) < found.bandwidth[0]
+    for n in range(1, 40):
+        assert worst(Rational(n, 200)) <= found.bandwidth[1]
+
+
+def test_what_must_be_kept_moves_the_best():
+    """A spring that is rendered late is not passive; with a damper it is up to a delay b/k and no further."""
+    scene = hs.Scene(E.kelvin_voigt(100, 2), (F.delay("5 ms"), F.shunt(b="1.5 N*s/m")), (0, 40))
+    free = {"tau": ("1 ms", "60 ms"), "shunt.b": ("0.1 N*s/m", "5 N*s/m")}
+    plain, kept = hs.design(scene, free), hs.design(scene, free, keep="passive")
+    assert plain.best
+    assert kept.best
+    assert kept.best.kept
+    assert kept.bandwidth[0] <= plain.bandwidth[1]
+    r = Random(5)
+    for _ in range(16):
+        values = somewhere(kept, r)
+        if hs.evaluate(scene.with_values(values)).passivity.holds:
+            assert exact(scene, values) <= kept.bandwidth[1]
+
+
+def test_nothing_in_the_range_is_passive():
+    found = hs.design("helicopter-cyclic", "zeta", keep="passive")
+    assert found.best is None
+    assert found.certified
+    assert found.bandwidth == (0.0, 0.0)
+    for n in range(1, 20):
+        scene = hs.load_scene("helicopter-cyclic").with_values({"effects.loader.zeta": Rational(7 * n, 20)})
+        assert hs.evaluate(scene).passivity.holds is False
+
+
+def test_stable_in_a_hand():
+    """A spring behind a delay and a lag: no values that are stable have more than the bound, and the best are stable."""
+    scene = hs.load_scene("delayed-spring")
+    found = hs.design(scene, {"tau": ("1 ms", "80 ms"), "k": (50, 5000)}, keep="stable", hand="postural-arm")
+    assert found.best
+    assert found.best.kept
+    held, r = scene.with_hands(hs.hands["postural-arm"]), Random(3)
+    for _ in range(12):
+        values = somewhere(found, r)
+        if hs.stability(held.with_values(values)).held[0].stable:
+            assert exact(scene, values) <= found.bandwidth[1]
+
+
+def test_several_environments_have_the_least_of_their_bandwidths():
+    found, family = hs.design("palpation-device", {"omega_c": ("10 Hz", "1 kHz")}), hs.load_scenes("palpation-device")
+    assert found.certified
+    assert found.best
+    each = {name: exact(x, {"effects.amplifier.omega_c": found.best.values[0]}) for name, x in family.scenes.items()}
+    assert min(each.values()) == pytest.approx(found.bandwidth[0])
+    assert {x.environment for x in found.binding} == {min(each, key=each.__getitem__)}
+    for hertz in (12, 20, 24, 30, 50, 100, 300, 900):
+        values = {"effects.amplifier.omega_c": f"{hertz} Hz"}
+        assert min(exact(x, values) for x in family.scenes.values()) <= found.bandwidth[1]
+
+
+def test_the_whole_band_near_the_scenes_own_values():
+    found = hs.design("fu2019", ["omega_n"])
+    assert found.is_whole
+    assert found.best
+    assert found.bandwidth == (15.0, 15.0)
+    assert hs.evaluate(hs.load_scene("fu2019").with_values({"omega_n": found.best.values[0]})).crossings == ()
+
+
+def test_a_limit_leaves_bounds():
+    free = {"omega_n": (8, 800), "zeta": (0.01, 1), "b": (1.5, 150)}
+    found = hs.design(replace(PAPER, band=(Integer(0), Integer(300))), free, limit=3)
+    assert not found.certified
+    assert found.to_dict()["limit"] == 3
+    assert found.bandwidth[0] < 271 < found.bandwidth[1]
+
+
+WRONG = {
+    "no parameter": ({}, "0 parameters are free"),
+    "four": (["omega_n", "zeta", "b", "k"], "4 parameters are free"),
+    "the JND": (["jnd"], "what a person notices"),
+    "twice": (["zeta", "effects.filter.zeta"], "free twice"),
+    "a name": (["zetta"], 'no parameter "zetta"'),
+    "a range that falls": ({"zeta": (2, 1)}, "must go up"),
+    "a unit": ({"omega_n": ("3 kg", "4 kg")}, "effects.filter.omega_n"),
+    "below zero": ({"zeta": (-2, -1)}, "effects.filter.zeta"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_is_no_question(name):
+    free, said = WRONG[name]
+    with pytest.raises(hs.SceneError, match=said):
+        hs.design("fu2019", free)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"keep": "pasive"}, "passive"),
+        ({"gap": 2}, "gap"),
+        ({"robust": "80 %"}, "robust"),
+        ({"keep": "stable"}, "hand"),
+        ({"limit": -1}, "limit"),
+    ],
+)
+def test_how_it_is_asked(given, said):
+    with pytest.raises(hs.SceneError, match=said):
+        hs.design("fu2019", ["zeta"], **given)
+
+
+def test_thresholds_with_a_range_are_refused():
+    scene = hs.parse_scene(
+        '[environment]\nmodel = "kelvin-voigt"\nk = "100 N/m"\nb = 2\n[[effects]]\nmodel = "delay"\ntau = "5 ms"\n[evaluation]\njnd = [0.08, 0.1]\nband = [0, 50]\n'
+    )
+    with pytest.raises(hs.SceneError, match="JND"):
+        hs.design(scene, ["tau"])
