@@ -65,9 +65,8 @@ Array: TypeAlias = Any  # numpy arrays of floats, or of whole numbers and truth 
 _ROUNDING = 1e-13  # of a line, relative to the sizes that it is made of
 _SOLVED = 1e-12  # of a piece: what a place on it that a line shows is rounded outward by
 _UNKNOWN = 32  # pieces of a cell about which nothing is known that are cut
-_LOST = (
-    64  # times all that F changes: a remainder of what cancels in F, which says nothing of the side that it is due to
-)
+_CROWD = 16  # pieces of a cell that cannot be cut: with more it is most likely not settled by cutting them
+_LOST = 64  # times all that F changes: a remainder that says nothing of the side that it is due to
 _FINEST = 1e-10  # of an inner side: pieces are cut no further
 _MOST, _BATCH = 100_000, 1024
 
@@ -412,7 +411,7 @@ class Search:
     ``wide`` : of outer cells (n, outer, 2) which sides, (n, outer), may be cut: one that is wide along none is left.
     ``settled`` : which are settled; may be set to a stricter or a looser rule between rounds. ``rank`` : of ``Cells`` an
     array, least for those to be cut first, at most ``batch`` in a round; all at once if there is none. ``last`` : how often the
-    pieces of cells that cannot be cut are cut once more. ``most`` : pieces that are looked at, in all.
+    pieces of cells that cannot be cut are cut once more, if they are few. ``most`` : pieces that are looked at, in all.
 
     ``left`` : what is not settled: what was too small, and what waited when it was enough or the time was over. Never
     a LimitError.
@@ -497,7 +496,8 @@ class Search:
         unknown = np.bincount(pieces.owner[~curve.known], minlength=len(found))[pieces.owner]
         fine = (pieces.inner[..., 1] - pieces.inner[..., 0] <= self._finest[i]).all(-1)
         wider = (own.max(-1) >= along.max(-1, initial=0.0) / 2) & (curve.known | (unknown <= _UNKNOWN)) & ~fine
-        more = (wider & (n == 0)) | (small[pieces.owner] & ~fine & (n < self._last))
+        many = np.bincount(pieces.owner, minlength=len(found))[pieces.owner]
+        more = (wider & (n == 0)) | (small[pieces.owner] & ~fine & (n < self._last) & (many <= _CROWD))
         np.maximum.at(changes, pieces.owner[~wider], along[~wider] + 1e-300)
         owner = np.tile(pieces.owner[more], 2)
         still = Pieces.together([idle, pieces[~more]])
