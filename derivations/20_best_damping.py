@@ -75,8 +75,8 @@ Z_of = cancel(-linear.coeff_monomial(1) / linear.coeff_monomial(Z))
 assert is_zero(Z_of - (2 * c**2 * (wn**2 - omega**2) ** 2 - omega**4) / (omega**2 * (1 - 2 * c**2)))
 
 # %% [markdown]
-# $\mathrm{Re}\,\Delta H + \mathrm{Im}\,\Delta H = 0$ has $\zeta$ and $\zeta^2$ in it, the latter known: it gives $\zeta$, and $\zeta^2$
-# once more, which must be the same.
+# $\mathrm{Re}\,\Delta H + \mathrm{Im}\,\Delta H = 0$ has $\zeta$ and $\zeta^2$ in it, the latter
+# known: it gives $\zeta$, and $\zeta^2$ once more, which must be the same.
 
 # %%
 balance = Poly(expand(real + imag), zeta)
@@ -89,7 +89,8 @@ factors = [(f, n) for f, n in left.factor_list()[1] if f.degree() > 1]
 # %% [markdown]
 # ## 3. Its roots
 #
-# Isolated by exact root counting. Of those at which $\zeta > 0$ and the signs are those of the claim each is a meeting of both thresholds.
+# Isolated by exact root counting. Each of those at which $\zeta > 0$, and the signs are those of the claim, is a meeting of
+# both thresholds.
 
 # %%
 meetings = []
@@ -108,7 +109,8 @@ assert abs((imag / size[0] - c * sqrt(size[1])).subs(at).evalf(30)) < 1e-18
 # %% [markdown]
 # ## 4. A corner
 #
-# How each threshold moves with $\zeta$ follows from $F = r^2 - c^2$ by implicit differentiation: one frequency falls and the other one rises.
+# How each threshold moves with $\zeta$ follows from $F = r^2 - c^2$ by implicit differentiation: one frequency
+# falls and the other one rises.
 
 # %%
 slopes = {}

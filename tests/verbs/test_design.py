@@ -161,7 +161,7 @@ WRONG = {
     "four": (["omega_n", "zeta", "b", "k"], "4 parameters are free"),
     "the JND": (["jnd"], "what a person notices"),
     "twice": (["zeta", "effects.filter.zeta"], "free twice"),
-    "a name": (["zetta"], 'no parameter "zetta"'),
+    "a name": (["zetta"], 'unknown parameter "zetta"'),
     "a range that falls": ({"zeta": (2, 1)}, "must go up"),
     "a unit": ({"omega_n": ("3 kg", "4 kg")}, "effects.filter.omega_n"),
     "below zero": ({"zeta": (-2, -1)}, "effects.filter.zeta"),

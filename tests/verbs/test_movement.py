@@ -54,6 +54,7 @@ def test_against_quadrature(name, given):
         re = [(weights * w**n * values.real).sum() for n in (0, 2)]
         im = (weights * w * values.imag).sum()
     else:
+
         def integral(g):
             return float(mpmath.quad(lambda x: x**power * g(x), np.linspace(low, high, 5)))
 
@@ -82,7 +83,9 @@ def test_a_recording_is_fitted_by_its_lines(tmp_path):
     assert [found.perceived[x] for x in "kbm"] == pytest.approx(expected, rel=1e-3)
 
 
-@pytest.mark.parametrize("given", ["5", "15:0", "velocity:0:3", "nope.csv", "a:b", "1 kg:2 kg", "acceleration:1:2", "-1:3"])
+@pytest.mark.parametrize(
+    "given", ["5", "15:0", "velocity:0:3", "nope.csv", "a:b", "1 kg:2 kg", "acceleration:1:2", "-1:3"]
+)
 def test_what_is_no_movement(given):
     with pytest.raises((hs.SceneError, OSError)):
         hs.evaluate("fu2019", movement=given)

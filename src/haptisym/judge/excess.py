@@ -145,7 +145,7 @@ class Excess:
     def curve(self, cells: Array) -> Curve:
         """The excess over each cell as a judge of the one search."""
         found = Curve.of(*(x[:, 0] for x in self.model(cells, slopes=0).arrays))
-        unknown = ~np.isfinite(found.changes).all(-1)
+        unknown = ~(np.isfinite(found.changes).all(-1) & (found.changes.max(-1) > 0))
         found.changes[unknown] = self._spread(cells[unknown])
         return found
 

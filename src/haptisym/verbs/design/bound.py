@@ -103,8 +103,8 @@ class LargestBandwidth:
         self._offered: set[bytes] = set()
         self._settled: list[Cells] = [first[:0]]
         self._search = Search(
-            [*criteria, *(x for x, _ in kept)], first, wide=_wide, settled=no_better(0.0), rank=_by_size, batch=_BATCH, most=_WITHOUT_END,
-            what="cells of the parameters",
+            [*criteria, *(x for x, _ in kept)], first, wide=_wide, settled=no_better(0.0), rank=_by_size, batch=_BATCH,
+            most=_WITHOUT_END, what="cells of the parameters",
         )  # fmt: skip
 
     def prove(self, aim: Callable[[float], float], offer: Offer) -> float | None:

@@ -29,6 +29,7 @@ from haptisym.kernel.budget import SECONDS, Told, limited, tick
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.where import touching
 from haptisym.model.catalogue import Hand
 from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Knob, Scene
@@ -37,9 +38,9 @@ from haptisym.programs.taylormodels import Array
 from haptisym.verbs.design.attained import KEPT, PASSIVE, STABLE, STEADY, Attained, Points, exact, offsets
 from haptisym.verbs.design.bound import DesignBox, LargestBandwidth, broken, profile, smallest
 from haptisym.verbs.require.freeparameter import domain
-from haptisym.verbs.tolerances.search import together
 
 Range: TypeAlias = tuple[Number, Number] | None
+Free: TypeAlias = Mapping[str, Range] | Sequence[str] | str
 _GAPS = {1: Fraction(1, 1000), 2: Fraction(1, 1000), 3: Fraction(1, 100)}
 _TARGETS = (1.0, 0.1, 0.01)
 """How far above what is attained an upper bound is proven first, before the gap itself."""
@@ -160,14 +161,17 @@ class Design(Answer):
     @cached_property
     def clusters(self) -> list[list[tuple[float, float]]]:
         """Boxes, from where to where of each parameter, SI, outside of which nothing is better than the best."""
-        label = together(self.where)
+        label = touching(self.where)
         own = [self.where[label == n] for n in sorted(set(label.tolist()))]
         return [list(zip(x[..., 0].min(0).tolist(), x[..., 1].max(0).tolist(), strict=True)) for x in own]
 
     def _body(self) -> dict[str, Any]:
         several = len(self.family) > 1
         return {
-            "free": [{"path": x.path, "unit": x.unit, "low": float(a), "high": float(b)} for x, (a, b) in zip(self.free, self.ranges, strict=True)],
+            "free": [
+                {"path": x.path, "unit": x.unit, "low": float(a), "high": float(b)}
+                for x, (a, b) in zip(self.free, self.ranges, strict=True)
+            ],
             "keep": list(self.keep),
             "band": [float(x) for x in self.family.band],
             "given": None if self.given is None else {"bandwidth": self.given.bandwidth, "kept": self.given.kept},
@@ -430,7 +434,7 @@ class _Search:
 
 def design(
     scene: SceneFamily | Scene | str | Path,
-    free: Mapping[str, Range] | Sequence[str] | str,
+    free: Free,
     *,
     keep: Sequence[str] | str = (),
     hand: str | Hand | None = None,
@@ -499,9 +503,10 @@ def _wishes(keep: Sequence[str] | str) -> tuple[str, ...]:
     return tuple(x for x in KEPT if x in listed)
 
 
-def _box(family: SceneFamily, free: Mapping[str, Range] | Sequence[str] | str) -> tuple[tuple[Knob, ...], tuple[tuple[Expr, Expr], ...]]:  # fmt: skip
+def _box(family: SceneFamily, free: Free) -> tuple[tuple[Knob, ...], tuple[tuple[Expr, Expr], ...]]:
     """The free parameters, and from where to where each is looked for."""
-    asked: dict[str, Range] = {free: None} if isinstance(free, str) else dict(free) if isinstance(free, Mapping) else dict.fromkeys(free)  # fmt: skip
+    listed = [free] if isinstance(free, str) else free
+    asked: dict[str, Range] = dict(listed) if isinstance(listed, Mapping) else dict.fromkeys(listed)
     if not 1 <= len(asked) <= 3:
         raise SceneError(f"{len(asked)} parameters are free: the best values of one, two or three are found")
     knobs = family.first.knobs

@@ -60,9 +60,9 @@ def evaluate(
     ``tolerance`` : if given, only the effects that matter for it are used (see ``relevance``); the answers are those of the scene
     without the others, and ``relevance`` says by how much the full scene's ratios may differ, and where its crossings are.
     ``regions`` : whether ``regions`` is to tell what square, disc and diamond of the JND's half widths say, beside its own.
-    ``proportion`` : of right answers, to which a JND that tells its own is converted. ``movement`` : as
-    ``verbs.evaluate.movement`` takes it, such as "0:15" (rad/s): what a fit of k, b and m to it reports. ``limit`` : seconds after which a
-    LimitError says that it is not decided; None for none.
+    ``proportion`` : of right answers, to which a JND that tells its own is converted. ``movement`` : such as "0:15" (rad/s),
+    of which ``movement`` is to tell what a fit of k, b and m to it reports (``verbs.evaluate.movement``).
+    ``limit`` : seconds after which a LimitError says that it is not decided; None for none.
     A scene whose perceived dynamics is measured is judged at its lines alone, and gives a ``MeasuredEvaluation``.
     Raises SceneError if a parameter is still a symbol.
 

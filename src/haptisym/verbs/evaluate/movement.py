@@ -101,7 +101,9 @@ def _read(text: str) -> tuple[str, tuple[Expr, Expr]]:
     if sign_of_number(low) < 0 or sign_of_number(high - low) <= 0:
         raise SceneError(f"movement: {text}: the band must go up from 0 rad/s or more")
     if kind == "velocity" and not sign_of_number(low):
-        raise SceneError(f"movement: {text}: a flat velocity spectrum has no end at 0 rad/s: begin above, as velocity:1:15")
+        raise SceneError(
+            f"movement: {text}: a flat velocity spectrum has no end at 0 rad/s: begin above, as velocity:1:15"
+        )
     return kind, (low, high)
 
 
@@ -191,7 +193,10 @@ def _recorded(scene: Scene, path: Path) -> Movement:
     f = scene.closed.compile(of=names)(w)
     moments = tuple(float((S * w**n).sum()) for n in (0, 2, 4))
     fits = []
-    for re, im in ((f.environment_real, f.environment_imag), (f.environment_real + f.real, f.environment_imag + f.imag)):
+    for re, im in (
+        (f.environment_real, f.environment_imag),
+        (f.environment_real + f.real, f.environment_imag + f.imag),
+    ):
         real = tuple(float((S * w**n * re).sum()) for n in (0, 2))
         fits.append(_fit(moments, real, float((S * w * im).sum())))  # type: ignore[arg-type]
     said = f"recorded movement {path.name}, {len(w)} frequencies from {w[0]:.3g} to {w[-1]:.4g} rad/s"
