@@ -608,9 +608,7 @@ def fit(wanted: Wanted, m: Measurement, begins: Iterable[Reals] | None = None) -
     free, noise, curve = wanted.free, noise_of(lines), Curve(wanted, lines.omega)
     if 2 * len(lines) <= len(free):
         numbers = counted(len(free), "parameter")
-        raise SceneError(
-            f"{counted(len(lines), 'frequency point')} do not identify {numbers}: at least {len(free) // 2 + 1} are needed"
-        )
+        raise SceneError(f"{numbers} need at least {len(free) // 2 + 1} frequency points, not {len(lines)}")
     found: list[tuple[float, Reals]] = []
     for begin in begins or starts(wanted, lines):
         tick(len(found), None, "starts")

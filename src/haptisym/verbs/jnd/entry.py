@@ -630,14 +630,25 @@ def jnd(
     columns: Mapping[str, str] | None = None,
     where: Mapping[str, str] | None = None,
 ) -> Psychometric:
-    """Fit a cumulative Gaussian to the answers in a file; what it says of the JND. Needs SciPy.
+    """Fit psi(x) = guess + (1 - guess - lapse) Phi((x - mu)/sigma) to the responses in a file; return the JND.
 
-    ``data`` : a table (CSV) of levels with counts k of n, or of single answers 1 and 0, or what psignifit 4 saved as JSON.
-    ``proportion`` : of "more", or of right answers, at which the JND is taken; 0.75 for a comparison, else halfway between chance
-    and 1. ``alternatives`` : of a forced choice, whose levels are differences from the standard. ``guess``, ``lapse`` : shares of
-    answers that do not depend on the level; a lapse of None is fitted, up to 0.1. ``reference`` : the level of the standard.
-    ``method`` : "likelihood", or "psignifit", which is another package, and fits guesses and lapses itself. ``columns`` : which
-    column holds "level", "count", "trials" or "answer"; ``where`` : only lines with these values.
+    ``data`` : a table (CSV) of levels with counts k of n, or of single responses 1 and 0, or JSON of psignifit 4.
+    ``proportion`` : of "more", or of correct responses, at which the JND is taken; 0.75 for a comparison, else halfway between
+    chance and 1. ``alternatives`` : number of choices of a forced choice, with levels that are differences from the standard.
+    ``guess``, ``lapse`` : shares of responses that do not depend on the level; a lapse of None is fitted, up to 0.1.
+    ``reference`` : level of the standard, in the unit of the levels. ``method`` : "likelihood", or "psignifit" (a package), which
+    fits guesses and lapses itself. ``columns`` : names of the columns "level", "count", "trials" or "answer"; ``where`` : only
+    lines with these values.
+
+    Estimated: the interval is that of the profile likelihood at ``confidence``, and may have no upper end. SceneError for a
+    table that cannot be read, and for responses without a threshold. Needs SciPy. Source: Wichmann and Hill (2001).
+
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     table = Path(folder) / "responses.csv"
+    ...     _ = table.write_text("level,k,n\\n4.4,5,40\\n4.7,11,40\\n5.0,19,40\\n5.3,26,40\\n5.6,33,40\\n5.9,37,40\\n")
+    ...     print(f"{jnd(table, reference=5).jnd.value:.3f}")
+    0.395
     """
     answers = condensed(data if isinstance(data, Answers) else read_answers(data, columns or {}, where or {}))
     choices = answers.alternatives if alternatives is None else alternatives

@@ -129,7 +129,9 @@ class LettingGo:
 
 
 def sine(amplitude: Number, omega: Number) -> Sines:
-    """A sine: ``amplitude`` in m or rad, ``omega`` in rad/s, bare or with a unit.
+    """A prescribed motion x(t) = A sin(omega t), faded in over its first period.
+
+    ``amplitude`` : A > 0, m or rad, or with a unit. ``omega`` : > 0, rad/s, or with a unit. SceneError for other values.
 
     >>> sine("5 cm", "1 Hz").amplitude
     0.05
@@ -138,7 +140,12 @@ def sine(amplitude: Number, omega: Number) -> Sines:
 
 
 def multisine(amplitude: Number, omegas: Sequence[Number]) -> Sines:
-    """Sines of equal size, together at most ``amplitude``; phases after Schroeder, so that they do not all peak at once.
+    """A prescribed motion x(t) = A/n sum sin(omega_i t + phi_i), phi_i = -pi i (i + 1)/n.
+
+    These phases of Schroeder (1970) keep the peak low.
+
+    ``amplitude`` : A > 0, m or rad, a bound of the sum. ``omegas`` : n frequencies > 0, rad/s or with a unit, each once;
+    SceneError otherwise.
 
     >>> multisine("1 cm", [1, 2]).amplitudes
     (0.005, 0.005)
@@ -154,7 +161,14 @@ def multisine(amplitude: Number, omegas: Sequence[Number]) -> Sines:
 
 
 def chirp(amplitude: Number, low: Number, high: Number, duration: Number) -> Chirp:
-    """A sweep from one frequency up to another, rad/s, in so many seconds."""
+    """A prescribed motion of constant amplitude with a frequency that increases from ``low`` to ``high``.
+
+    ``amplitude`` : > 0, m or rad. ``low`` < ``high`` : rad/s. ``duration`` : > 0, s. Each bare or with a unit; else
+    SceneError.
+
+    >>> chirp("1 cm", "1 Hz", "5 Hz", "10 s").amplitude
+    0.01
+    """
     size, kind = _amplitude(amplitude)
     first, last = _frequency(low), _frequency(high)
     length = positive("duration", duration, Dimension.TIME)
@@ -353,11 +367,11 @@ a higher one jumps, s. ``kind`` : of motion, where a unit told it. ``derivatives
 
 
 def recording(path: str | Path, *, lowpass: Number | None = None, order: int = 4) -> Recording:
-    """A motion from a CSV file: two columns, time and displacement, with units in the header (``t [s], x [mm]``).
+    """A prescribed motion from a CSV file: two columns, time and displacement, with units in the header (``t [s], x [mm]``).
 
-    Without a unit they are s and m (or rad). ``lowpass``: cutoff, rad/s or with a unit, of a smoothing of that ``order`` (see
-    ``Lowpass``); as recorded if not given. SceneError names the line of what is missing, not a number, or not in order, and
-    gaps: spacings more than 1.5 times the usual one.
+    Without a unit they are s and m (or rad). ``lowpass`` : cutoff, rad/s or with a unit, of a zero-phase Butterworth filter of
+    that ``order`` (see ``Lowpass``); no filter if None. SceneError gives the line that is missing, not a number or not in
+    order, and gaps: intervals more than 1.5 times the usual one.
     """
     need("recording", path, (str, Path), "give a CSV file")
     made = _read(path)
