@@ -44,10 +44,8 @@ from haptisym.verbs.sweep.batch import (
     nearest,
     within_reach,
 )
-from haptisym.verbs.sweep.blocks import SweepGrid, compute
-from haptisym.verbs.sweep.curves import FamilyLattice, SignedProduct
-from haptisym.verbs.sweep.entry import Swept
-from haptisym.verbs.sweep.passes import Band, Found, changes
+from haptisym.verbs.sweep.entry import SweepGrid, Swept, compute
+from haptisym.verbs.sweep.passes import Band, FamilyLattice, Found, SignedProduct, changes
 from haptisym.verbs.sweep.waves import Family, Variables
 
 PAPER = hs.load_scene("fu2019")

@@ -21,7 +21,7 @@ import haptisym as hs
 from haptisym.verbs.sweep import waves as libm
 from haptisym.verbs.sweep.axes import axes
 from haptisym.verbs.sweep.batch import Array, Batch, Monomial, Powers
-from haptisym.verbs.sweep.curves import ThresholdPolynomial, curves_of
+from haptisym.verbs.sweep.passes import ThresholdPolynomial, curves_of
 from haptisym.verbs.sweep.waves import (
     Factor,
     Family,

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, lru_cache, reduce
+from functools import cached_property, reduce
 from heapq import heappop, heappush
 from itertools import combinations
 from math import gcd
@@ -356,28 +356,16 @@ class Engine:
         """The inputs of the state equation at given times, (..., drives)."""
         drives = self.system.drives
         w = np.zeros((*times.shape, len(drives)))
-        for lag, members in self._by_lag(drives).items():
-            hand = [i for i in members if drives[i][0].name == MOTION]
-            if hand:
-                waves = self._hand(times - lag, max(drives[i][1] for i in hand))
-                for i in hand:
-                    w[..., i] = waves[drives[i][1]]
-            others = [i for i in members if drives[i][0].name != MOTION]
-            if others and lag:
-                w[..., others] = self.record.at(
-                    times - lag, [self.column(drives[i][0].name, drives[i][1]) for i in others]
-                )
-            elif others:
-                w[..., others] = [0.0 if drives[i][1] else self.held[drives[i][0].name] for i in others]
+        for x in self.system.groups:
+            if x.hand:
+                waves = self._hand(times - x.lag, max(x.orders))
+                for i, k in zip(x.hand, x.orders, strict=True):
+                    w[..., i] = waves[k]
+            if x.others and x.lag:
+                w[..., x.others] = self.record.at(times - x.lag, x.columns)
+            elif x.others:
+                w[..., x.others] = [0.0 if drives[i][1] else self.held[drives[i][0].name] for i in x.others]
         return w
-
-    @lru_cache(maxsize=16)  # noqa: B019 - an engine lives as long as its simulation
-    def _by_lag(self, drives: tuple[Drive, ...]) -> dict[float, list[int]]:
-        """The inputs in groups that are late by as many seconds."""
-        found: dict[float, list[int]] = {}
-        for i, (channel, _) in enumerate(drives):
-            found.setdefault(int(channel.lag.p) / int(channel.lag.q), []).append(i)
-        return found
 
     def _hand(self, times: Array, order: int) -> Array:
         needed = min(order, self.motion.smoothness)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import comb, factorial, pi
 from pathlib import Path
@@ -55,11 +55,17 @@ class Sines:
 
     def derivatives(self, t: Array, order: int) -> Array:
         """Faded in over the first periods, so that it starts at rest."""
-        omega = np.array(self.omegas)
-        turning = np.exp(1j * (np.multiply.outer(t, omega) + np.array(self.phases)))
-        weights = np.array(self.amplitudes)[:, None] * np.power.outer(1j * omega, np.arange(order + 1))
-        waves = np.moveaxis((turning @ weights).imag, -1, 0)
+        omega, weights = _lines(self.omegas, self.amplitudes, order)
+        both = (np.exp(1j * (np.multiply.outer(t, omega) + np.array(self.phases))) @ weights).imag
+        waves = both.transpose(-1, *range(both.ndim - 1))
         return waves if bool((t >= self.fade).all()) else _product(_fade(t, self.fade, order), waves)
+
+
+@lru_cache(maxsize=16)
+def _lines(omegas: tuple[float, ...], amplitudes: tuple[float, ...], order: int) -> tuple[Array, Array]:
+    """The frequencies of a sum of sines, and the weights of each in the derivatives up to an order."""
+    omega = np.array(omegas)
+    return omega, np.array(amplitudes)[:, None] * np.power.outer(1j * omega, np.arange(order + 1))
 
 
 @dataclass(frozen=True)

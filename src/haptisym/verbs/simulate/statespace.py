@@ -450,6 +450,17 @@ Drive = tuple[Input, int]
 """An input and how often it is differentiated."""
 
 
+class DriveGroup(NamedTuple):
+    """The inputs that are late by as many seconds: those of the hand's motion with their orders, and the others."""
+
+    lag: float
+    hand: list[int]
+    orders: list[int]
+    others: list[int]
+    columns: list[int]
+    """Where the others are in the record, if they are late."""
+
+
 @dataclass(frozen=True, eq=False)
 class Linear:
     """The equations while each switch stays as it is: ``states`` says which of them are closed."""
@@ -464,6 +475,21 @@ class Linear:
     """The same for every variable of the equations, from which another system's state is taken."""
     back: Array = field(repr=False)
     """(state, drives): what is subtracted from the chosen variables to give the state."""
+
+    @cached_property
+    def groups(self) -> tuple[DriveGroup, ...]:
+        """The inputs by their lag."""
+        found: dict[float, DriveGroup] = {}
+        for i, (x, order) in enumerate(self.drives):
+            lag = int(x.lag.p) / int(x.lag.q)
+            own = found.setdefault(lag, DriveGroup(lag, [], [], [], []))
+            if x.name == MOTION:
+                own.hand.append(i)
+                own.orders.append(order)
+            else:
+                own.others.append(i)
+                own.columns.extend([self.readings.index((x.name, order))] if lag else ())
+        return tuple(found.values())
 
     def outputs(self, z: Array, w: Array) -> Array:
         """The readings, from states (..., state) and inputs (..., drives)."""

@@ -1,33 +1,427 @@
 """Sweeps over design spaces: the certified answers of a scene for every combination of values of some parameters.
 
+A sweep is a grid of parameter sets, cut into blocks that are computed one by one and in any order; and such grids on disk.
+
+What is computed is written about every second, and what is there already is not computed again (``stored``). The store is a
+Zarr group whose chunks are the blocks of the sweep. Zarr replaces a chunk's file in one step, and ``method`` is written last;
+so a set is done exactly where ``method`` has no mark of absence left, whenever the process ended. One block is worked on by
+one worker at a time. A NetCDF file is made from such a store at the end, in one step too.
+
 The answer in short is its axes, ranges and counts, not the sets themselves.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+import json
+import shutil
+import sys
+import warnings
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
+from hashlib import sha256
+from importlib import import_module
+from itertools import product
+from math import ceil, prod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from time import monotonic
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.reals import whole
 from haptisym.model.catalogue import Hand
+from haptisym.model.jnd import Part
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands
-from haptisym.verbs.sweep.axes import EXACT, FLOAT, HELD, INFINITE, OPEN, UNKNOWN, AxisValues, Told, axes
+from haptisym.verbs.sweep.axes import EXACT, FLOAT, HELD, INFINITE, OPEN, UNKNOWN, AxisValues, SweepAxis, Told, axes
 from haptisym.verbs.sweep.batch import Array
-from haptisym.verbs.sweep.blocks import SETS_IN_A_BLOCK, Pace, SweepGrid, compute, needed, stored
-from haptisym.verbs.sweep.passes import Kernel
+from haptisym.verbs.sweep.passes import TOLERANCE, Kernel
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+SETS_IN_A_BLOCK = 65_536
+PATIENCE = 1.0
+"""Seconds after which, as nearly as one can tell, what is computed is written down and told."""
+Region: TypeAlias = tuple[slice, ...]
+
+
+@dataclass
+class Pace:
+    """How many sets are computed at a time: as many as ``PATIENCE`` allows, told by those before; a single one at first."""
+
+    sets: int = 1
+
+    def took(self, seconds: float, sets: int) -> None:
+        """Choose the next block by how long this one took."""
+        wanted = sets * PATIENCE / max(seconds, 1e-6)
+        self.sets = max(1, int(min(wanted, 8 * self.sets)))
+
+
+def size(region: Region) -> int:
+    """How many sets there are in a block."""
+    return prod(part.stop - part.start for part in region)
+
+
+def _cut(region: Region, most: int) -> tuple[Region, Region]:
+    """The first sets of a block, not many more than so many where one axis can be cut so, and the rest."""
+    axis = next(i for i, part in enumerate(region) if part.stop - part.start > 1)
+    part = region[axis]
+    behind = size(region[axis + 1 :])
+    at = part.start + min(max(1, most // behind), part.stop - part.start - 1)
+    halves = slice(part.start, at), slice(at, part.stop)
+    first, rest = ((*region[:axis], half, *region[axis + 1 :]) for half in halves)
+    return first, rest
+
+
+@dataclass(frozen=True)
+class SweepGrid:
+    """All sets of a sweep: every combination of the values of its axes."""
+
+    scene: Scene
+    axes: tuple[SweepAxis, ...]
+    block: tuple[int, ...]
+    """How many values of each axis a block holds at most."""
+
+    @classmethod
+    def of(cls, scene: Scene, axes: Sequence[SweepAxis], sets: int = SETS_IN_A_BLOCK) -> SweepGrid:
+        """With blocks of about that many sets, as long as possible along the last axes."""
+        shape, left = [], sets
+        for axis in reversed(axes):
+            shape.append(max(1, min(len(axis.values), left)))
+            left //= shape[-1]
+        return cls(replace(scene), tuple(axes), tuple(reversed(shape)))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """How many values each axis has."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def sets(self) -> int:
+        """How many sets of values there are."""
+        return prod(self.shape)
+
+    @property
+    def variables(self) -> dict[str, tuple[np.dtype[Any], dict[str, str]]]:
+        """Name and kind of what is told of each set, with what it says of itself."""
+        return Told.of(self.scene).variables
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """What judges a set."""
+        return Kernel.of(self.scene, [axis.knob for axis in self.axes])
+
+    def regions(self) -> Iterator[Region]:
+        """The blocks, in the order of the grid."""
+        starts = [range(ceil(n / size)) for n, size in zip(self.shape, self.block, strict=True)]
+        for index in product(*starts):
+            yield tuple(
+                slice(i * b, min((i + 1) * b, n)) for i, b, n in zip(index, self.block, self.shape, strict=True)
+            )
+
+    def pieces(self, region: Region, pace: Pace) -> Iterator[tuple[Region, tuple[Array, ...]]]:
+        """All variables of a block, in pieces that take about a second each; the results do not depend on how it is cut."""
+        waiting = [region]
+        while waiting:
+            piece = waiting.pop()
+            while size(piece) > pace.sets:
+                piece, rest = _cut(piece, pace.sets)
+                waiting.append(rest)
+            began = monotonic()
+            answers = compute(self.kernel, np.ix_(*self.values(piece)))
+            pace.took(monotonic() - began, size(piece))
+            yield piece, answers
+
+    def values(self, region: Region) -> list[Array]:
+        """The values of each axis in a block."""
+        return [axis.values[part] for axis, part in zip(self.axes, region, strict=True)]
+
+    def attributes(self) -> dict[str, Any]:
+        """What a data set says about itself."""
+        return {
+            "schema": "haptisym.sweep/1",
+            "title": self.scene.title,
+            "source": self.scene.source,
+            "band": [self.kernel.band.high * self.kernel.band.low_fraction, self.kernel.band.high],
+            **_threshold(self.scene),
+            "relative_accuracy": TOLERANCE,
+            "certified": (
+                "All counts are proven. Values of the swept parameters are taken as exactly the binary numbers stored here."
+            ),
+            "floats": self._how,
+            "fingerprint": self.fingerprint,
+            **self._asides(),
+        }
+
+    @property
+    def _how(self) -> str:
+        if self.kernel.curves is None:
+            return _ALL_EXACT
+        return f"{_IN_FLOATS}{_WITH_SINES}" if self.kernel.has_waves else _IN_FLOATS
+
+    def _asides(self) -> dict[str, Any]:
+        """What is nominal or has a double, as text, which every kind of file holds."""
+        swept = [axis.path for axis in self.axes]
+        notes = self.scene.asides(swept, swept)
+        keys = self.scene.aside_keys(swept, swept)
+        return {key: json.dumps(x) for key, x in keys.items()} | ({"notes": "\n".join(notes)} if notes else {})
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """A digest of everything that the results depend on."""
+        scene = self.scene
+        told = [
+            [
+                place,
+                x.model,
+                [[p.key, str(p.value)] for p in x.parameters if not self._is_swept(p.symbol)],
+                str(x.dynamics),
+            ]
+            for place, x in scene.elements()
+        ]
+        c = scene.threshold
+        swept = {part for axis in self.axes for part in axis.knob.parts}
+        plain = ["" if part in swept else str(x) for part, x in ((Part.REAL, c.real), (Part.IMAG, c.imag))]
+        limits = plain if c.is_plain else [json.dumps(c.row(), sort_keys=True)]
+        hands = [[x.name, [str(p.value) for p in x.parameters if not self._is_swept(p.symbol)]] for x in scene.hands]
+        parts = [
+            told,
+            *([hands] if hands else []),
+            [str(x) for x in scene.band],
+            limits,
+            [axis.path for axis in self.axes],
+            TOLERANCE,
+        ]
+        digest = sha256(json.dumps(parts).encode())
+        for axis in self.axes:
+            digest.update(np.ascontiguousarray(axis.values).tobytes())
+        return digest.hexdigest()
+
+    def _is_swept(self, symbol: object) -> bool:
+        return any(axis.knob.symbol == symbol for axis in self.axes)
+
+
+def _threshold(scene: Scene) -> dict[str, Any]:
+    """Both limits; of what is more than two numbers the whole region, as text."""
+    c = scene.threshold
+    if c.is_plain:
+        return {"threshold": [str(c.real), str(c.imag)]}
+    return {"threshold": json.dumps(c.row())}
+
+
+_IN_FLOATS = "method 0 where floats with an error bound prove the counts, exact arithmetic elsewhere"
+_WITH_SINES = (
+    "; the bound rests on sines, cosines, exponentials and logarithms within 4 units in the last place, as tested here"
+)
+_ALL_EXACT = "floats do not answer this scene with these parameters: every set is answered exactly"
+
+
+def compute(kernel: Kernel, values: Sequence[Array]) -> tuple[Array, ...]:
+    """All variables, in their order, of every combination of values in arrays that broadcast together."""
+    together = np.broadcast_arrays(*values)
+    columns = kernel.answers(np.stack([np.ravel(x) for x in together]))
+    shape = together[0].shape
+    return tuple(
+        columns[name].reshape(shape).astype(dtype, copy=False) for name, (dtype, _) in kernel.told.variables.items()
+    )
+
+
+def needed(package: str) -> Any:
+    """The package; SceneError says how to install it."""
+    try:
+        return import_module(package)
+    except ImportError:
+        raise SceneError(f'{package} is missing: a sweep needs "pip install haptisym[sweep]"') from None
+
+
+_NOT_YET = -1
+_NETCDF = (".nc", ".nc4", ".h5")
+
+
+def stored(grid: SweepGrid, out: Path, progress: Callable[[int, int], None] | None = None) -> xr.Dataset:
+    """The sweep in a file: begun, continued, or found done; opened from there with one dask chunk for each block."""
+    if out.suffix == ".zarr":
+        _fill(grid, out, progress)
+        return _opened(out)
+    if out.suffix not in _NETCDF:
+        raise SceneError(f"{out}: the name must end in .zarr (Zarr) or .nc (NetCDF)")
+    needed("h5py"), needed("h5netcdf")  # asked for now, not after hours of work
+    if not out.exists():
+        _as_netcdf(grid, out, progress)
+    xarray = needed("xarray")
+    try:
+        found: xr.Dataset = xarray.open_dataset(out, engine="h5netcdf", chunks={})
+    except OSError:
+        raise SceneError(f"{out}: is there, but is not a NetCDF file") from None
+    _same(grid, found.attrs, out)
+    return found
+
+
+def _as_netcdf(grid: SweepGrid, out: Path, progress: Callable[[int, int], None] | None) -> None:
+    store, copy = (out.with_name(out.name + ending) for ending in (".part.zarr", ".part"))
+    _fill(grid, store, progress)
+    found = _opened(store)
+    found.to_netcdf(
+        copy,
+        engine="h5netcdf",
+        encoding={name: {"chunksizes": grid.block, "zlib": True} for name in grid.variables},
+    )
+    copy.replace(out)
+    shutil.rmtree(store)
+
+
+def _opened(store: Path) -> xr.Dataset:
+    found: xr.Dataset = needed("xarray").open_zarr(store, consolidated=False)
+    return found
+
+
+def _fill(grid: SweepGrid, store: Path, progress: Callable[[int, int], None] | None) -> None:
+    zarr = needed("zarr")
+    is_new = not store.exists()
+    if not is_new:
+        try:
+            group = zarr.open_group(store, mode="r")
+        except (OSError, ValueError, KeyError):
+            raise SceneError(f"{store}: is there, but is not a Zarr store") from None
+        _same(grid, group.attrs, store)
+    else:
+        _begin(grid, store)
+        group = zarr.open_group(store, mode="r")
+    left, done = [], 0
+    for region in grid.regions():
+        open_sets = 0 if is_new else int((group["method"][region] == _NOT_YET).sum())
+        done += 0 if is_new else size(region) - open_sets
+        if is_new or open_sets:
+            left.append(region)
+    if progress:
+        progress(done, grid.sets)
+    for count in _run(grid, store, left):
+        done += count
+        if progress:
+            progress(done, grid.sets)
+
+
+def _same(grid: SweepGrid, attributes: Any, where: Path) -> None:
+    if attributes.get("fingerprint") != grid.fingerprint:
+        raise SceneError(f"{where}: is there, but holds another sweep: remove it, or choose another name")
+
+
+def _begin(grid: SweepGrid, store: Path) -> None:
+    """An empty store under another name, then renamed: it is there with all of its arrays or not at all."""
+    zarr = needed("zarr")
+    fresh = store.with_name(store.name + ".new")
+    shutil.rmtree(fresh, ignore_errors=True)
+    group = zarr.create_group(fresh, attributes=grid.attributes())
+    names = [axis.path for axis in grid.axes]
+    for axis in grid.axes:
+        made = group.create_array(
+            axis.path, shape=axis.values.shape, dtype=axis.values.dtype, dimension_names=[axis.path], fill_value=np.nan
+        )
+        made.attrs.update({"units": axis.unit})
+        made[:] = axis.values
+    for name, (dtype, about) in grid.variables.items():
+        fill = np.nan if dtype.kind == "f" else _NOT_YET
+        made = group.create_array(
+            name, shape=grid.shape, chunks=grid.block, dtype=dtype, dimension_names=names, fill_value=fill
+        )
+        made.attrs.update(about)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that format 3 does not ask for what xarray looks for first
+        zarr.consolidate_metadata(fresh)
+    fresh.rename(store)
+
+
+def _run(grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
+    """Compute and write blocks on the active dask client, or else with the local scheduler; numbers of sets, as they are done.
+
+    A worker hands a block back after about a second, and gets it again until it is done.
+    """
+    client = _client()
+    if client is not None:
+        yield from _on_cluster(client, grid, store, left)
+        return
+    dask = needed("dask")
+    together = int(dask.config.get("num_workers", 0) or 0) or 4
+    waiting, sets = left[::-1], 1
+    while waiting:
+        now = [waiting.pop() for _ in range(min(together, len(waiting)))]
+        tasks = [dask.delayed(_write, traverse=False)(grid, str(store), region, sets) for region in now]
+        parts: Sequence[_Part] = dask.compute(*tasks)
+        yield sum(part.done for part in parts)
+        sets = min(part.pace for part in parts)
+        waiting += [region for region, part in zip(now, parts, strict=True) if part.is_open][::-1]
+
+
+def _on_cluster(client: Any, grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
+    as_completed = needed("distributed").as_completed
+    shared = client.scatter(grid, broadcast=True, hash=False)
+
+    def submitted(region: Region, sets: int) -> Any:
+        future = client.submit(_write, shared, str(store), region, sets, pure=False)
+        regions[future.key] = region
+        return future
+
+    regions: dict[str, Region] = {}
+    running = as_completed([submitted(region, 1) for region in left], with_results=True)
+    for future, part in running:
+        yield part.done
+        region = regions.pop(future.key)
+        if part.is_open:
+            running.add(submitted(region, part.pace))
+
+
+def _client() -> Any:
+    """The dask client that is active, if any: none can be before distributed is loaded."""
+    distributed: Any = sys.modules.get("distributed")
+    try:
+        return distributed.default_client() if distributed else None
+    except ValueError:
+        return None
+
+
+class _Part(NamedTuple):
+    """What was done of a block in about a second: how many sets, whether some are left, and how many to begin with next."""
+
+    done: int
+    is_open: bool
+    pace: int
+
+
+def _write(grid: SweepGrid, store: str, region: Region, sets: int) -> _Part:
+    """Compute and write what is missing of a block, for about a second: ``method`` last, as the sign that a set is done."""
+    group = needed("zarr").open_group(store, mode="r+")
+    missing = group["method"][region] == _NOT_YET
+    pace, done, began = Pace(sets), 0, monotonic()
+    for piece in _missing(missing, region):
+        for part, answers in grid.pieces(piece, pace):
+            for name, answer in zip(grid.variables, answers, strict=True):
+                group[name][part] = answer
+            done += size(part)
+            if monotonic() - began >= PATIENCE:
+                return _Part(done, done < int(missing.sum()), pace.sets)
+    return _Part(done, is_open=False, pace=pace.sets)
+
+
+def _missing(missing: NDArray[np.bool_], region: Region) -> Iterator[Region]:
+    """The sets of a block that are not there yet, in boxes: all of it at first; rows, or parts of rows, after an interruption."""
+    if missing.all():
+        yield region
+    elif missing.any() and size(region) > 1:
+        axis = next(i for i, part in enumerate(region) if part.stop - part.start > 1)
+        part = region[axis]
+        at = (part.start + part.stop) // 2
+        for half in (slice(part.start, at), slice(at, part.stop)):
+            inside = [slice(None)] * len(region)
+            inside[axis] = slice(half.start - part.start, half.stop - part.start)
+            yield from _missing(missing[tuple(inside)], (*region[:axis], half, *region[axis + 1 :]))
 
 
 MOST_BYTES = 4_000_000_000
