@@ -716,7 +716,7 @@ REFUSED: list[tuple[hs.Scene, str, dict[str, Any], str]] = [
     (PAPER, "m", {"any_environment": True}, "no parameter of the environment"),
     (PAPER, "zeta", {"any_environment": True, "part": REAL}, "no parts"),
     *((LAG, f"evaluation.jnd.{x}", {"any_environment": True}, "thresholds are one") for x in ("real", "imag")),
-    (OPEN, "effects.shunt.m", {}, "omega_c = w is a symbol where a number is needed"),
+    (OPEN, "effects.shunt.m", {}, "omega_c = w is a symbol; give a number"),
     (ODD, "omega_c", {}, "thresholds that are rational"),
 ]
 

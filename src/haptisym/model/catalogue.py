@@ -405,16 +405,16 @@ Effects: TypeAlias = Sequence[Effect]
 
 
 def discretised(H: Expr, T: Expr, method: str) -> RationalFunction:
-    """D(z) = H(s(z)) in lowest terms, a quotient of polynomials in 1/z.
+    """D(z) = H(s(z)) with common factors cancelled, a quotient of polynomials in 1/z.
 
-    SceneError where H is not rational in s, and where D needs samples of the future.
+    SceneError where H is not rational in s, and where D would need future samples.
 
     >>> discretised(3 + 2 * s, Integer(1), "backward-difference").expression()
     5 - 2*z_back
     >>> discretised(2 * s, Integer(1), "forward-difference")
     Traceback (most recent call last):
       ...
-    haptisym.kernel.errors.SceneError: forward-difference makes D(z) improper: it would need samples of the future
+    haptisym.kernel.errors.SceneError: forward-difference would need future samples: use backward-difference or tustin
     """
     given = H.xreplace({s: _METHODS[method](T)})
     ring = PolynomialRing(BACK, given.free_symbols - {BACK})

@@ -202,10 +202,10 @@ class Compiled(Shown):
         try:
             shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
         except ValueError:
-            shapes = ", ".join(
+            listed = ", ".join(
                 f"{name} {x.shape}" for name, x in zip(("omega", *self.parameters), arguments, strict=True)
             )
-            raise SceneError(f"the shapes of the arguments do not broadcast: {shapes}") from None
+            raise SceneError(f"the shapes of the arguments do not broadcast: {listed}") from None
         flat = [
             float(x.item()) if x.size == 1 else (x if x.shape == shape else np.broadcast_to(x, shape)).ravel()
             for x in arguments
