@@ -36,6 +36,7 @@ OF_A_SCENE: tuple[tuple[str, ...], ...] = (
 MAP = ["--free", "zeta", "--free", "omega_n", "--range", "0.4", "0.6", "--range", "60", "200", "--slices", "3"]
 OTHERS: dict[str, tuple[str, ...]] = {
     "designmap": ("require", "fu2019", *MAP, "--that", "transparent", "--that", "passive"),
+    "design": ("design", "fu2019", "--free", "zeta=0.3:1", "--keep", "passive"),
     "requirement": ("require", "fu2019", "--free", "omega_n", "--that", "transparent", "--that", "stable", *HAND),
     "evaluation": ("evaluate", "fu2019", "--regions", "--tolerance", "0.2"),
     "evaluations": ("evaluate", "palpation-device", "--regions"),
