@@ -24,7 +24,7 @@ from haptisym.model.scenefile import (
     parse_scenes,
     scene_names,
 )
-from haptisym.pages.latex import latex
+from haptisym.pages.notebook import latex
 from haptisym.programs.accuracy import Accuracy
 from haptisym.verbs.cost.entry import Cost, cost
 from haptisym.verbs.cost.hardcosts import HardCosts, hard_costs
@@ -47,7 +47,7 @@ from haptisym.verbs.simulate.release import Release, release
 from haptisym.verbs.stability.entry import Stability, stability
 from haptisym.verbs.sweep.entry import sweep
 from haptisym.verbs.tolerances.proofs import Tolerances, tolerances
-from haptisym.writing.code.entry import Language, distortion_code, scene_code
+from haptisym.writing.code import Language, distortion_code, scene_code
 from haptisym.writing.mathml import mathml
 from haptisym.writing.schemas import json_schema
 

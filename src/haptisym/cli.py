@@ -8,30 +8,29 @@ from __future__ import annotations
 
 import sys
 from contextlib import suppress
-from pkgutil import resolve_name
 from typing import Any
 
 import click
 
 from haptisym import __version__
-from haptisym.commands.options import ReaderLeft, interrupts, note, prepare, to_standard_output
-from haptisym.kernel.errors import HaptisymError, UndecidedError
-
-VERBS = (
-    "evaluate", "derive", "effects", "require", "stability", "sensitivity", "tolerances", "sweep", "metrics", "cost", "simulate",
-    "identify", "jnd", "scenes", "schemas",
-)  # fmt: skip
-"""The main job first. Each is the function of its name in its module of ``commands``, loaded when it is called for."""
+from haptisym.commands.terminal import ReaderLeft, interrupts, note, prepare, to_standard_output
+from haptisym.commands.verbs import VERBS
+from haptisym.kernel.errors import HaptisymError, UndecidedError, meant
 
 
 class _Sisters(click.Group):
-    """The group of verbs; a bare call prints the help."""
+    """The group of verbs, in their order."""
 
     def list_commands(self, _context: click.Context) -> list[str]:
-        return list(VERBS)
+        return list(self.commands)
 
-    def get_command(self, _context: click.Context, name: str) -> click.Command | None:
-        return resolve_name(f"haptisym.commands.{name}:{name}") if name in VERBS else None
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        """As click; of a verb that there is not, the one that was meant."""
+        name = args[0]
+        if name not in self.commands and not name.startswith("-"):
+            likely = meant(name, self.commands) or "haptisym --help lists them. "
+            raise click.UsageError(f'no verb "{name[:60]}": {likely}'.rstrip(": "), ctx)
+        return super().resolve_command(ctx, args)
 
     def make_context(self, *args: Any, **options: Any) -> click.Context:
         with to_standard_output():  # where the help goes
@@ -42,21 +41,21 @@ class _Sisters(click.Group):
             return super().invoke(ctx)
 
 
-@click.group(cls=_Sisters, context_settings={"help_option_names": ["-h", "--help"]}, no_args_is_help=False)
-@click.version_option(__version__, prog_name="haptisym", message="%(prog)s %(version)s")
-def app() -> None:
-    """Evaluate haptic displays symbolically.
+_HELP = """Evaluate haptic displays symbolically.
 
-    A scene says what a hand should feel (the environment) and what stands in between (the effects). haptisym derives in
-    closed form what is felt instead, proves from which frequency a person notices, and as what: stiffness, mass, damping.
+A scene says what a hand should feel (the environment) and what stands in between (the effects). haptisym derives in
+closed form what is felt instead, proves from which frequency a person notices, and as what: stiffness, mass, damping.
 
-    \b
-    Begin with:
-      haptisym evaluate fu2019              the example of Fu, van Paassen and Mulder (2019)
-      haptisym scenes                       what else the package ships
-      haptisym scenes fu2019 > my.toml      a copy to start your own from
-      haptisym evaluate my.toml
-    """
+\b
+Begin with:
+  haptisym evaluate fu2019              the example of Fu, van Paassen and Mulder (2019)
+  haptisym scenes                       what else the package ships
+  haptisym scenes fu2019 > my.toml      a copy to start your own from
+  haptisym evaluate my.toml
+"""
+app = click.version_option(__version__, prog_name="haptisym", message="%(prog)s %(version)s")(
+    _Sisters("app", VERBS, help=_HELP, context_settings={"help_option_names": ["-h", "--help"]}, no_args_is_help=False)
+)
 
 
 _EXTRAS = {
@@ -84,7 +83,8 @@ def main() -> None:
 def _told(error: Exception, *, is_interrupted: bool) -> int:
     """Say what went wrong; the exit status of it."""
     if is_interrupted or isinstance(error, click.exceptions.Abort):
-        return _failed(f"interrupted{_how_far(error)}", 130)
+        reached = str(error.__cause__ or "") if isinstance(error, click.exceptions.Abort) else ""
+        return _failed(f"interrupted{reached or ': there is no answer'}", 130)
     match error:
         case ReaderLeft():
             return 128 + 13  # as whoever is ended by SIGPIPE
@@ -101,12 +101,6 @@ def _told(error: Exception, *, is_interrupted: bool) -> int:
         case OSError() if error.filename is not None:
             return _failed(f"error: {error.filename}: {error.strerror}", 2)
     raise error
-
-
-def _how_far(error: BaseException) -> str:
-    """What a verb said of how far it came when it was interrupted."""
-    said = str(error.__cause__ or "") if isinstance(error, click.exceptions.Abort) else ""
-    return said or ": there is no answer"
 
 
 def _failed(message: str, status: int) -> int:
