@@ -31,7 +31,7 @@ _NAMES = {
     "model.scene": "Scene",
     "model.scenefile": "SceneFamily load_scene load_scenes parse_scene parse_scenes",
     "model.shipped": "family_names scene_names",
-    "pages.latex": "latex",
+    "pages.notebook": "latex",
     "programs.accuracy": "Accuracy",
     "verbs.cost.entry": "Cost cost",
     "verbs.cost.hardcosts": "HardCosts hard_costs",
@@ -55,7 +55,7 @@ _NAMES = {
     "verbs.stability.entry": "Stability stability",
     "verbs.sweep.entry": "sweep",
     "verbs.tolerances.proofs": "Tolerances tolerances",
-    "writing.code.entry": "Language distortion_code scene_code",
+    "writing.code": "Language distortion_code scene_code",
     "writing.mathml": "mathml",
     "writing.schemas": "json_schema",
 }

@@ -17,7 +17,7 @@ from haptisym.model.measuring import measured, sampled
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import SceneFamily, load_scene, load_scenes, parse_scene, parse_scenes
 from haptisym.model.shipped import family_names, scene_names
-from haptisym.pages.latex import latex
+from haptisym.pages.notebook import latex
 from haptisym.programs.accuracy import Accuracy
 from haptisym.verbs.cost.entry import Cost, cost
 from haptisym.verbs.cost.hardcosts import HardCosts, hard_costs
@@ -41,7 +41,7 @@ from haptisym.verbs.simulate.release import Release, release
 from haptisym.verbs.stability.entry import Stability, stability
 from haptisym.verbs.sweep.entry import sweep
 from haptisym.verbs.tolerances.proofs import Tolerances, tolerances
-from haptisym.writing.code.entry import Language, distortion_code, scene_code
+from haptisym.writing.code import Language, distortion_code, scene_code
 from haptisym.writing.mathml import mathml
 from haptisym.writing.schemas import json_schema
 

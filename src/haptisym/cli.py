@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 from haptisym import __version__
-from haptisym.commands.options import ReaderLeft, interrupts, note, prepare, to_standard_output
+from haptisym.commands.terminal import ReaderLeft, interrupts, note, prepare, to_standard_output
 from haptisym.kernel.errors import HaptisymError, UndecidedError, meant
 
 VERBS = {
@@ -24,6 +24,7 @@ VERBS = {
     "effects": "Find which effects of a scene matter.",
     "require": "Find all values of a parameter that satisfy a requirement.",
     "stability": "Find whether a display shakes, and its stability limits.",
+    "design": "Find the values with the largest bandwidth.",
     "sensitivity": "Find how each frequency moves with each parameter.",
     "tolerances": "Find what holds for all values in given ranges.",
     "sweep": "Evaluate a scene for every combination of values.",
@@ -35,7 +36,9 @@ VERBS = {
     "scenes": "List the shipped scenes, or print one to start from.",
     "schemas": "List the documents of --json, or print a JSON Schema.",
 }
-"""The main job first, each with the first sentence of its help, for which its module of ``commands`` is not loaded."""
+"""The main job first, each with the first sentence of its help, for which ``commands.verbs`` is not loaded."""
+LIGHT = ("scenes", "schemas")
+"""Those of ``commands.shipped``, which need no SymPy."""
 
 
 class _Sisters(click.Group):
@@ -47,7 +50,8 @@ class _Sisters(click.Group):
     def get_command(self, context: click.Context, name: str) -> click.Command | None:
         if name not in VERBS:
             return None
-        found: click.Command = resolve_name(f"haptisym.commands.{name}:{name}")
+        module = "shipped" if name in LIGHT else "verbs"
+        found: click.Command = resolve_name(f"haptisym.commands.{module}:{name}")
         if context.obj is not None:
             context.obj()
         return found

@@ -12,7 +12,6 @@ from concurrent.futures import ProcessPoolExecutor
 from itertools import count
 from multiprocessing import get_context
 from pathlib import Path
-from pkgutil import resolve_name
 from typing import Any
 
 import browser
@@ -23,7 +22,7 @@ from marks import required
 from pagereader import Page
 
 import haptisym as hs
-from haptisym.cli import VERBS
+from haptisym.commands.verbs import VERBS
 from haptisym.kernel.budget import timed_by
 from haptisym.kernel.objects import packed, unpacked
 from haptisym.verbs.jnd.tables import Answers, Row
@@ -364,8 +363,7 @@ def opened() -> Iterator[Browser]:
 
 
 def test_every_verb_that_answers_has_both_options() -> None:
-    for name in VERBS:
-        command = resolve_name(f"haptisym.commands.{name}:{name}")
+    for name, command in VERBS.items():
         options = {x for p in command.params for x in p.opts}
         assert ({"--latex", "--report"} <= options) == (name not in ("scenes", "schemas")), name
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from terminal import COMMAND, all_in_terminal, environment, in_terminal
 
 import haptisym as hs
-from haptisym.commands.options import escaped, say_document, spelt
+from haptisym.commands.terminal import escaped, say_document, spelt
 from haptisym.writing.document import Document, Section, Style
 from haptisym.writing.plain import plain
 
@@ -143,7 +143,7 @@ def test_ctrl_c_that_falls_into_a_finalizer_comes_again() -> None:
     """Python drops what is raised there: the verb went on to its end as if nothing had been pressed."""
     code = """
 import os, signal, sys, threading, time
-from haptisym.commands.options import interrupts
+from haptisym.commands.terminal import interrupts
 class Pressed:
     def __del__(self):
         os.kill(os.getpid(), signal.SIGINT)

@@ -23,7 +23,8 @@ from click.testing import CliRunner
 
 import haptisym as hs
 import haptisym_check
-from haptisym.cli import VERBS, app
+from haptisym.cli import app
+from haptisym.commands.verbs import VERBS
 from haptisym.figures.plots import KINDS
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Model
 

@@ -16,9 +16,7 @@ from sympy import Expr, Symbol, lambdify, sympify
 
 import haptisym as hs
 from haptisym.kernel.rings import X, omega, s
-from haptisym.pages.closedforms import ClosedForms
-from haptisym.pages.derivation import derivation
-from haptisym.pages.scene import SceneForms
+from haptisym.pages.scene import ClosedForms, SceneForms, derivation
 from haptisym.writing.document import Block, Equations, Line, Notes, Paragraph, Section
 from haptisym.writing.plain import said
 

@@ -39,9 +39,7 @@ from haptisym.programs.program import Operation, Program, Writer, sincm1
 from haptisym.programs.stable import closed_program
 from haptisym.programs.steps import Steps, page_steps
 from haptisym.programs.values import Values
-from haptisym.writing.code.code import DIALECTS, CodeReader
-from haptisym.writing.code.entry import closed
-from haptisym.writing.code.languages import Language
+from haptisym.writing.code import DIALECTS, CodeReader, Language, closed
 
 a, b, x0 = symbols("a b x0")
 X, Y, Z = Symbol("X"), Symbol("Y"), Symbol("Z")

@@ -25,7 +25,7 @@ from strategies import scene as random_scene
 from sympy import Float, I, Rational, Symbol, cosh, count_ops, exp, lambdify, oo, sinh, sqrt, symbols
 
 import haptisym as hs
-from haptisym.commands.options import spelt
+from haptisym.commands.terminal import spelt
 from haptisym.kernel.rings import X, omega, s
 from haptisym.kernel.roots import Lattice, Piece
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, effect

@@ -22,11 +22,10 @@ from valuesets import ends
 import haptisym as hs
 from haptisym.figures.require import draw_requirement
 from haptisym.kernel.rings import omega
-from haptisym.pages.sections import when_of_region
+from haptisym.pages.derive import when_of_region
 from haptisym.verbs.require.feasible import End, Kind
 from haptisym.writing.boxes import Name
-from haptisym.writing.code.entry import scene_code
-from haptisym.writing.code.languages import Language
+from haptisym.writing.code import Language, scene_code
 from haptisym.writing.document import Equations
 
 PAPER = hs.load_scene("fu2019")

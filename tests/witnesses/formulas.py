@@ -11,7 +11,7 @@ from sympy import Abs, Expr, Function, I, Integer, Pow, Rational, Symbol, pi
 
 import haptisym as hs
 from haptisym.kernel.rings import PolynomialRing, omega, s
-from haptisym.pages.closedforms import ClosedForms
+from haptisym.pages.scene import ClosedForms
 
 m, b, k, omega_n, zeta, omega_c, tau, J_w = hs.symbols("m b k omega_n zeta omega_c tau J_w")
 ATOMS = [m, b, k, omega_n, omega_c, zeta, J_w, tau, s, omega, Symbol("p"), Symbol("q", real=True), Symbol("k_1")]

@@ -33,9 +33,22 @@ from haptisym.kernel.errors import SceneError
 from haptisym.programs.program import Writer
 from haptisym.programs.steps import page_steps
 from haptisym.programs.values import Values
-from haptisym.writing.code.code import DIALECTS, Argument, CodeReader, Source, nearest_double
-from haptisym.writing.code.entry import closed, distortion_code, scene_code, scene_program
-from haptisym.writing.code.languages import RESERVED, Language, comment, function_name, identifiers
+from haptisym.writing.code import (
+    DIALECTS,
+    RESERVED,
+    Argument,
+    CodeReader,
+    Language,
+    Source,
+    closed,
+    comment,
+    distortion_code,
+    function_name,
+    identifiers,
+    nearest_double,
+    scene_code,
+    scene_program,
+)
 
 MP = mpmath.mp.clone()
 

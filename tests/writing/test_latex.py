@@ -22,7 +22,7 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import Way, in_unit, printed
 from haptisym.kernel.rings import X, omega, s
 from haptisym.model.distortion import Distortion, distort
-from haptisym.pages.latex import latex
+from haptisym.pages.notebook import latex
 from haptisym.writing.latex import broken, escape, symbol_name
 
 SET = {"fu2019", "delayed-spring", "undamped-resonance"}

@@ -47,12 +47,11 @@ from haptisym.pages.words import apart
 from haptisym.writing.boxes import (
     Numeral,
     Ratio,
+    text,
 )
-from haptisym.writing.equations import QUANTITIES, equation
 from haptisym.writing.latex import escape, formula, tex
-from haptisym.writing.layout import approximate, decimal, is_short, number, rounded
+from haptisym.writing.layout import QUANTITIES, approximate, decimal, equation, is_short, number, plain, rounded
 from haptisym.writing.mathml import mathml, readable
-from haptisym.writing.mathtext import plain, text
 from haptisym.writing.plain import said
 
 m, b, k, omega_n, zeta, omega_c, tau, J = hs.symbols("m b k omega_n zeta omega_c tau J")

@@ -32,7 +32,7 @@ import haptisym as hs
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import X, omega, s
 from haptisym.writing.boxes import Equation
-from haptisym.writing.equations import QUANTITIES, equation
+from haptisym.writing.layout import QUANTITIES, equation
 from haptisym.writing.mathml import markup, mathml
 
 m, b, k, omega_n, zeta, tau = hs.symbols("m b k omega_n zeta tau")

@@ -1,494 +1,149 @@
-"""What the verbs of the command line share: scenes, options, limits, progress, terminals.
+"""What a verb of the command line is: a list of options, a question, and an answer that is handed over.
 
-The bar of progress of every verb that may take long.
+A verb is a function of one value, ``ask``, which has an attribute for each option, and its docstring is the help. It returns the
+answer; what the options ask for besides (figures, a certificate, pages as files), the output and the exit status follow from the
+answer alone, in ``hand_over``, the same for all verbs. An option that several verbs have stands here, once.
 
-Text for terminals and files that lack characters: what an encoding does not hold is spelt in words or ASCII signs.
-
-How the command line meets its terminal: pages as wide, characters that it has, nobody who reads, Ctrl-C.
-
-A verb of the command line: what holds for the options of all of them.
-
-What the verbs of the command line share: the scene that they are about, options alike, and how an answer is handed over.
-
-The option ``--limit SECONDS``: verbs that may take long show a bar, and say in time what is proven so far.
+What would be ignored or lost is refused before the work begins: an option given twice, two that contradict each other, one that
+means nothing without another, an output that would be written over a file that the call reads, or over another output.
 """
 
 from __future__ import annotations
 
-import _thread
-import codecs
-import inspect
 import os
-import re
-import shutil
-import signal
 import sys
-import threading
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
-from contextlib import contextmanager, suppress
-from functools import wraps
-from io import TextIOWrapper
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from inspect import cleandoc
 from pathlib import Path
-from textwrap import fill
-from time import monotonic
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
-from unicodedata import combining, name, normalize
+from pkgutil import resolve_name
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 from click.core import ParameterSource
 
+from haptisym.commands.terminal import note, progress, quiet, say, say_document, to_file
 from haptisym.figures.kinds import checked, checked_report
 from haptisym.kernel.budget import SECONDS, limited
-from haptisym.kernel.errors import HaptisymError, NothingToDrawError, SceneError
+from haptisym.kernel.errors import NothingToDrawError, SceneError
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
-
     from haptisym.judge.answers import Answer
-    from haptisym.writing.document import Document
 
-
-PATIENCE = 0.5  # s; what is done sooner shows no bar
-
-
-@contextmanager
-def progress(unit: str = "", *, kept: str = "there is no answer") -> Iterator[ProgressBar]:
-    """A bar on standard error, where that is a terminal: it comes after half a second and leaves nothing behind.
-
-    ``unit`` : of what is counted, as in "1,200 of 65,536 sets"; percent are shown without it.
-
-    ``kept`` : what there is after Ctrl-C, as the end of a sentence that says how far it came.
-
-    What it yields is called with what is done, of how much (None: nobody knows, the bar then shows only that it lives) and, if
-    there is something to say, at what it is; as often as one likes. It never raises, and does nothing where nobody looks.
-
-    >>> with progress("sets") as told:
-    ...     told(1, 10)
-    ...     told(2, None, "the second half")
-    """
-    context = click.get_current_context(silent=True)
-    with ProgressBar(unit) as told:
-        if context is not None:
-            context.meta[_BAR] = told
-        try:
-            yield told
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(f" at {told.reached}: {kept}" if told.reached else f": {kept}") from None
-
-
-_BAR = "haptisym.progress"  # under which a call of the command line keeps its bar
-
-
-def quiet() -> None:
-    """Take the bar away for good, as something is about to be printed."""
-    context = click.get_current_context(silent=True)
-    told = context.meta.pop(_BAR, None) if context is not None else None
-    if told is not None:
-        told.stop()
-
-
-class ProgressBar:
-    """What ``progress`` yields."""
-
-    def __init__(self, unit: str) -> None:
-        self.unit, self.began = unit, monotonic()
-        self.seen = bool(sys.stderr and sys.stderr.isatty())
-        self.bar: Progress | None = None
-        self.reached = ""
-        """How far it came, in words."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, _kind: type[BaseException] | None, _what: BaseException | None, _at: TracebackType | None
-    ) -> None:
-        self.stop()
-
-    def stop(self) -> None:
-        """The bar leaves, and does not come again."""
-        self.seen = False
-        if self.bar is not None:
-            self.bar.stop()
-
-    def __call__(self, done: float, total: float | None = None, what: str = "") -> None:
-        self.reached = self._count(done, total)
-        if not self.seen or monotonic() - self.began < PATIENCE or (self.bar is None and done == total):
-            return
-        if self.bar is None:
-            self.bar = _bar()
-            self.bar.add_task(what, count="")
-            self.bar.start()
-        self.bar.update(self.bar.task_ids[0], description=what, count=self.reached)
-        self.bar.tasks[0].total = total  # ``update`` takes None for "as before"
-        self.bar.update(self.bar.task_ids[0], completed=done)
-
-    def _count(self, done: float, total: float | None) -> str:
-        if total is None:
-            return f"{_figure(done)} {self.unit}" if self.unit else ""
-        if self.unit:
-            return f"{_figure(done)} of {_figure(total)} {self.unit}"
-        return f"{100 * done / total if total else 100:.0f} %"
-
-
-def _figure(x: float) -> str:
-    return f"{x:,.0f}" if x >= 999.5 else f"{x:.3g}"
-
-
-def _bar() -> Progress:
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-    from rich.table import Column
-
-    console = Console(stderr=True)
-    roomy = console.width >= 60
-    count, what = (
-        TextColumn(x, markup=False, table_column=Column(no_wrap=True, overflow="crop"))
-        for x in ("{task.fields[count]}", "{task.description}")
-    )
-    times = (TimeElapsedColumn(), TimeRemainingColumn()) if roomy else ()
-    return Progress(BarColumn(30 if roomy else 8), count, *times, what, console=console, transient=True)
-
-
-_SIGNS = {
-    "−": "-", "–": "-", "—": "-", "─": "-", "━": "-", "═": "=", "│": "|", "·": "*", "⋅": "*", "×": "*", "∙": "*",
-    "÷": "/", "⁄": "/", "≈": "~=", "≤": "<=", "≥": ">=", "≠": "!=", "≡": "==", "±": "+-", "∓": "-+", "∞": "inf",
-    "√": "sqrt", "∂": "d", "∑": "sum", "∏": "product", "∫": "integral", "∈": "in", "∠": "angle", "→": "->",
-    "←": "<-", "↔": "<->", "⇒": "=>", "°": "deg", "µ": "u", "‘": "'", "’": "'", "‚": "'", "“": '"', "”": '"',
-    "„": '"', "′": "'", "″": "''", "…": "...", "•": "*", "†": "+", "ß": "ss", "æ": "ae", "Æ": "AE", "œ": "oe",
-    "Œ": "OE", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L", "đ": "d", "ð": "d", "þ": "th", "ı": "i", "ȷ": "j", "€": "EUR",
-    "£": "GBP", "§": "section ", "©": "(c)", "®": "(R)", "«": '"', "»": '"', "∆": "Delta", "Ω": "Omega",
-    "ϵ": "epsilon", "ϕ": "phi", "ς": "sigma", "ϑ": "theta", "\N{NO-BREAK SPACE}": " ",
-    "\N{NARROW NO-BREAK SPACE}": " ",
-}  # fmt: skip
-_GREEK = re.compile(r"GREEK (SMALL|CAPITAL) LETTER (\w+)")
-_ALIASES = {"LAMDA": "lambda"}
-
-
-def spelt(text: str, encoding: str) -> str:
-    """The text with words or ASCII signs for the characters that an encoding lacks.
-
-    >>> spelt("ω² ≈ 40 °", "ascii"), spelt("ω² ≈ 40 °", "latin-1")
-    ('omega^2 ~= 40 deg', 'omega² ~= 40 °')
-    """
-    try:
-        text.encode(encoding)
-    except UnicodeEncodeError:
-        return "".join(x if _held(x, encoding) else _word(text, i) for i, x in enumerate(text))
-    except LookupError:
-        return text
-    return text
-
-
-def _held(character: str, encoding: str) -> bool:
-    try:
-        character.encode(encoding)
-    except UnicodeEncodeError:
-        return False
-    return True
-
-
-def _word(text: str, at: int) -> str:
-    """The ASCII for one character of a text."""
-    x = text[at]
-    if x in _SIGNS:
-        return _SIGNS[x]
-    if greek := _GREEK.match(name(x, "")):
-        kind, letter = greek.groups()
-        word = _ALIASES.get(letter, letter.lower())
-        apart = " " if at and text[at - 1].isalnum() else ""
-        return apart + (word.capitalize() if kind == "CAPITAL" else word)
-    is_small = any(word in name(x, "") for word in ("SUPERSCRIPT", "SUBSCRIPT"))
-    plain = "".join(_SIGNS.get(y, y) if is_small else y for y in normalize("NFKD", x) if not combining(y))
-    if plain.isascii() and plain:
-        raised = "SUPERSCRIPT" in name(x, "") and not (at and "SUPERSCRIPT" in name(text[at - 1], ""))
-        return f"^{plain}" if raised else f"_{plain}" if "SUBSCRIPT" in name(x, "") else plain
-    return "" if combining(x) else f"\\u{ord(x):04x}" if ord(x) < 0x10000 else f"\\U{ord(x):08x}"
-
-
-def escaped(document: str, encoding: str) -> str:
-    r"""A JSON document with JSON's own escapes for the characters that an encoding lacks.
-
-    >>> escaped('{"title": "Prüfstand ω"}', "latin-1")
-    '{"title": "Prüfstand \\u03c9"}'
-    """
-
-    def escape(x: str) -> str:
-        if _held(x, encoding):
-            return x
-        units = x.encode("utf-16-be", "surrogatepass")
-        return "".join(f"\\u{units[i] << 8 | units[i + 1]:04x}" for i in range(0, len(units), 2))
-
-    try:
-        document.encode(encoding)
-    except UnicodeEncodeError:
-        return "".join(map(escape, document))
-    except LookupError:
-        return document
-    return document
-
-
-def _spell(error: UnicodeError) -> tuple[str, int]:
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    return "".join(_word(error.object, i) for i in range(error.start, error.end)), error.end
-
-
-HANDLER = "haptisym.spelt"
-"""Name of the error handler of codecs that spells what is lacking, once ``register`` was called."""
-
-
-def register() -> None:
-    """Make the handler known by its name; once is enough."""
-    codecs.register_error(HANDLER, _spell)
-
-
-_MOMENT = 0.02  # s
-
-
-class ReaderLeft(Exception):  # noqa: N818  it is nobody's error
-    """Whoever read standard output has closed it, as ``head`` does."""
-
-
-class CannotWriteError(HaptisymError):
-    """A file or standard output does not take what is written."""
-
-
-def prepare() -> None:
-    """Let both streams spell what their encoding lacks; ASCII in a terminal whose locale was set to C or POSIX."""
-    register()
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(encoding="ascii" if _is_plain(stream) else stream.encoding, errors=HANDLER)
-
-
-def _is_plain(stream: TextIOWrapper) -> bool:
-    """Python writes UTF-8 where the locale is C, as containers have it unasked; a terminal that was told so has ASCII."""
-    if not stream.isatty() or os.environ.get("PYTHONIOENCODING") or os.environ.get("PYTHONUTF8"):
-        return False
-    locale = next((x for name in ("LC_ALL", "LC_CTYPE", "LANG") if (x := os.environ.get(name))), "")
-    return locale in ("C", "POSIX")
-
-
-PAGE, WIDEST, _ROOM = 80, 96, 22  # columns, as ``haptisym.writing.plain``, which only a page needs
-
-
-def _columns() -> int:
-    """As wide as the terminal; 80 anywhere else, so that pages can be compared."""
-    is_terminal = sys.stdout is not None and sys.stdout.isatty()
-    return min(shutil.get_terminal_size((PAGE, 24)).columns, WIDEST) if is_terminal else PAGE
-
-
-def say(page: Document) -> None:
-    """A page on standard output."""
-    from haptisym.writing.plain import plain
-
-    context = click.get_current_context(silent=True)
-    style = context.meta.get(STYLE, {}) if context is not None else {}
-    write(plain(page, _columns(), _spell_in_streams, **style))
-
-
-def say_list(title: str, rows: Sequence[tuple[str, str]]) -> None:
-    """Names and what they are, on standard output: a page for which neither its writer nor SymPy is loaded."""
-    columns, after = _columns(), 4 + max(len(key) for key, _ in rows)
-    lines, is_wide = [title, ""], columns - after >= _ROOM
-    for key, words in rows:
-        begun = f"  {key}".ljust(after) if is_wide else " " * 4
-        lines += [] if is_wide else [f"  {key}"]
-        rest = " " * len(begun)
-        lines.append(fill(words, columns, initial_indent=begun, subsequent_indent=rest, break_on_hyphens=False))
-    write(_spell_in_streams("\n".join(lines) + "\n"))
-
-
-def say_document(document: str) -> None:
-    """A JSON document on standard output."""
-    write(escaped(document, _encoding()) + "\n")
-
-
-def write(text: str) -> None:
-    """Text on standard output as it is. ReaderLeft or CannotWriteError where it does not get there."""
-    if sys.stdout is None:
-        raise CannotWriteError("standard output cannot be written: it is closed")
-    with to_standard_output():
-        sys.stdout.write(text)
-        sys.stdout.flush()
-
-
-def note(message: str) -> None:
-    """A message on standard error; lost where that is closed or full."""
-    if sys.stderr is None:
-        return
-    with suppress(OSError, ValueError):
-        if sys.stderr.isatty():
-            message = "\n".join(map(_narrowed, message.split("\n")))
-        sys.stderr.write(f"{message}\n")
-        sys.stderr.flush()
-
-
-def _narrowed(line: str) -> str:
-    """A line of a message in the terminal's width; what is indented is typed, and stays."""
-    width = min(max(os.get_terminal_size(sys.stderr.fileno()).columns, 40), 96)
-    return line if line.startswith("    ") else fill(line, width, break_long_words=False, break_on_hyphens=False)
-
-
-def _spell_in_streams(words: str) -> str:
-    return spelt(words, _encoding())
-
-
-def _encoding() -> str:
-    return getattr(sys.stdout, "encoding", None) or "utf-8"
-
-
-@contextmanager
-def to_standard_output() -> Iterator[None]:
-    """What goes wrong inside with standard output, by name; nothing more is then tried to be written there."""
-    try:
-        yield
-    except BrokenPipeError:
-        _close()
-        raise ReaderLeft from None
-    except OSError as error:
-        if error.filename is not None:
-            raise
-        _close()
-        raise CannotWriteError(f"standard output cannot be written: {_reason(error)}") from None
-
-
-@contextmanager
-def to_file(what: str, path: Path) -> Iterator[None]:
-    """What goes wrong inside with writing a file, as a sentence that names it."""
-    try:
-        yield
-    except OSError as error:
-        raise CannotWriteError(f"{what}: {path} cannot be written: {_reason(error)}") from None
-
-
-def _reason(error: OSError) -> str:
-    return (error.strerror or str(error)).lower()
-
-
-def _close() -> None:
-    """What is still in the buffer goes nowhere, so that the end of the process does not try again."""
-    with suppress(OSError, ValueError, AttributeError):
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, sys.stdout.fileno())
-        os.close(nowhere)
-
-
-def _interrupt() -> None:
-    """Ctrl-C to the main thread, which may wait for others."""
-    if sys.platform == "win32":
-        _thread.interrupt_main()
-    else:
-        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
-
-
-@contextmanager
-def interrupts() -> Iterator[list[int]]:
-    """Ctrl-C raises KeyboardInterrupt, once; what it yields then is not empty, even if an import made another error of it.
-
-    Whoever presses it again while things are being tidied up does not wait any longer: status 130 at once. Where it falls into
-    code whose errors Python drops (a finalizer, a callback of an import's lock) it comes again a moment later.
-    """
-    seen: list[int] = []
-    dropped = sys.unraisablehook
-    is_ours = (
-        threading.current_thread() is threading.main_thread()
-        and signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    )
-
-    def interrupted(number: int, _frame: object) -> None:
-        if seen:
-            note("\x1b[?25h" if sys.stderr and sys.stderr.isatty() else "")  # a bar of progress hides the cursor
-            os._exit(130)
-        seen.append(number)
-        raise KeyboardInterrupt
-
-    def again(lost: sys.UnraisableHookArgs) -> None:
-        if not issubclass(lost.exc_type, KeyboardInterrupt):
-            dropped(lost)
-            return
-        seen.clear()
-        later = threading.Timer(_MOMENT, _interrupt)
-        later.daemon = True
-        later.start()
-
-    if is_ours:
-        signal.signal(signal.SIGINT, interrupted)
-        sys.unraisablehook = again
-    try:
-        yield seen
-    finally:
-        if is_ours:
-            sys.unraisablehook = dropped
-            signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-OptionRule = tuple[str, str, str]
+Ask: TypeAlias = Any
+"""The values of a verb's options, by their names."""
+Rule: TypeAlias = tuple[str, str, str]
 """Two options, and what is to be said of them."""
 
 
+# Options.
+
+
+def option(flags: str, words: str, **given: Any) -> click.Option:
+    """An option by its flag and what it takes (``--hand NAME``; a bare flag takes nothing), its help, and all else as of click.
+
+    >>> option("--hand NAME", "A hand; repeatable.", multiple=True).metavar
+    'NAME'
+    """
+    flag, _, metavar = flags.partition(" ")
+    takes_nothing = not metavar and not {"type", "flag_value"} & {*given}
+    names = [flag, *([given.pop("name")] if "name" in given else [])]
+    return click.Option(
+        names, metavar=metavar or None, is_flag=given.pop("is_flag", takes_nothing or None), help=words, **given
+    )
+
+
+def output(flags: str, words: str, checked: Callable[[Path], Path] = Path) -> click.Option:
+    """An option that names a file to be written; a path that will not do is refused before the work begins."""
+    what = flags.partition(" ")[0].removeprefix("--")
+
+    def writable(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
+        return None if path is None else checked(_can_be_written(what, path))
+
+    return option(flags, words, type=click.Path(dir_okay=False, path_type=Path), callback=writable)
+
+
+def choice(flags: str, words: str, *values: str, **given: Any) -> click.Option:
+    """An option that takes one of some words."""
+    return option(flags, words, type=click.Choice(values), **given)
+
+
+def number(flags: str, words: str, low: int, high: int | None = None, default: int | None = None) -> click.Option:
+    """An option that takes a whole number of a range; its default, where it has one, is in its help."""
+    return option(flags, words, type=click.IntRange(low, high), default=default, show_default=default is not None)
+
+
+def figure(what: str) -> click.Option:
+    """The option ``--figure FILE``, for a drawing of the answer."""
+    return output("--figure FILE", f"Draw {what} (.svg, .pdf or .png).", checked)
+
+
+def optional(name: str, **given: Any) -> click.Argument:
+    """An argument that may be left out."""
+    return click.Argument([name], required=False, **given)
+
+
+ENVIRONMENT = option("--environment NAME", "Use this environment, where a scene has several.")
+SCENE = (click.Argument(["scene"]), ENVIRONMENT)
+"""SCENE and, of a scene with several environments, ``--environment NAME``: the verb gets the loaded scene."""
+JSON = option("--json", "Print one JSON document.")
+CERTIFICATE = output("--certificate FILE", "Write a certificate, for python -m haptisym_check FILE SCENE.toml.")
+FIGURES = option("--figures DIR", "Write the figures to this folder.", type=click.Path(file_okay=False, path_type=Path))
+_LIMIT: dict[str, Any] = {
+    "type": click.FloatRange(min=0, min_open=True, max=1e9),
+    "default": SECONDS,
+    "show_default": True,
+}
+_WORDS = "Stop after this time; print what is proven and mark the rest undecided."
+OWN_LIMIT = option("--limit SECONDS", _WORDS, **_LIMIT)
+"""Of a verb whose answer says what is proven so far: it takes ``ask.limit``."""
+LIMIT = option("--limit SECONDS", _WORDS, **_LIMIT)
+"""Of a verb whose answer is whole or none: LimitError when the time is over."""
+_DIGITS = option("--digits N", "Digits to print (4 if not given; 15 in --json).", type=click.IntRange(1, 10_000))
+_PAGES = (
+    output("--latex FILE", "Write the page as a LaTeX document."),
+    output("--report FILE", "Write the page as a report (.html or .pdf).", checked_report),
+    _DIGITS,
+)
+FORMULAS = option("--formulas", "Print the formulas, too.")
+EVERYTHING = option("--all", "Print every measure with its formulas and values.", name="formulas")
+
+
+# Verbs.
+
+
 def verb(
-    *, apart: Sequence[OptionRule] = (), needs: Sequence[OptionRule] = (), pages: bool = True, formulas: str = ""
-) -> Callable[[Callable[..., Any]], click.Command]:
-    """The decorator of a verb, in place of ``click.command()``.
+    *options: click.Parameter | tuple[click.Parameter, ...],
+    apart: Sequence[Rule] = (),
+    needs: Sequence[Rule] = (),
+    pages: bool = True,
+) -> Callable[[Callable[[Ask], Any]], Verb]:
+    """The decorator of a verb: its arguments and options in the order of its help.
 
     ``apart`` : options that may not both be given, and why: a sentence to which "leave out one of them" is added. ``needs`` : an
     option that means nothing without another one, and what it is about. ``pages`` : whether it answers with a page, which
-    ``--latex`` and ``--report`` write to files. ``formulas`` : the option that
-    asks for all that the page has, ``--formulas`` or ``--all``.
+    ``--latex`` and ``--report`` write to files.
     """
-    return click.command(cls=Verb, apart=apart, needs=needs, pages=pages, formulas=formulas)
-
-
-def digits_option() -> click.Option:
-    """The option ``--digits N``, of a page (4 if not given) and of a JSON document (15)."""
-    words = "Digits to print (4 if not given; 15 in --json)."
-    return click.Option(["--digits"], type=click.IntRange(1, 10_000), metavar="N", help=words)
-
-
-STYLE = "haptisym.style"
-"""How a page is printed, in the context's ``meta``: with how many digits, and whether with formulas."""
-DIGITS = 4  # as ``haptisym.writing.document``, which only a page needs
-PAGES = "haptisym.pages"
-"""What ``--latex`` and ``--report`` name, in the context's ``meta``: whoever hands an answer over writes them."""
+    listed = [y for x in options for y in (x if isinstance(x, tuple) else (x,))]
+    last = [x for x in listed if x in (FORMULAS, EVERYTHING)]
+    listed = [*(x for x in listed if x not in last), *(_PAGES if pages else ()), *last]
+    return lambda question: Verb(question, listed, apart, needs)
 
 
 class Verb(click.Command):
-    """A command that refuses what would be ignored or lost.
-
-    Each option is given once, unless it may be repeated; options of ``apart`` are not given together, those of ``needs`` only
-    together; no output is written over a file that the call reads, or over another output. All that is found before the work
-    begins.
-    """
+    """A command that asks one question, and refuses what would be ignored or lost."""
 
     def __init__(
         self,
-        *args: Any,
-        apart: Sequence[OptionRule] = (),
-        needs: Sequence[OptionRule] = (),
-        pages: bool = True,
-        formulas: str = "",
-        **options: Any,
+        question: Callable[[Ask], Any],
+        params: list[click.Parameter],
+        apart: Sequence[Rule],
+        needs: Sequence[Rule],
     ) -> None:
-        super().__init__(*args, **options)
-        self.apart, self.needs = apart, needs
-        if pages:
-            self.params += [
-                _file("latex", "Write the page as a LaTeX document."),
-                _file("report", "Write the page as a report (.html or .pdf).", checked_report),
-            ]
-            own = {x.name for x in self.params}
-            self.params += [] if "digits" in own else [digits_option()]
-            words = {
-                "--formulas": "Print the formulas, too.",
-                "--all": "Print every measure with its formulas and values.",
-            }
-            self.params += (
-                [click.Option([formulas, "formulas"], is_flag=True, help=words[formulas])] if formulas else []
-            )
+        super().__init__(question.__name__, params=params, help=cleandoc(question.__doc__ or ""))
+        self.question, self.apart, self.needs = question, apart, needs
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """As click; an option that is given twice is refused."""
@@ -496,45 +151,34 @@ class Verb(click.Command):
             _once_each(self.make_parser(ctx).parse_args(args=list(args))[2])
         return super().parse_args(ctx, args)
 
-    def invoke(self, ctx: click.Context) -> Any:
-        """As click; what contradicts itself, is ignored or would be lost is refused before."""
+    def invoke(self, ctx: click.Context) -> None:
+        """Ask, and hand the answer over; what contradicts itself, is ignored or would be lost is refused before."""
         for one, other, why in self.apart:
-            if given(ctx, one) and given(ctx, other):
+            if given(one) and given(other):
                 raise SceneError(f"{why}: leave out one of them")
         for one, other, about in self.needs:
-            if given(ctx, one) and not given(ctx, other):
+            if given(one) and not given(other):
                 raise SceneError(f"{one} is about {about}: it needs {other}, or leave it out")
         _nothing_lost(ctx)
-        ctx.meta[PAGES] = {name: ctx.params.pop(name, None) for name in ("latex", "report")}
-        ctx.meta[STYLE] = {"digits": ctx.params.get("digits") or DIGITS, "formulas": ctx.params.pop("formulas", False)}
-        if "digits" not in inspect.signature(self.callback or (lambda: None)).parameters:
-            ctx.params.pop("digits", None)
-        return super().invoke(ctx)
+        ask = SimpleNamespace(**{str(x.name): None for x in (*_PAGES, FORMULAS)} | ctx.params)
+        if SCENE[0] in self.params:
+            from haptisym.model.scenefile import load_scene  # SymPy, which help does not need
+
+            ask.scene = load_scene(ask.scene, ask.environment)
+        with ExitStack() as stack:
+            if LIMIT in self.params:
+                told = stack.enter_context(progress())
+                stack.enter_context(limited(ask.limit, told))
+            found = self.question(ask)
+            if found is not None:
+                hand_over(found, ask)
 
 
-def _file(name: str, words: str, checked: Callable[[Path], Path] = Path) -> click.Option:
-    def writable(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
-        return None if path is None else can_be_written(name, checked(path))
-
-    kind = click.Path(dir_okay=False, path_type=Path)
-    return click.Option([f"--{name}"], type=kind, metavar="FILE", callback=writable, help=words)
-
-
-def can_be_written(what: str, path: Path) -> Path:
-    """The path; SceneError where nothing can be written there, before the work begins."""
-    if not path.parent.is_dir():
-        raise SceneError(f"{what}: {path} cannot be written: there is no folder {path.parent}")
-    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
-        raise SceneError(f"{what}: {path} cannot be written: permission denied")
-    return path
-
-
-def given(ctx: click.Context, option: str) -> bool:
+def given(option: str) -> bool:
     """Whether an option such as ``--digits`` stands on the command line."""
-    return any(
-        option in (*x.opts, x.name) and ctx.get_parameter_source(str(x.name)) is ParameterSource.COMMANDLINE
-        for x in ctx.command.params
-    )
+    context = click.get_current_context()
+    names = (str(x.name) for x in context.command.params if option in (*x.opts, x.name))
+    return any(context.get_parameter_source(name) is ParameterSource.COMMANDLINE for name in names)
 
 
 def _once_each(order: Sequence[click.Parameter]) -> None:
@@ -544,42 +188,31 @@ def _once_each(order: Sequence[click.Parameter]) -> None:
         same = list(dict.fromkeys(x.opts[-1] for x in options if x.name == key))
         if len(same) > 1:
             raise SceneError(f"{same[0]} and {same[1]} contradict each other: leave out one of them")
-    for option, times in Counter(options).items():
-        if times > 1 and not option.is_flag:
-            raise SceneError(
-                f"{option.opts[-1]} is given {times} times, and only one of them would count: leave out the others"
-            )
+    for one, times in Counter(options).items():
+        if times > 1 and not one.is_flag:
+            words = f"is given {times} times, and only one of them would count: leave out the others"
+            raise SceneError(f"{one.opts[-1]} {words}")
 
 
 def _nothing_lost(ctx: click.Context) -> None:
     """Refuse an output that would be written over a file that is read, whatever its name, or over another output."""
-    outputs = [
-        (x.opts[-1], ctx.params[str(x.name)])
-        for x in ctx.command.params
-        if isinstance(ctx.params.get(str(x.name)), Path)
-    ]
-    inputs = [path for x in ctx.command.params for path in _files(ctx.params.get(str(x.name)))]
-    for i, (option, path) in enumerate(outputs):
-        for read in inputs:
-            if _is_same(path, read):
-                raise SceneError(
-                    f"{option}: {path} is read by this very call, and would be overwritten: choose another name"
-                )
+    values = [(x.opts[-1], ctx.params.get(str(x.name))) for x in ctx.command.params]
+    outputs = [(name.removeprefix("--"), x) for name, x in values if isinstance(x, Path)]
+    not_over((path for _, x in values for path in _files(x)), dict(outputs), "")
+    for i, (name, path) in enumerate(outputs):
         for other, taken in outputs[:i]:
             if path == taken or _is_same(path, taken):
-                raise SceneError(
-                    f"{other} and {option} would both be written to {path}: choose another name for one of them"
-                )
+                both = f"--{other} and --{name} would both be written to {path}"
+                raise SceneError(f"{both}: choose another name for one of them")
 
 
-def not_over(read: Iterable[Path | None], outputs: Mapping[str, Path | None]) -> None:
+def not_over(read: Iterable[Path | None], outputs: Mapping[str, Path | None], flag: str = "--") -> None:
     """SceneError where an output would be written over a file that a scene names."""
     for path in filter(None, read):
-        for option, target in outputs.items():
+        for name, target in outputs.items():
             if target is not None and _is_same(target, path):
-                raise SceneError(
-                    f"--{option}: {target} is read by this very call, and would be overwritten: choose another name"
-                )
+                lost = f"--{name}: {target} is read by this very call, and would be overwritten"
+                raise SceneError(f"{lost}: choose another name")
 
 
 def _files(value: Any) -> Iterator[Path]:
@@ -598,95 +231,75 @@ def _is_same(one: Path, other: Path) -> bool:
         return False
 
 
-Command = Callable[..., Any]
+def _can_be_written(what: str, path: Path) -> Path:
+    """The path; SceneError where nothing can be written there."""
+    if not path.parent.is_dir():
+        raise SceneError(f"{what}: {path} cannot be written: there is no folder {path.parent}")
+    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+        raise SceneError(f"{what}: {path} cannot be written: permission denied")
+    return path
 
 
-def scene_argument(command: Command) -> Command:
-    """SCENE and, of a scene with several environments, ``--environment NAME``: the command gets the loaded scene."""
-
-    @click.argument("scene")
-    @environment_option
-    @wraps(command)
-    def loaded(*args: Any, scene: str, environment: str | None, **options: Any) -> Any:
-        from haptisym.model.scenefile import load_scene  # SymPy, which help does not need
-
-        return command(*args, scene=load_scene(scene, environment), **options)
-
-    return loaded
-
-
-def environment_option(command: Command) -> Command:
-    """The option ``--environment NAME``."""
-    return click.option(
-        "--environment", "environment", metavar="NAME", help="Use this environment, where a scene has several."
-    )(command)
-
-
-def json_option(command: Command) -> Command:
-    """The option ``--json``."""
-    return click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")(command)
-
-
-def figure_option(what: str) -> Callable[[Command], Command]:
-    """The option ``--figure FILE``, for a drawing of what is said; a path that will not do is refused before the work begins."""
-    kind = click.Path(dir_okay=False, path_type=Path)
-    help_text = f"Draw {what} (.svg, .pdf or .png)."
-    return click.option("--figure", type=kind, metavar="FILE", callback=_writable, help=help_text)
-
-
-def _writable(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
-    return None if path is None else checked(can_be_written("figure", path))
-
-
-def file_option(name: str, help_text: str) -> Callable[[Command], Command]:
-    """An option that names a file to be written; a path that will not do is refused before the work begins."""
-
-    def writable(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
-        return None if path is None else can_be_written(name, path)
-
-    kind = click.Path(dir_okay=False, path_type=Path)
-    return click.option(f"--{name}", type=kind, metavar="FILE", callback=writable, help=help_text)
-
-
-def figures_option(command: Command) -> Command:
-    """The option ``--figures DIR``."""
-    kind = click.Path(file_okay=False, path_type=Path)
-    return click.option("--figures", type=kind, metavar="DIR", help="Write the figures to this folder.")(command)
-
-
-def certificate_option(command: Command) -> Command:
-    """The option ``--certificate FILE``."""
-    return file_option("certificate", "Write a certificate, for python -m haptisym_check FILE SCENE.toml.")(command)
-
-
-def written(what: str, path: Path) -> None:
-    """Tell on standard error that a file is there."""
-    quiet()
-    note(f"{what} written to {path}")
+# Answers.
 
 
 def keep(what: str, path: Path, save: Callable[[], Any]) -> None:
-    """Write a file and tell so on standard error; what it cannot be written for is a sentence that names it."""
+    """Write a file (or a folder of them) and report it on standard error; what it cannot be written for is a sentence."""
     with to_file(what, path):
-        save()
-    written(what, path)
+        found = save()
+    quiet()
+    note(f"{f'{len(found)} figures' if what == 'figures' else what} written to {path}")
 
 
-def keep_figures(folder: Path, save: Callable[[], Sized]) -> None:
-    """Write figures to a folder, and tell how many."""
-    with to_file("figures", folder):
-        count = len(save())
-    written(f"{count} figures", folder)
+def keep_text(what: str, path: Path | None, text: Callable[[], str]) -> None:
+    """Write a text, where a file was asked for."""
+    if path is not None:
+        content = text()
+        keep(what, path, lambda: path.write_text(content, encoding="utf-8"))
 
 
-def drawn(found: Answer, path: Path | None) -> bool:
-    """Write the figure of an answer where one was asked for; report on standard error that it is there, or why it is not.
+def keep_pages(found: Answer, ask: Ask) -> None:
+    """Write the page of an answer to the files that ``--latex`` and ``--report`` name."""
+    if ask.latex is not None:
+        latex: Callable[..., str] = resolve_name("haptisym.writing.latex:latex")
+        keep("LaTeX", ask.latex, lambda: ask.latex.write_text(latex(found.document()), encoding="ascii"))
+    if ask.report is not None:
+        save = resolve_name("haptisym.pages.report:save_report")
+        keep("report", ask.report, lambda: save(found, ask.report))
 
-    False where it was asked for and is not there.
+
+def hand_over(found: Answer, ask: Ask) -> None:
+    """Write the files that were asked for, print the answer; exit status 3 where something in it is undecided.
+
+    Else 2 where a figure was asked for and could not be drawn.
     """
+    is_drawn = draw(found, ask)
+    if getattr(ask, "certificate", None) is not None:
+        keep_text("certificate", ask.certificate, found.certificate)
+    keep_pages(found, ask)
+    if ask.json:
+        quiet()
+        say_document(found.to_json())
+    else:
+        page = found.document()
+        quiet()
+        say(page, ask.digits, formulas=bool(ask.formulas))
+    end(found)
+    if not is_drawn:
+        sys.exit(2)
+
+
+def draw(found: Answer, ask: Ask) -> bool:
+    """Write the figure, or the figures, of an answer where they were asked for; say why where there is nothing to draw.
+
+    False where a figure was asked for and is not there.
+    """
+    if getattr(ask, "figures", None) is not None:
+        keep("figures", ask.figures, lambda: found.save_figures(ask.figures))
+    if (path := getattr(ask, "figure", None)) is None:
+        return True
     try:
-        if path is not None:
-            keep("figure", path, lambda: found.save_figure(path))
+        keep("figure", path, lambda: found.save_figure(path))
     except NothingToDrawError as error:
         quiet()
         note(f"no figure: {error}")
@@ -694,69 +307,7 @@ def drawn(found: Answer, path: Path | None) -> bool:
     return True
 
 
-def proven(found: Answer, path: Path | None) -> None:
-    """Write the certificate of an answer where one was asked for, and tell so on standard error."""
-    if path is not None:
-        proof = found.certificate()
-        keep("certificate", path, lambda: path.write_text(proof, encoding="utf-8"))
-
-
-def keep_pages(document: Callable[[], Any], record: Callable[[], str]) -> None:
-    """Write the page of an answer to the files that ``--latex`` and ``--report`` name; ``record`` : its document of JSON."""
-    asked = click.get_current_context().meta[PAGES]
-    if (path := asked["latex"]) is not None:
-        from haptisym.writing.latex import latex
-
-        keep("LaTeX", path, lambda: path.write_text(latex(document()), encoding="ascii"))
-    if (report := asked["report"]) is not None:
-        from haptisym.pages.report import save
-
-        keep("report", report, lambda: save(document(), record(), report))
-
-
-def hand_over(found: Answer, *, as_json: bool) -> None:
-    """Print an answer; exit status 3 where something in it stayed undecided."""
-    show(found, as_json=as_json)
-    end(found)
-
-
-def show(found: Answer, *, as_json: bool) -> None:
-    """Print an answer, as its page or as its document."""
-    keep_pages(found.document, found.to_json)
-    if as_json:
-        quiet()
-        say_document(found.to_json())
-        return
-    told = found.document()
-    quiet()
-    say(told)
-
-
 def end(found: Answer) -> None:
     """Exit status 3 where something in an answer stayed undecided."""
-    if not found.certified:
+    if not found.settled:
         sys.exit(3)
-
-
-def limit_option(command: Command) -> Command:
-    """The option alone, for a verb whose answer says what is proven so far."""
-    return click.option(
-        "--limit",
-        type=click.FloatRange(min=0, min_open=True, max=1e9),
-        default=SECONDS,
-        show_default=True,
-        metavar="SECONDS",
-        help="Stop after this time; print what is proven and mark the rest undecided.",
-    )(command)
-
-
-def within_limit(command: Command) -> Command:
-    """The option and its work, for a verb whose answer is whole or none: LimitError when the time is over."""
-
-    @limit_option
-    @wraps(command)
-    def timed(*args: Any, limit: float, **options: Any) -> Any:
-        with progress() as told, limited(limit, told):
-            return command(*args, **options)
-
-    return timed

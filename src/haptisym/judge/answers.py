@@ -47,14 +47,15 @@ class Answer(Shown):
     """What a verb answers: ``print`` shows the command line's page, a notebook likewise, ``to_json`` gives the document.
 
     A class says what is its own: ``_about``, ``_body`` and, as data, ``_schema`` and what writes its ``_page``, draws its
-    ``_figure`` and proves it (``_certificate``): functions as ``"package.module:function"``, so that nothing of the kind is
-    loaded before it is asked for.
+    ``_figure``, saves all its ``_figures`` in a folder, and proves it (``_certificate``): functions as
+    ``"package.module:function"``, so that nothing of the kind is loaded before it is asked for.
     """
 
     __slots__ = ()
     _schema: ClassVar[str]
     _page: ClassVar[str]
     _figure: ClassVar[str] = ""
+    _figures: ClassVar[str] = ""
     _certificate: ClassVar[str] = ""
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -66,6 +67,11 @@ class Answer(Shown):
     def certified(self) -> bool:
         """Whether every number here is proven, none estimated, and nothing was left undecided."""
         return True
+
+    @property
+    def settled(self) -> bool:
+        """Whether no question stayed undecided; else the command line exits with status 3."""
+        return self.certified
 
     @property
     def _about(self) -> Subject:
@@ -109,6 +115,13 @@ class Answer(Shown):
         """Write the figure, as the name ends: .svg, .pdf or .png; the same file for the same answer."""
         target: Path = resolve_name("haptisym.figures.sheet:save_as")(self.figure(), path)
         return target
+
+    def save_figures(self, folder: str | Path) -> list[Path]:
+        """Write all figures to a folder, each as SVG, PDF and PNG. NothingToDrawError where there is one at most."""
+        if not self._figures:
+            raise NothingToDrawError(f"{type(self).__name__} has no set of figures of its own")
+        files: list[Path] = resolve_name(self._figures)(self, folder)
+        return files
 
     def plot(self, ax: Any = None, *, kind: str = "", color: str | None = None, label: str = "", **style: Any) -> Any:
         """Draw it on axes of matplotlib, which are returned; a further scene on the same axes has the next colour.

@@ -197,6 +197,7 @@ class Evaluation(Answer):
 
     _schema: ClassVar[str] = "haptisym.evaluation/1"
     _page: ClassVar[str] = "haptisym.pages.evaluation:page"
+    _figures: ClassVar[str] = "haptisym.figures.files:save_figures"
     _certificate: ClassVar[str] = "haptisym.verbs.evaluate.certificate:certificate"
 
     scene: Scene

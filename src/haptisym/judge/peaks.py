@@ -195,7 +195,7 @@ class Peaks(Answer, tuple[Peak, ...]):
     """
 
     _schema: ClassVar[str] = "haptisym.peaks/1"
-    _page: ClassVar[str] = "haptisym.pages.peaks:page"
+    _page: ClassVar[str] = "haptisym.pages.evaluation:page_peaks"
 
     scene: Scene
     undecided: tuple[RealNumber, ...]

@@ -35,7 +35,7 @@ class Viewed:
         """None where that language has nothing for such a value."""
         from pkgutil import resolve_name
 
-        found: str | None = resolve_name(f"{_NOTEBOOK}:{language}")(self)
+        found: str | None = resolve_name(f"{_NOTEBOOK}:as_{language}")(self)
         return found
 
 

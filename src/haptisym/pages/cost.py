@@ -1,4 +1,4 @@
-"""The pages of what accuracy costs: a sentence, a table for each question, what was measured on what; and the hard cases."""
+"""The pages of what accuracy costs: the answer, a table for each question, what was measured on what; and the hard cases."""
 
 from __future__ import annotations
 
@@ -7,69 +7,57 @@ from math import isinf
 from statistics import median
 
 from haptisym.model.jnd import Part
-from haptisym.pages.words import RATIOS
-from haptisym.verbs.cost.entry import Cost, Measurement, duration
+from haptisym.pages.words import RATIOS, Field, number, page_about, table
+from haptisym.verbs.cost.entry import Cost, duration
 from haptisym.verbs.cost.hardcosts import FAMILIES, HardCosts, HardRow, worst_verdict
-from haptisym.writing.document import Block, Column, Document, Figure, Notes, Number, Paragraph, Phrase, Section, Table
+from haptisym.writing.document import Block, Document, Figure, Number, Paragraph, Phrase, Section
 
-_RATIOS = "The ratios ", RATIOS[Part.REAL], " and ", RATIOS[Part.IMAG]
 _TASKS: dict[str, Phrase] = {
-    "evaluate": (_RATIOS, ": time for one frequency"),
+    "evaluate": ("The ratios ", RATIOS[Part.REAL], " and ", RATIOS[Part.IMAG], ": time for one frequency"),
     "crossings": "The crossings on the band: time for all of them",
     "delay": "The crossings with approximated delays, against the exact ones",
     "effects": "The crossings with an effect left out, against all effects",
 }
 """What each task asks."""
-
-
-def page(found: Cost) -> Document:
-    """The whole page."""
-    tables = (_table(found, task) for task in _TASKS if found.task(task))
-    proof = (
-        "Measured: correct digits of the worst number, against a proven reference of higher precision; times are "
-        "medians of repeats "
-        "in turns, with half their interquartile range. Ratios of times carry over to other machines, times do not."
-    )
-    omitted = (f"Left out: {x.method} ({x.reason})." for x in found.left_out)
-    notes = Notes((proof, *omitted, _measured_on(found.machine)))
-    shown = "Correct digits against time for each question; filled marks are proven."
-    blocks = Paragraph(found.summary), *tables, Figure("cost", shown, found.figure, wide=True), notes
-    return Document(f"{found.scene.title or 'Untitled scene'}: what accuracy costs", (), blocks)
-
-
-def _measured_on(machine: Mapping[str, str]) -> str:
-    """On what it was measured."""
-    return "Measured on " + ", ".join(f"{name} {value}" for name, value in machine.items()) + "."
-
-
-def _table(found: Cost, task: str) -> Block:
-    size = found.condition.get(task)
-    condition = "" if size is None else f" (condition number {'infinite: a touch' if isinf(size) else f'{size:.2g}'})"
-    columns = (
-        Column("method"),
-        Column("correct digits", number=True),
-        Column("time"),
-        Column("spread"),
-        Column("proven"),
-        Column(""),
-    )
-    return Section(
-        (_TASKS[task], condition), (Table(columns, tuple(map(_row, found.task(task))), (_TASKS[task], ".")),)
-    )
-
-
-def _row(row: Measurement) -> tuple[Phrase, ...]:
-    digits = Number(f"{row.digits:.{int(row.digits < 20)}f}", row.digits)
-    spread = "" if row.spread is None else f"± {100 * row.spread:.0f} %"
-    proven = "yes" if row.proven else "no"
-    return row.method, digits, duration(row.seconds), spread, proven, row.wrong
-
-
+_PROOF = (
+    "Measured: correct digits of the worst number, against a proven reference of higher precision; times are medians of "
+    "repeats in turns, with half their interquartile range. Ratios of times carry over to other machines, times do not."
+)
 _LEGEND = (
     "Right: to the digits that the numbers of the method hold but for one, and no crossing missed or invented. Digits are "
     "those of the worst case, times medians over the cases. The condition number: by how much a result changes, "
     "relatively, with the frequency or the threshold; what a method loses beyond its logarithm is its fault."
 )
+
+
+def page(found: Cost) -> Document:
+    """The whole page."""
+    shown = "Correct digits against time for each question; filled marks are proven."
+    blocks = (
+        *(_table(found, task) for task in _TASKS if found.task(task)),
+        Figure("cost", shown, found.figure, wide=True),
+    )
+    omitted = (f"Left out: {x.method} ({x.reason})." for x in found.left_out)
+    proof = _PROOF, *omitted, _measured_on(found.machine)
+    return page_about(found.scene, (("Result", found.summary),), blocks, proof, "What accuracy costs", ())
+
+
+def _measured_on(machine: Mapping[str, str]) -> str:
+    """On what it was measured."""
+    return f"Measured on {', '.join(f'{name} {value}' for name, value in machine.items())}."
+
+
+def _table(found: Cost, task: str) -> Block:
+    size = found.condition.get(task)
+    condition = "" if size is None else f" (condition number {'infinite: a touch' if isinf(size) else f'{size:.2g}'})"
+    shown = table(
+        found.task(task), (_TASKS[task], "."), Field("method", lambda x: x.method),
+        number("correct digits", lambda x: Number(f"{x.digits:.{int(x.digits < 20)}f}", x.digits)),
+        Field("time", lambda x: duration(x.seconds)),
+        Field("spread", lambda x: "" if x.spread is None else f"± {100 * x.spread:.0f} %"),
+        Field("proven", lambda x: "yes" if x.proven else "no"), Field("", lambda x: x.wrong),
+    )  # fmt: skip
+    return Section((_TASKS[task], condition), (shown,))
 
 
 def hard_page(found: HardCosts) -> Document:
@@ -88,14 +76,10 @@ def _family(family: str, rows: Sequence[HardRow]) -> Block:
     condition = "infinity" if isinf(hardest) else f"{hardest:.2g}"
     asks = "values of r_r and r_i" if rows[0].task == "evaluate" else "crossings"
     counted = f"{len(cases)} question{'s' * (len(cases) > 1)} about {asks}, condition number up to {condition}"
-    columns = (
-        Column("method"), Column("right"), Column("digits", number=True), Column("time"), Column("proven"), Column(""),
-    )  # fmt: skip
-    methods = dict.fromkeys(row.method for row in rows)
-    table = Table(
-        columns, tuple(_hard_row([x for x in rows if x.method == method]) for method in methods), f"{family}."
-    )
-    return Section(f"{family}: {FAMILIES[family]}", (Paragraph(f"{counted}."), table))
+    names = ("method", "right", "digits", "time", "proven", "")
+    each = [_hard_row([x for x in rows if x.method == method]) for method in dict.fromkeys(row.method for row in rows)]
+    fields = (Field(x, lambda row, i=i: row[i], number=x == "digits") for i, x in enumerate(names))  # type: ignore[misc]
+    return Section(f"{family}: {FAMILIES[family]}", (Paragraph(f"{counted}."), table(each, f"{family}.", *fields)))
 
 
 def _hard_row(rows: Sequence[HardRow]) -> tuple[Phrase, ...]:

@@ -2,21 +2,24 @@
 
 The same document is printed, set in LaTeX and HTML, and shown in a notebook; a report has more of it: the scene, which values
 would do, an explorer, the derivation.
+
+The pages of several environments at once, and of the peaks of the ratios, follow it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 from sympy import Add, Expr, Rational, Symbol
 
 from haptisym.judge.bandwidths import Bandwidths, Jump
-from haptisym.judge.crossings import JOINT, Criterion, Crossing, CrossingKind
+from haptisym.judge.crossings import JOINT, Criterion, Crossing, CrossingKind, noticed
 from haptisym.judge.evaluation import Compared, Evaluation
 from haptisym.judge.passivity import Beyond, Passivity
+from haptisym.judge.peaks import Peaks
 from haptisym.judge.regions import Joint
 from haptisym.kernel.reals import ExactNumber, RealNumber, Way
 from haptisym.kernel.rings import RationalFunction, omega, s
@@ -24,59 +27,13 @@ from haptisym.kernel.roots import Chart
 from haptisym.model.jnd import Part, Threshold, like
 from haptisym.model.parameters import ExactRange
 from haptisym.model.quantities import Dimension, Unit
-from haptisym.pages.late import drawing
-from haptisym.pages.late import proof as certificate
-from haptisym.pages.words import (
-    CHANGE,
-    H_ENV,
-    H_PERC,
-    OPERATORS,
-    PART_NAMES,
-    amount,
-    at_most,
-    both,
-    bounds,
-    caveats,
-    cell,
-    compared,
-    ends,
-    is_transparent_throughout,
-    limits,
-    near,
-    noted,
-    page_about,
-    percent,
-    places,
-    proof,
-    spans,
-    stiffness_unit,
-    undecided,
-    unit,
-)
-from haptisym.writing.boxes import Operator, Prefixed
-from haptisym.writing.document import (
-    FREQUENCY,
-    FREQUENCY_UNIT,
-    Block,
-    Code,
-    Column,
-    Document,
-    Facts,
-    Figure,
-    Formulas,
-    Live,
-    Paragraph,
-    Phrase,
-    Section,
-    Strong,
-    Table,
-    Versions,
-    listed,
-)
-from haptisym.writing.equations import equation, quantity
-from haptisym.writing.layout import named
+from haptisym.model.scene import caveats as cautions
+from haptisym.pages import words as w
+from haptisym.writing import document as doc
+from haptisym.writing.boxes import Operator, Prefixed, text
+from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
+from haptisym.writing.layout import equation, named, quantity
 from haptisym.writing.mathml import readable
-from haptisym.writing.mathtext import text
 
 if TYPE_CHECKING:
     from haptisym.pages.scene import SceneForms
@@ -86,25 +43,57 @@ if TYPE_CHECKING:
 def page(e: Evaluation) -> Document:
     """The whole page."""
     full = _InFull(e)
-    low, high = (cell(e.chart.points[i].omega) for i in (0, -1))
-    judged = limits(e.scene.threshold), published_words(e.scene.threshold)
+    low, high = (w.cell(e.chart.points[i].omega) for i in (0, -1))
+    judged = w.limits(e.scene.threshold), published_words(e.scene.threshold)
     step_1: Phrase = ("Step 1: crossings on ", low, " to ", high, "\xa0", FREQUENCY_UNIT, ", JND ", judged)
     blocks = (
         *_left_out(e),
-        Section("Scene", (Versions((), full.scene),), "scene"),
-        Section(step_1, tuple(_step_1(e)), "step-1"),
+        doc.Section("Scene", (doc.Versions((), full.scene),), "scene"),
+        doc.Section(step_1, tuple(_step_1(e)), "step-1"),
         *regions(e),
-        Section("Step 2: perceived change", tuple(_step_2(e)), "step-2"),
-        *noted(_remarks(e)),
-        Section("Formulas", (Versions((Formulas(lambda: [Facts(tuple(_dynamics(e)))]),)),), "formulas"),
-        Section("Which values satisfy the JND?", (Versions((), full.design),), "which-values"),
-        Section("Explorer", (Live(full.explorer),), "explorer"),
-        *caveats(e.caveats),
-        certificate(e, e.scene),
-        Section("Derivation", (Versions((), full.derivation),), "derivation", appendix=True),
+        doc.Section("Step 2: perceived change", tuple(_step_2(e)), "step-2"),
+        *_movement(e),
+        *w.noted(_remarks(e)),
+        doc.Section("Formulas", (doc.Versions((doc.Formulas(lambda: [doc.Facts(tuple(_dynamics(e)))]),)),), "formulas"),
+        doc.Section("Which values satisfy the JND?", (doc.Versions((), full.design),), "which-values"),
+        doc.Section("Explorer", (doc.Live(full.explorer),), "explorer"),
+        *w.caveats(e.caveats),
+        w.certificate(e, e.scene),
+        doc.Section("Derivation", (doc.Versions((), full.derivation),), "derivation", appendix=True),
     )
     kind, further = "Two-step evaluation of a haptic display", ("--formulas", "haptisym stability SCENE --hand NAME")
-    return page_about(e.scene, findings(e), blocks, _proven(e), kind, e.asides(), further)
+    return w.page_about(e.scene, findings(e), blocks, _proven(e), kind, e.asides(), further)
+
+
+_FITTED = {"k": ("stiffness", Dimension.STIFFNESS), "b": ("damping", Dimension.DAMPING), "m": ("mass", Dimension.MASS)}
+
+
+def _movement(e: Evaluation) -> Iterator[doc.Block]:
+    """What a fit to a movement reports of the environment and of what is felt."""
+    found = e.movement
+    if found is None:
+        return
+    rows = w.table(
+        _FITTED,
+        f"Least squares over a {found.spectrum}.",
+        w.Field("", lambda x: _FITTED[x][0]),
+        w.number("environment", lambda x: w.near(found.environment[x])),
+        w.number("perceived", lambda x: w.near(found.perceived[x])),
+        w.Field("unit", lambda x: w.unit(_FITTED[x][1], e.scene.motion)),
+        w.number("change", lambda x: "" if (own := found.change[x]) is None else f"{100 * own:+.1f}\xa0%"),
+    )
+    said: list[Phrase] = [
+        f"Least squares over a {found.spectrum}: what a fit to this movement reports, not what a person was shown to perceive."
+    ]
+    largest = max(_FITTED, key=lambda x: abs(found.change[x] or 0.0))
+    own = found.change[largest] or 0.0
+    if e.bandwidth is not None and found.band[1] <= float(e.bandwidth) and abs(own) > float(e.scene.threshold.real):
+        more = "higher" if own > 0 else "lower"
+        said.append(
+            f"Nothing is noticed at any one frequency of this movement; still the fitted {_FITTED[largest][0]} is"
+            f" {abs(100 * own):.1f}\xa0% {more}."
+        )
+    yield doc.Section("What a fit to a movement reports", (rows, *w.noted(said)), "movement")
 
 
 @dataclass(frozen=True)
@@ -135,7 +124,7 @@ class _InFull:
         return explorer(self.evaluation, self._forms)
 
     def derivation(self) -> Iterable[Block]:
-        from haptisym.pages.derivation import derivation
+        from haptisym.pages.scene import derivation
 
         return derivation(self._forms)
 
@@ -154,20 +143,20 @@ def _bandwidth(e: Evaluation) -> Phrase:
     if e.bandwidth is None:
         onward: Phrase = "noticed on the whole band"
         if e.transparent:
-            onward = "noticed from the low end of the band on; transparent ", spans(e.transparent)
+            onward = "noticed from the low end of the band on; transparent ", w.spans(e.transparent)
         return Strong("none"), ": ", onward
-    if is_transparent_throughout(e):
-        low, high = (cell(e.chart.points[i].omega) for i in (0, -1))
+    if w.is_transparent_throughout(e):
+        low, high = (w.cell(e.chart.points[i].omega) for i in (0, -1))
         return Strong("the whole band"), ", ", low, " to ", high, "\xa0", FREQUENCY_UNIT, _range_of(e)
     by = listed(dict.fromkeys(_limit(c) for c in e.crossings if c.omega is e.bandwidth))
-    more: Phrase = ("; transparent again ", spans(e.transparent[1:])) if len(e.transparent) > 1 else ""
-    return Strong((both(e.bandwidth),)), (", limited by ", by) if by else "", _range_of(e), more
+    more: Phrase = ("; transparent again ", w.spans(e.transparent[1:])) if len(e.transparent) > 1 else ""
+    return Strong((w.both(e.bandwidth),)), (", limited by ", by) if by else "", _range_of(e), more
 
 
 def _limit(c: Crossing) -> str:
     if c.criterion.joint or c.criterion.part is None:
         return f"the {c.criterion.joint.kind if c.criterion.joint else 'region'}"
-    return f"the {PART_NAMES[c.criterion.part]} part"
+    return f"the {w.PART_NAMES[c.criterion.part]} part"
 
 
 def _range_of(e: Evaluation) -> Phrase:
@@ -175,15 +164,8 @@ def _range_of(e: Evaluation) -> Phrase:
     found = e.bandwidths
     if found is None or found.least is None or found.most is None:
         return ""
-    return (
-        "; ",
-        cell(found.least, Way.DOWN),
-        " to ",
-        cell(found.most, Way.UP),
-        "\xa0",
-        FREQUENCY_UNIT,
-        " for the range of the JND",
-    )
+    ends_ = w.cell(found.least, Way.DOWN), w.cell(found.most, Way.UP)
+    return w.phrased("; {} to {}\xa0{} for the range of the JND", *ends_, FREQUENCY_UNIT)
 
 
 def felt_as(e: Evaluation) -> Phrase:
@@ -192,7 +174,7 @@ def felt_as(e: Evaluation) -> Phrase:
     found = sorted(first.values(), key=lambda x: float(x.band.low.omega))
     if not found:
         return "nothing noticed on the band"
-    each = ((x.words, " from ", cell(x.band.low.omega), "\xa0", FREQUENCY_UNIT) for x in found)
+    each = ((x.words, " from ", w.cell(x.band.low.omega), "\xa0", FREQUENCY_UNIT) for x in found)
     return tuple(y for x in each for y in (", ", x))[1:]
 
 
@@ -221,18 +203,18 @@ def _active(found: Passivity) -> Phrase:
     on = found.beyond is Beyond.ALWAYS and len(shown) == len(found.active)
     if on and not float(shown[-1].low.omega) and len(shown) == 1:
         return ", active at all frequencies"
-    last: Phrase = ("above ", both(shown[-1].low.omega)) if on else ""
-    before: Phrase = spans(shown[:-1] if on else shown) if len(shown) > bool(on) else ""
+    last: Phrase = ("above ", w.both(shown[-1].low.omega)) if on else ""
+    before: Phrase = w.spans(shown[:-1] if on else shown) if len(shown) > bool(on) else ""
     more = ", …" if len(found.active) > _MOST_BANDS or found.beyond in (Beyond.AGAIN, Beyond.LATE) else ""
     return ", active ", before, " and " if before and last else "", last, more
 
 
 def not_looked_at(found: Passivity) -> Phrase:
     """Of a sign that settles only after very many turns of a delay: where it settles, and from where on it was not tested."""
-    high = both(ExactNumber(found.high))
+    high = w.both(ExactNumber(found.high))
     if found.active_from is None:
         return " (not tested above ", high, ")"
-    settled = both(ExactNumber(found.active_from))
+    settled = w.both(ExactNumber(found.active_from))
     return " and everywhere above ", settled, " (not tested from ", high, " to there)"
 
 
@@ -242,18 +224,16 @@ def _left_out(e: Evaluation) -> Iterator[Block]:
     if r is None or not r.dropped:
         return
     found = listed(
-        (cell(x.bounds[0], Way.DOWN), " to ", cell(x.bounds[1], Way.UP), f" ({x.criterion.name})") for x in r.crossings
+        (w.cell(x.bounds[0], Way.DOWN), " to ", w.cell(x.bounds[1], Way.UP), f" ({x.criterion.name})")
+        for x in r.crossings
     )
-    lie: Phrase = (
-        ("Crossings of the full scene: ", found, "\xa0", FREQUENCY_UNIT, ".")
-        if found
-        else "The full scene has no crossings."
+    lie: Phrase = "The full scene has no crossings."
+    if found:
+        lie = w.phrased("Crossings of the full scene: {}\xa0{}.", found, FREQUENCY_UNIT)
+    words = "Without {}, which changes {} anywhere on the band (proven; tolerance {}). All below is for the scene without. {}"
+    yield doc.Paragraph(
+        w.phrased(words, listed(x.name for x in r.dropped), w.bounds(r.bound), w.near(float(r.tolerance)), lie)
     )
-    yield Paragraph((
-        "Without ", listed(x.name for x in r.dropped), ", which changes ", bounds(r.bound), (" anywhere on the band "
-        "(proven; tolerance "),
-        near(float(r.tolerance)), "). All below is for the scene without. ", lie,
-    ))  # fmt: skip
 
 
 # Step 1, when.
@@ -283,13 +263,13 @@ def crossings(e: Evaluation) -> Block:
     """Every crossing on the band: frequency, what happens, enclosure."""
     if not e.crossings:
         decided = ", up to what is undecided" if e.undecided else ""
-        return Paragraph(f"{nothing_meets(joint(e.criteria))} on the band{decided}.")
-    columns = (
-        Column("part"), Column(FREQUENCY, number=True, hertz=True), Column("ratio"), Column("distortion"),
-        Column(("enclosure of ", named("omega"), " (rad/s)"), full=True),
+        return doc.Paragraph(f"{nothing_meets(joint(e.criteria))} on the band{decided}.")
+    enclosure = ("enclosure of ", named("omega"), " (rad/s)")
+    return w.table(
+        e.crossings, f"All crossings of the thresholds on the band, {how_sure(e)}.", w.Field("part", lambda c: c.criterion.name),
+        w.hertz(lambda c: w.cell(c.omega)), w.Field("ratio", event), w.Field("distortion", sense),
+        w.Field(enclosure, lambda c: "[{}, {}]".format(*c.omega.enclosure(e.digits)), full=True),
     )  # fmt: skip
-    caption = f"All crossings of the thresholds on the band, {how_sure(e)}."
-    return Table(columns, tuple(_crossing(e, c) for c in e.crossings), caption)
 
 
 def how_sure(e: Evaluation) -> str:
@@ -299,11 +279,6 @@ def how_sure(e: Evaluation) -> str:
     return "proven" if e.certified else "proven up to what is undecided"
 
 
-def _crossing(e: Evaluation, c: Crossing) -> tuple[Phrase, ...]:
-    low, high = c.omega.enclosure(e.digits)
-    return c.criterion.name, cell(c.omega), event(c), sense(c), f"[{low}, {high}]"
-
-
 VERBS = {CrossingKind.EXCEEDS: "exceeds", CrossingKind.RETURNS: "returns below", CrossingKind.TOUCHES: "is tangent to"}
 
 
@@ -311,11 +286,11 @@ def event(c: Crossing, kind: str | None = None) -> Phrase:
     """``r_r exceeds 10 %``, ``ΔH leaves the ellipse``; ``kind`` : what a region is called, if not by its shape."""
     times = f" ({c.multiplicity}-fold)" if c.multiplicity > 1 else ""
     if c.criterion.joint:
-        return CHANGE, f" {_LEAVES[c.kind]} the {kind or c.criterion.joint.kind}{times}"
+        return w.CHANGE, f" {_LEAVES[c.kind]} the {kind or c.criterion.joint.kind}{times}"
     ratio = named(c.criterion.symbol)
     if c.jump:
         return "the limit of ", ratio, " changes: ", _JUMPS[c.kind]
-    limit = "its limit" if c.criterion.region else amount(c.criterion.threshold)
+    limit = "its limit" if c.criterion.region else w.amount(c.criterion.threshold)
     return ratio, f" {VERBS[c.kind]} ", limit, times
 
 
@@ -329,18 +304,16 @@ _JUMPS = {
 
 def sense(c: Crossing) -> Phrase:
     """``Re dH > 0``; nothing where both parts are judged."""
-    return compared(Prefixed(Operator(c.criterion.component), CHANGE), ">" if c.sign > 0 else "<") if c.sign else ""
+    return w.compared(Prefixed(Operator(c.criterion.component), w.CHANGE), ">" if c.sign > 0 else "<") if c.sign else ""
 
 
-def undecided_table(e: Evaluation) -> Table:
+def undecided_table(e: Evaluation) -> doc.Table:
     """What stayed undecided at the precision limit."""
-    found = [(x.name, point.omega.enclosure(e.digits)) for x, point in e.undecided]
-    rows = tuple((name, f"[{low}, {high}]") for name, (low, high) in found)
-    caption = (
-        "Undecided at the precision limit: whether the ratio is tangent to its threshold here, crosses it twice "
-        "or stays clear."
-    )
-    return Table((Column("part"), Column(("near ", named("omega"), " (rad/s)"))), rows, caption)
+    return w.table(
+        e.undecided, "Undecided at the precision limit: whether the ratio is tangent to its threshold here, crosses it twice or "
+        "stays clear.", w.Field("part", lambda x: x[0].name),
+        w.Field(("near ", named("omega"), " (rad/s)"), lambda x: "[{}, {}]".format(*x[1].omega.enclosure(e.digits))),
+    )  # fmt: skip
 
 
 _RATIOS = (
@@ -366,10 +339,10 @@ def bandwidths(e: Evaluation) -> Iterator[Block]:
     found, threshold = e.bandwidths, e.scene.threshold
     if found is None:
         return
-    yield Paragraph(("For ", _range(threshold), ": ", _between(found, threshold), _blocked(found, threshold)))
+    yield doc.Paragraph(("For ", _range(threshold), ": ", _between(found, threshold), _blocked(found, threshold)))
     if found.is_one_curve:
         caption = "The bandwidth over the range; a dot is attained, a ring is not."
-        yield drawing("bandwidths", caption, "files:draw_figure", e, "bandwidths")
+        yield w.drawing("bandwidths", caption, "files:draw_figure", e, "bandwidths")
 
 
 def _range(threshold: Threshold) -> Phrase:
@@ -389,7 +362,7 @@ def _range(threshold: Threshold) -> Phrase:
 
 
 def _from_to(interval: ExactRange) -> Phrase:
-    return "from ", near(ExactNumber(interval[0])), " to ", near(ExactNumber(interval[1]))
+    return "from ", w.near(ExactNumber(interval[0])), " to ", w.near(ExactNumber(interval[1]))
 
 
 def _named(name: str, threshold: Threshold) -> str:
@@ -402,47 +375,41 @@ def _of_part(name: str, threshold: Threshold) -> str:
     part, _, lower = name.partition(".")
     has_two = threshold.lower(Part(part)) is not None
     way = ", where it decreases" if lower else ", where it increases" if has_two else ""
-    return f"{PART_NAMES[Part(part)]} part{way}"
+    return f"{w.PART_NAMES[Part(part)]} part{way}"
 
 
 def _unit(threshold: Threshold) -> str:
-    return unit(Dimension.STIFFNESS, threshold.region.motion)
+    return w.unit(Dimension.STIFFNESS, threshold.region.motion)
 
 
 def _ends(interval: ExactRange) -> str:
     low, high = interval
-    return f"from {percent(low)} to {percent(high)}"
+    return f"from {w.percent(low)} to {w.percent(high)}"
 
 
 def _between(found: Bandwidths, threshold: Threshold) -> Phrase:
     if found.most is None:
         return "no bandwidth, the distortion is noticed at the low end of the band."
     if found.least is None:
-        return "the bandwidth is at most ", both(found.most, Way.UP), "; for some there is none."
+        return "the bandwidth is at most ", w.both(found.most, Way.UP), "; for some there is none."
     least, most = found.least, found.most
     if least is most or least.bounds(200) == most.bounds(200):
-        return "the bandwidth is ", both(least), ", where there is one." if found.blocked else " for all."
-    ends: Phrase = (
-        "the bandwidth is at least ",
-        both(least, Way.DOWN),
-        " and at most ",
-        both(most, Way.UP),
-        "; both are attained",
-    )
+        return "the bandwidth is ", w.both(least), ", where there is one." if found.blocked else " for all."
+    between: Phrase = ", and each value between"
     if found.undecided:
-        return ends, "."
-    if found.ends_alone:
-        return (
-            ends,
-            ", as the region increases with each of these numbers; which values between are attained is not tested.",
+        between = ""
+    elif found.ends_alone:
+        between = (
+            ", as the region increases with each of these numbers; which values between are attained is not tested"
         )
-    if not found.jumps:
-        return ends, ", and each value between."
-    return ends, ", and each value between but those ", listed(_jump(x, threshold) for x in found.jumps), "."
+    elif found.jumps:
+        between = (between, " but those ", listed(_jump(x, threshold) for x in found.jumps))
+    words = "the bandwidth is at least {} and at most {}; both are attained{}."
+    return w.phrased(words, w.both(least, Way.DOWN), w.both(most, Way.UP), between)
 
 
 def _jump(x: Jump, threshold: Threshold) -> Phrase:
-    gap: Phrase = "above " if x.includes_low else "from ", both(x.low), " to below ", both(x.high)
+    gap: Phrase = "above " if x.includes_low else "from ", w.both(x.low), " to below ", w.both(x.high)
     if x.threshold is None:
         return gap
     name = next(iter(threshold.ranges))
@@ -452,8 +419,8 @@ def _jump(x: Jump, threshold: Threshold) -> Phrase:
 
 def _size(x: RealNumber, name: str, threshold: Threshold) -> Phrase:
     if name == "scale":
-        return near(x)
-    return (near(x), f" {_unit(threshold)}") if name == "floor" else near(x, unit=_PERCENT)
+        return w.near(x)
+    return (w.near(x), f" {_unit(threshold)}") if name == "floor" else w.near(x, unit=_PERCENT)
 
 
 _PERCENT = Unit("%", Rational(1, 100))
@@ -476,7 +443,7 @@ def published_words(threshold: Threshold) -> Phrase:
         return ""
     found = like(threshold.source)
     taken = f" at {float(100 * found.criterion):g}\xa0%" if found.criterion else ""
-    return ", as ", Code(found.name), f": {found.quantity}{taken} ({found.source})"
+    return ", as ", doc.Code(found.name), f": {found.quantity}{taken} ({found.source})"
 
 
 _SURVIVES = "Does it hold for another JND model?"
@@ -493,53 +460,46 @@ def regions(e: Evaluation) -> Iterator[Block]:
     """A sentence that says how far the models are apart, a row for each, and a drawing; nothing where that was not asked."""
     if not e.regions:
         return
-    columns = (
-        Column("region"), Column("what it is", full=True), Column("bandwidth", number=True, hertz=True),
-        Column("first crossing", number=True, hertz=True), Column("what happens there"),
+    rows = w.table(
+        e.regions, "Bandwidth and first crossing by region, proven.", *_REGION,
+        w.hertz(lambda x: _width(e.chart, x.bandwidth), "bandwidth"),
+        w.hertz(lambda x: w.cell(x.crossing.omega) if x.crossing else "none", "first crossing"),
+        w.Field("what happens there", lambda x: event(x.crossing, _KINDS.get(x.name)) if x.crossing else ""),
     )  # fmt: skip
-    table = Table(columns, tuple(_row(e, x) for x in e.regions), "Bandwidth and first crossing by region, proven.")
-    figure = drawing("regions", _PLANE, "files:draw_figure", e, "regions")
-    yield Section(_SURVIVES, (Paragraph(_spread(e.regions)), table, figure), "regions")
+    figure = w.drawing("regions", _PLANE, "files:draw_figure", e, "regions")
+    yield doc.Section(_SURVIVES, (doc.Paragraph(_spread(e.regions)), rows, figure), "regions")
 
 
-def _row(e: Evaluation, x: Compared) -> tuple[Phrase, ...]:
-    crossing = x.crossing
-    first: tuple[Phrase, Phrase] = ("none", "")
-    if crossing is not None:
-        first = cell(crossing.omega), event(crossing, _KINDS.get(x.name))
-    return x.name, limits(x.threshold), _width(e.chart, x.bandwidth), *first
+_REGION = w.Field("region", lambda x: x.name), w.Field("what it is", lambda x: w.limits(x.threshold), full=True)
 
 
-def family_regions(w: FamilyEvaluation) -> Iterator[Block]:
+def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
     """How far the models are apart in the worst case, a row for each, and a row for each environment."""
-    if not w.regions:
+    if not many.regions:
         return
-    columns = (
-        Column("region"), Column("what it is", full=True), Column("bandwidth", number=True, hertz=True), Column("limited by"),
+    worst = w.table(
+        many.regions, "Common bandwidth by region, and what limits it, proven.", *_REGION,
+        w.hertz(lambda x: _width(many.chart, x.bandwidth), "bandwidth"),
+        w.Field("limited by", lambda x: listed(f"{y.environment} ({y.criterion.name})" for y in x.first)),
     )  # fmt: skip
-    worst = Table(
-        columns, tuple(_worst(w, x) for x in w.regions), "Common bandwidth by region, and what limits it, proven."
+    together = "all together"
+
+    def width(name: str, x: FamilyCompared) -> Phrase:
+        return _width(many.chart, x.bandwidth if name == together else x.answers[name].bandwidth)
+
+    each = w.table(
+        [*many.family, together], ("Bandwidth of each environment by region, ", FREQUENCY_UNIT, ", proven."),
+        w.Field("environment", str), *(w.number(x.name, partial(width, x=x)) for x in many.regions),
+    )  # fmt: skip
+    figure = w.drawing("regions", _WIDTHS, "regions:family_regions_figure", many)
+    yield doc.Section(
+        _SURVIVES, (doc.Paragraph(_spread(many.regions, "common bandwidth")), worst, each, figure), "regions"
     )
-    by_name = Column("environment"), *(Column(x.name, number=True) for x in w.regions)
-    rows = [(name, *(_width(w.chart, x.answers[name].bandwidth) for x in w.regions)) for name in w.family]
-    rows.append(("all together", *(_width(w.chart, x.bandwidth) for x in w.regions)))
-    each = Table(by_name, tuple(rows), ("Bandwidth of each environment by region, ", FREQUENCY_UNIT, ", proven."))
-    figure = drawing("regions", _WIDTHS, "regions:family_regions_figure", w)
-    yield Section(_SURVIVES, (Paragraph(_spread(w.regions, "common bandwidth")), worst, each, figure), "regions")
-
-
-def _worst(w: FamilyEvaluation, x: FamilyCompared) -> tuple[Phrase, ...]:
-    who = listed(f"{y.environment} ({y.criterion.name})" for y in x.first)
-    return x.name, limits(x.threshold), _width(w.chart, x.bandwidth), who
 
 
 def _width(chart: Chart, x: RealNumber | None) -> Phrase:
     """A bandwidth as a cell has it."""
-    if x is None:
-        return "none"
-    if float(x) == float(chart.points[-1].omega):
-        return "whole band"
-    return cell(x)
+    return "none" if x is None else "whole band" if float(x) == float(chart.points[-1].omega) else w.cell(x)
 
 
 def _spread(found: Sequence[Compared | FamilyCompared], what: str = "bandwidth") -> Phrase:
@@ -549,22 +509,13 @@ def _spread(found: Sequence[Compared | FamilyCompared], what: str = "bandwidth")
         return f"With each region: no {what}."
     least, most = min(widths, key=float), max(widths, key=float)
     if len(widths) < len(found):
-        between: Phrase = ("from ", cell(least, Way.DOWN), " to ", cell(most, Way.UP), "\xa0", FREQUENCY_UNIT)
+        between: Phrase = ("from ", w.cell(least, Way.DOWN), " to ", w.cell(most, Way.UP), "\xa0", FREQUENCY_UNIT)
         return f"The {what} depends on the JND model: none with some regions, ", between, " with the others."
     if float(least) == float(most):
-        return f"The {what} is the same with all regions: ", both(most), "."
-    times: Phrase = (", a factor of ", near(float(most) / float(least))) if float(least) else ""
-    return (
-        f"The {what} is from ",
-        cell(least, Way.DOWN),
-        " to ",
-        cell(most, Way.UP),
-        "\xa0",
-        FREQUENCY_UNIT,
-        " with these regions",
-        times,
-        ".",
-    )
+        return f"The {what} is the same with all regions: ", w.both(most), "."
+    times: Phrase = (", a factor of ", w.near(float(most) / float(least))) if float(least) else ""
+    ends_ = w.cell(least, Way.DOWN), w.cell(most, Way.UP)
+    return w.phrased(f"The {what} is from {{}} to {{}}\xa0{{}} with these regions{{}}.", *ends_, FREQUENCY_UNIT, times)
 
 
 _MOST_LETTERS = 280  # of a formula: three lines
@@ -573,7 +524,7 @@ _MOST_LETTERS = 280  # of a formula: three lines
 def _dynamics(e: Evaluation) -> Iterator[tuple[str, Phrase]]:
     """Environment, what effects make of it, and the distortion, in closed form."""
     d, rendered = e.distortion, e.scene.rendered
-    unit = f"  {stiffness_unit(e.scene)}"
+    unit = f"  {w.stiffness_unit(e.scene)}"
     yield "environment", _equation("H_env", d.env, s, unit)
     if rendered:
         yield "rendered", _equation("H_rendered", d.env.ring.convert(rendered.H), s, unit)
@@ -590,7 +541,7 @@ def _equation(name: str, function: RationalFunction, variable: Symbol, unit: str
         return written, unit
     reduced = function.reduced()
     above, below = (_terms(reduced.ring.coefficients(p)) for p in (reduced.numerator, reduced.denominator))
-    return quantity(name), f" has {above} terms over {below}: see ", Code("haptisym derive")
+    return quantity(name), f" has {above} terms over {below}: see ", doc.Code("haptisym derive")
 
 
 def _terms(coefficients: Iterable[Expr]) -> int:
@@ -617,8 +568,8 @@ def _step_2(e: Evaluation) -> Iterator[Block]:
     )  # fmt: skip
 
 
-def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> Figure:
-    return drawing(name, caption, "files:draw_figure", e, name, wide=wide)
+def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
+    return w.drawing(name, caption, "files:draw_figure", e, name, wide=wide)
 
 
 def percepts(e: Evaluation) -> Block:
@@ -626,27 +577,28 @@ def percepts(e: Evaluation) -> Block:
     region = joint(e.criteria)
     if not e.felt:
         why = f"the distortion never leaves the {region.kind}" if region else "neither ratio exceeds its threshold"
-        return Paragraph(f"Nothing is noticed on the band: {why}.")
-    rows = tuple((x.part.value if x.part else JOINT, ends(x.band), x.words) for x in e.felt)
+        return doc.Paragraph(f"Nothing is noticed on the band: {why}.")
     where = f"outside the {region.kind}" if region else "where a ratio exceeds its threshold"
-    columns = Column("part"), Column((FREQUENCY, " (", FREQUENCY_UNIT, ")")), Column("felt as")
-    return Table(columns, rows, f"What is felt {where}, {how_sure(e)}.")
+    return w.table(
+        e.felt, f"What is felt {where}, {how_sure(e)}.", w.Field("part", lambda x: x.part.value if x.part else JOINT),
+        w.Field(w.IN_UNIT, lambda x: w.ends(x.band)), w.Field("felt as", lambda x: x.words),
+    )  # fmt: skip
 
 
 def _remarks(e: Evaluation) -> Iterator[Phrase]:
     """What else there is, a line each."""
     yield from _friction(e)
     if e.changeovers_environment or e.changeovers_perceived:
-        env, perc = (places(x) if x else "none" for x in (e.changeovers_environment, e.changeovers_perceived))
+        env, perc = (w.places(x) if x else "none" for x in (e.changeovers_environment, e.changeovers_perceived))
         yield "Changeover frequency: ", env, " (environment), ", perc, " (perceived)."
     yield from _any_environment(e)
     if e.outside_model:
-        active = compared(Prefixed(OPERATORS[Part.IMAG], H_PERC), "<")
+        active = w.compared(Prefixed(w.OPERATORS[Part.IMAG], w.H_PERC), "<")
         noticed = ": no property applies to the imaginary part there." if e.unnamed else ", not noticed there."
-        yield "Active (", active, ") ", spans(e.outside_model), noticed
+        yield "Active (", active, ") ", w.spans(e.outside_model), noticed
     if e.unbounded:
-        why = (compared(H_ENV, "="), ", or ", CHANGE, " infinite")
-        yield "A ratio is unbounded at ", places(e.unbounded), " (", why, ")."
+        why = (w.compared(w.H_ENV, "="), ", or ", w.CHANGE, " infinite")
+        yield "A ratio is unbounded at ", w.places(e.unbounded), " (", why, ")."
     yield from _energy(e)
 
 
@@ -659,29 +611,31 @@ def _any_environment(e: Evaluation) -> Iterator[Phrase]:
         yield "For any environment: unnoticed on this band."
         return
     low: Phrase = (
-        "noticed with some at the low end of the band" if below is None else ("unnoticed up to ", both(below, Way.DOWN))
+        "noticed with some at the low end of the band"
+        if below is None
+        else ("unnoticed up to ", w.both(below, Way.DOWN))
     )
-    yield "For any environment: ", low, () if above is None else (", noticed above ", both(above, Way.UP)), "."
+    yield "For any environment: ", low, () if above is None else (", noticed above ", w.both(above, Way.UP)), "."
 
 
 def _friction(e: Evaluation) -> Iterator[Phrase]:
-    if e.friction is None:
+    x, newton = e.friction, w.unit(Dimension.FORCE, e.scene.motion)
+    if x is None:
         return
-    newton = unit(Dimension.FORCE, e.scene.motion)
-    found = "Friction of ", near(float(e.friction.force)), f" {newton} in the display"
-    source = "(Veldhuis, Mulder and van Paassen, 2024: a Weber fraction and a floor)"
-    if e.friction.noticed is None or e.friction.least is None:
-        how = Code('friction = { weber = ..., floor = "... N" }'), " in ", Code("[evaluation]"), "."
-        yield *found, f" has a threshold of its own {source}, which the scene does not give: ", *how
-    else:
-        verdict: Phrase = Strong("noticed") if e.friction.noticed else "not noticed"
-        least, reference = (float(x or 0) for x in (e.friction.least, e.friction.reference))
-        how_far = "more than " if e.friction.noticed else "at most "
-        yield (
-            *found, " is ", verdict, " as friction: it differs by ", how_far, near(least), f" {newton} from the ",
-            near(reference),
-            f" {newton} that should be felt {source}.",
-        )  # fmt: skip
+    force, source = w.near(float(x.force)), "(Veldhuis, Mulder and van Paassen, 2024: a Weber fraction and a floor)"
+    if x.noticed is None or x.least is None:
+        words = (
+            f"Friction of {{}} {newton} in the display has a threshold of its own {source}, which the scene does not give: "
+            "{} in {}."
+        )
+        yield w.phrased(words, force, doc.Code('friction = { weber = ..., floor = "... N" }'), doc.Code("[evaluation]"))
+        return
+    words = (
+        f"Friction of {{}} {newton} in the display is {{}} as friction: it differs by "
+        f"{'more than' if x.noticed else 'at most'} {{}} {newton} from the {{}} {newton} that should be felt {source}."
+    )
+    verdict: Phrase = Strong("noticed") if x.noticed else "not noticed"
+    yield w.phrased(words, force, verdict, w.near(float(x.least)), w.near(float(x.reference or 0)))
 
 
 def _energy(e: Evaluation) -> Iterator[Phrase]:
@@ -690,12 +644,7 @@ def _energy(e: Evaluation) -> Iterator[Phrase]:
     if found is None or not found.is_active or found.holds is not False:
         return
     if found.damping is not None and found.poles_allow:
-        damping = unit(Dimension.DAMPING, e.scene.motion)
-        yield (
-            "Stable in any hand with damping above ",
-            at_most(found.damping.value),
-            f" {damping}, for any mass and stiffness.",
-        )
+        yield w.enough_damping(w.at_most(found.damping.value), e.scene)
     elif found.is_unbounded:
         yield "No damping of a hand compensates this activity at all frequencies: it increases faster than frequency."
 
@@ -705,13 +654,178 @@ def _energy(e: Evaluation) -> Iterator[Phrase]:
 
 def _proven(e: Evaluation) -> Iterator[Phrase]:
     if e.undecided:
-        where = listed((both(point.omega), f" ({x.name})") for x, point in e.undecided)
-        yield undecided(
+        where = listed((w.both(point.omega), f" ({x.name})") for x, point in e.undecided)
+        yield w.undecided(
             ("whether a ratio is tangent to its threshold, crosses it twice or stays clear of it near ", where)
         )
         yield "Proven: everything else."
         return
     passive = ", passivity" if e.passivity is not None and e.passivity.holds is not None else ""
-    yield proof(e.scene, f"all crossings on the band{passive}, and all digits printed")
+    yield w.proof(e.scene, f"all crossings on the band{passive}, and all digits printed")
     if e.bandwidths is not None and e.bandwidths.undecided:
-        yield undecided(e.bandwidths.undecided)
+        yield w.undecided(e.bandwidths.undecided)
+
+
+# Several environments.
+
+
+def page_family(many: FamilyEvaluation) -> Document:
+    """The page of several environments: one row each, and the worst case."""
+    blocks = _each(many), *_worst(many), *family_regions(many), *w.caveats(cautions(many.family.first))
+    further = ("haptisym evaluate SCENE --environment NAME",)
+    return w.page_about(
+        many.family, _answer(many), blocks, _proven_family(many), "Evaluation with several environments", None, further
+    )
+
+
+def _answer(many: FamilyEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
+    yield "Bandwidth", _bandwidth_of_all(many)
+    words: dict[str, list[str]] = {}
+    for name, e in many.answers.items():
+        if e.felt:  # the change that is noticed first
+            words.setdefault(min(e.felt, key=lambda x: float(x.band.low.omega)).words, []).append(name)
+    felt = listed(f"{first} ({', '.join(names)})" for first, names in words.items())
+    yield "Felt as", felt or "nothing noticed with any"
+    unstable = [name for name, e in many.answers.items() if e.stable is False]
+    undecided_ = [name for name, e in many.answers.items() if e.stable is None]
+    stable: Phrase = "stable with each environment"
+    if unstable or undecided_:
+        stable = Strong("unstable" if unstable else "undecided"), f" with {', '.join(unstable or undecided_)}"
+    yield "Stability", (stable, " under prescribed motion; ", _passive(many))
+
+
+def _passive(many: FamilyEvaluation) -> str:
+    found = {name: None if e.passivity is None else e.passivity.holds for name, e in many.answers.items()}
+    if all(found.values()):
+        return "passive with each"
+    kinds = (("not passive", False), ("passivity undecided", None))
+    return "; ".join(
+        f"{words} with {', '.join(names)}"
+        for words, kind in kinds
+        if (names := [n for n, x in found.items() if x is kind])
+    )
+
+
+def _bandwidth_of_all(many: FamilyEvaluation) -> Phrase:
+    if many.bandwidth is not None:
+        by = listed(f"{x.environment} ({_part(x.criterion)})" for x in many.binding if x.omega is many.bandwidth)
+        width: Phrase = w.both(many.bandwidth)
+        if many.bandwidth is many.chart.points[-1].omega:
+            return "the whole band with each environment, up to ", width
+        return Strong(width), " common to all environments", (", limited by ", by) if by else ""
+    onward: Phrase = ("; all are transparent only ", w.spans(many.transparent)) if many.transparent else ""
+    first = [name for name, e in many.answers.items() if e.bandwidth is None]
+    low: Phrase = (": noticed from the low end of the band with ", ", ".join(first)) if first else ""
+    return Strong("none"), " common to all environments", low, onward
+
+
+def _part(x: Criterion) -> str:
+    return f"{x.name} part" if x.part else x.name
+
+
+def _each(many: FamilyEvaluation) -> Block:
+    """A row for each environment: the lowest frequencies beyond which ratios exceed their thresholds, and as what."""
+
+    def first(name: str, x: Criterion) -> Phrase:
+        exceeded = many.answers[name].chart.where(lambda signs: signs[x] > 0)
+        return w.cell(exceeded[0].low.omega) if exceeded else "never"
+
+    def bandwidth(name: str) -> Phrase:
+        e = many.answers[name]
+        return (
+            "none"
+            if e.bandwidth is None
+            else "whole band"
+            if e.bandwidth is e.chart.points[-1].omega
+            else w.cell(e.bandwidth)
+        )
+
+    shown = w.table(
+        many.answers, ("Each environment: where each part is first noticed, and as what, ", FREQUENCY_UNIT, ", proven."),
+        w.Field("environment", str),
+        *(w.number((named(x.symbol), " > c from"), partial(first, x=x)) for x in noticed(many.family.threshold)),
+        w.number("bandwidth", bandwidth), w.Field("felt as", lambda name: _felt(many.answers[name])),
+    )  # fmt: skip
+    low, high = (w.cell(many.chart.points[i].omega) for i in (0, -1))
+    words = "First crossings on {} to {}\xa0{}, in {}, JND {}"
+    return doc.Section(
+        w.phrased(words, low, high, FREQUENCY_UNIT, FREQUENCY_UNIT, w.limits(many.family.threshold)), (shown,)
+    )
+
+
+def _felt(e: Evaluation) -> str:
+    """How each part is felt where it is first noticed."""
+    first = {x.part: x.words for x in reversed(e.felt)}
+    return "; ".join(first[part] for part in Part if part in first) or "-"
+
+
+def _worst(many: FamilyEvaluation) -> Iterator[Block]:
+    """What limits the bands on which all are transparent, where that is more than the bandwidth."""
+    further = [x for x in many.binding if x.omega is not many.bandwidth]
+    if len(many.transparent) > 1:
+        yield doc.Notes((("All environments are transparent ", w.spans(many.transparent), "."),))
+    if further:
+        shown = w.table(
+            further, "What limits the other transparent intervals.", w.hertz(lambda x: w.cell(x.omega)),
+            w.Field("environment", lambda x: x.environment), w.Field("part", lambda x: x.criterion.name),
+        )  # fmt: skip
+        yield doc.Section("Further limits", (shown,))
+    shown = "The largest ratio of all environments, with the thresholds; grey: the band on which all are transparent."
+    yield doc.Figure("worst-case", shown, many.figure)
+
+
+def _proven_family(many: FamilyEvaluation) -> Iterator[Phrase]:
+    if not many.certified:
+        yield w.undecided("a crossing of some environment, at the precision limit: evaluate each alone")
+    else:
+        yield w.proof(many.family, "all crossings of every environment, their order, and all digits printed")
+
+
+# Peaks.
+
+
+def page_peaks(found: Peaks) -> Document:
+    """The page of the peaks of the ratios: where each is largest inside the band, and how large."""
+    if found:
+        shown = w.table(
+            found, "All local maxima of the ratios inside the band.",
+            w.Field("ratio", lambda x: (w.symbol(x.criterion.symbol), " over its limit" if x.in_limits and x.part else "")),
+            w.hertz(lambda x: w.cell(x.omega)), w.number("value", lambda x: w.near(x.ratio)),
+        )  # fmt: skip
+        block: Block = doc.Section(
+            "Where a ratio is larger than on either side", (shown, *w.noted(_remarks_peaks(found)))
+        )
+    else:
+        block = doc.Paragraph("No ratio has a local maximum inside the band.")
+    return w.page_about(
+        found.scene, tuple(_answer_peaks(found)), (block,), _proven_peaks(found), "Peaks of the ratios", found.asides()
+    )
+
+
+def _answer_peaks(found: Peaks) -> Iterator[tuple[Phrase, Phrase]]:
+    """The largest maximum of each ratio."""
+    for x in dict.fromkeys(x.criterion for x in found):
+        most = max((y for y in found if y.criterion == x), key=lambda y: float(y.ratio))
+        yield ("Largest ", w.symbol(x.symbol)), (w.near(most.ratio), " at ", w.both(most.omega))
+
+
+def _remarks_peaks(found: Peaks) -> Iterator[Phrase]:
+    region = joint(x.criterion for x in found)
+    if region:
+        yield "The value is how many times the ", region.kind, " must be enlarged to hold the distortion."
+    for x in found:
+        if x.jump:
+            yield (
+                "At ",
+                w.both(x.omega),
+                " the limit changes: the ratio comes arbitrarily near to the value, and drops.",
+            )
+
+
+def _proven_peaks(found: Peaks) -> Iterator[Phrase]:
+    if found.undecided:
+        where = listed(map(w.both, found.undecided))
+        yield w.undecided(("whether a slope changes its sign at ", where, ", at the precision limit"))
+        yield "Proven: all others."
+    else:
+        yield w.proof(found.scene, "all local maxima inside the band, and all digits printed")

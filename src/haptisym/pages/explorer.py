@@ -1,29 +1,218 @@
-"""The explorer of a page: sliders for a scene's parameters, and its closed forms as JavaScript that is drawn anew."""
+"""What works on a page of HTML: the explorer, and the certificate with a program that proves it anew where the page is read.
+
+The explorer has sliders for a scene's parameters and those of its JND, and its closed forms as JavaScript, drawn anew as they
+move. The program that proves (``data/checker.js``) is for quotients of polynomials alone. Whatever else has a certificate is
+checked by ``python -m haptisym_check``, and the page says so.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from importlib.resources import files
-from typing import Any
+from typing import Any, TypeAlias
 
-from sympy import Symbol
+from sympy import Expr, Poly, Symbol, fraction, together
 
+from haptisym.judge.answers import Answer
 from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.errors import HaptisymError
+from haptisym.kernel.rings import omega
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import Parameter, Rule
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
-from haptisym.pages.checked import is_provable
+from haptisym.model.scene import Scene
 from haptisym.pages.scene import SceneForms
-from haptisym.pages.sliders import Slider, limit_sliders, region_record
-from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, RATIOS, unit
-from haptisym.verbs.evaluate.certificate import name_in_file
-from haptisym.writing.code.code import nearest_double
-from haptisym.writing.code.entry import scene_program
-from haptisym.writing.code.languages import Language
+from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, PART_NAMES, RATIOS, unit
+from haptisym.verbs.evaluate.certificate import has_broken_powers, name_in_file
+from haptisym.verbs.stability.held import ring_of
+from haptisym.writing.code import Language, nearest_double, scene_program
 from haptisym.writing.document import Phrase
 from haptisym.writing.html import Html, data, element, inline, joined, phrase, script
 from haptisym.writing.layout import named
+
+# What proves an answer anew.
+
+
+def is_provable(e: Evaluation) -> bool:
+    """Whether the page's checker can find the crossings anew, at other values too: of a rational scene as its file has it."""
+    ring = ring_of(e.distortion.difference)
+    if e.relevance or ring.lags or ring.orders or has_broken_powers(e.scene.text):
+        return False
+    try:
+        name_in_file(e.scene)
+    except HaptisymError:
+        return False
+    return True
+
+
+def checked(answer: Answer, scene: Scene) -> Html:
+    """Certificate, scene file, checker, and where it says what it found; where there is none, why."""
+    checker = _checker(scene) if isinstance(answer, Evaluation) and is_provable(answer) else []
+    try:
+        certificate = answer.certificate()
+    except HaptisymError as error:
+        none = element("p", f"This page carries no certificate: {str(error).removeprefix('a certificate: ')}.")
+        return joined([none, *checker])
+    proof = json.loads(certificate)["proof"]
+    if proof.get("delays") or proof.get("orders") or has_broken_powers(scene.text):
+        return element("p", "The scene is not rational: its certificate (", element("code", "--certificate FILE"),
+                       ") is checked with ", element("code", "python -m haptisym_check FILE SCENE.toml"), ".")  # fmt: skip
+    told = (
+        "the table of crossings above"
+        if isinstance(answer, Evaluation)
+        else "the answer that this page carries as JSON"
+    )
+    note = (
+        "This page carries a certificate, the scene's file, and a program that shares no line with haptisym. That program proves "
+        f"the certificate anew in your browser, and compares it with {told}."
+    )
+    found = element("p", "Not checked here: that needs JavaScript.", given={"id": "checked", "role": "status"})
+    own = data(json.dumps(certificate), "certificate")
+    return joined([element("p", note), found, own, *(checker or _checker(scene)), _script("checked.js")])
+
+
+def _checker(scene: Scene) -> list[Html]:
+    """What finds crossings anew, and what it reads."""
+    catalogue = tomllib.loads((files("haptisym_check") / "catalogue.toml").read_text(encoding="utf-8"))
+    own = data(json.dumps(scene.text), "certificate-scene")
+    return [own, data(json.dumps(catalogue), "certificate-catalogue"), _script("scene.js"), _script("checker.js")]
+
+
+def _script(name: str) -> Html:
+    return script((files("haptisym") / "data" / name).read_text(encoding="utf-8"))
+
+
+# Sliders.
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A number that can be moved: from ``low`` to ``high`` by the slider, to any value that ``rule`` allows by typing."""
+
+    identity: str
+    label: str
+    unit: str
+    value: float
+    low: float
+    high: float
+    rule: Rule
+    is_logarithmic: bool = False
+    most: float | None = None
+    least: float | None = None
+    """The largest and the smallest value that may be typed, if the rule does not say."""
+
+    def record(self) -> dict[str, Any]:
+        """What the script needs to know."""
+        return {
+            "id": self.identity, "unit": self.unit, "value": self.value, "low": self.low, "high": self.high,
+            "log": self.is_logarithmic, "least": self.least if self.rule is Rule.ANY else 0,
+            "open": self.rule in (Rule.POSITIVE, Rule.FRACTION),
+            "most": 1 - 2**-53 if self.rule is Rule.FRACTION else self.most,
+        }  # fmt: skip
+
+    def control(self, words: str) -> Html:
+        """The slider and the box that shows its value, each with its label; ``words``: what it is, for a screen reader."""
+        unit = f", {self.unit}" if self.unit else ""
+        label = element("label", self.label, given={"for": self.identity, "title": words})
+        slide = element("input", given={"type": "range", "id": self.identity, "aria-label": words, "step": "1"})
+        box = {"type": "number", "id": f"{self.identity}-value", "step": "any", "aria-label": f"{words}{unit}"}
+        shown = element("span", element("input", given=box), element("span", self.unit), given={"class": "readout"})
+        return element("div", label, slide, shown, given={"class": "control"})
+
+    def reaching(self) -> Slider:
+        """The same, on a logarithmic scale that holds its value with a decade to each side."""
+        low, high = min(self.low, self.value / 10), max(self.high, self.value * 10)
+        return replace(self, low=low, high=high, is_logarithmic=True)
+
+
+Limits: TypeAlias = dict[str, tuple[Slider, str]]
+"""By the name of a number: ``real``, ``real.lower``, ``floor``, ``tilt``, ``size``; a slider, and words for a screen reader."""
+
+
+def limit_sliders(scene: Scene) -> Limits:
+    """One for both half widths where they are the same number; one for how large a polygon is."""
+    t = scene.threshold
+    if t.region.shape is Shape.POLYGON:
+        size = Slider("explorer-size", Html("size"), "×", 1.0, 0.1, 10.0, Rule.POSITIVE, is_logarithmic=True)
+        return {"size": (size, "how many times the polygon is as large")}
+    alike = t.real == t.imag and not t.real.has(omega) and t.region.lower == (None, None)
+    found: Limits = {}
+    if alike:
+        found = dict.fromkeys(("real", "imag"), (_share("explorer-c", inline(named("c")), t.real), "threshold c"))
+    else:
+        found = {key: own for part in Part for key, own in _of_part(t, part)}
+    return found | dict(_others(scene))
+
+
+def _of_part(t: Threshold, part: Part) -> Iterator[tuple[str, tuple[Slider, str]]]:
+    name, identity, lower = inline(named(f"c_{part.value}")), f"explorer-c-{part.value}", t.lower(part)
+    words = f"threshold c of the {PART_NAMES[part]} part"
+    if not t[part].has(omega):
+        label, way = (name, "") if lower is None else (joined([name, Html(" ↑")]), " where it grows")
+        yield part.value, (_share(identity, label, t[part]), f"{words}{way}")
+    if lower is not None and not lower.has(omega):
+        slider = _share(f"{identity}-lower", joined([name, Html(" ↓")]), lower)
+        yield f"{part.value}.lower", (slider, f"{words} where it shrinks")
+
+
+def _share(identity: str, label: Html, value: Expr) -> Slider:
+    return Slider(identity, label, "", nearest_double(value), 0.01, 1.0, Rule.POSITIVE).reaching()
+
+
+def _others(scene: Scene) -> Iterator[tuple[str, tuple[Slider, str]]]:
+    region = scene.threshold.region
+    if region.floor is not None and not region.floor.has(omega):
+        stiffness = unit(Dimension.STIFFNESS, scene.motion)
+        value = nearest_double(region.floor)
+        slider = Slider(
+            "explorer-floor",
+            Html("floor"),
+            stiffness,
+            value,
+            value / 10,
+            value * 10,
+            Rule.POSITIVE,
+            is_logarithmic=True,
+        )
+        yield "floor", (slider, "least change that is noticed")
+    if region.shape is Shape.ELLIPSE and not region.tilt.has(omega):
+        value = nearest_double(region.tilt)
+        slider = Slider(
+            "explorer-tilt", Html("tilt"), "", value, -0.99, 0.99, Rule.ANY, most=1 - 2**-53, least=-1 + 2**-53
+        )
+        yield "tilt", (slider, "tilt of the ellipse")
+
+
+def region_record(t: Threshold, limits: Limits) -> dict[str, Any]:
+    """The region's shape, and each of its numbers: a slider, or a quotient of polynomials in omega."""
+    region = t.region
+    if region.shape is Shape.POLYGON:
+        corners = [[_quotient(x) for x in corner] for corner in region.corners]
+        return {"shape": region.shape.value, "numbers": _numbers({}, limits), "corners": corners}
+    named_ = {part.value: t[part] for part in Part}
+    named_ |= {f"{part.value}.lower": x for part in Part if (x := t.lower(part)) is not None}
+    named_ |= {"floor": region.floor} if region.floor is not None else {}
+    named_ |= {"tilt": region.tilt} if region.shape is Shape.ELLIPSE else {}
+    return {"shape": region.shape.value, "numbers": _numbers(named_, limits), "corners": []}
+
+
+def _numbers(values: Mapping[str, Expr], limits: Limits) -> dict[str, Any]:
+    fixed = {key: _quotient(x) for key, x in values.items() if key not in limits}
+    return fixed | {key: {"slider": slider.identity} for key, (slider, _) in limits.items()}
+
+
+def _quotient(x: Expr) -> dict[str, list[float]]:
+    """Coefficients in omega, ascending."""
+    if not x.has(omega):
+        return {"top": [nearest_double(x)], "bottom": [1.0]}
+    top, bottom = (Poly(p, omega).all_coeffs()[::-1] for p in fraction(together(x)))
+    return {"top": [nearest_double(c) for c in top], "bottom": [nearest_double(c) for c in bottom]}
+
+
+# The explorer.
 
 
 def explorer(e: Evaluation, forms: SceneForms) -> Html:

@@ -13,25 +13,11 @@ from haptisym.kernel.rings import s
 from haptisym.model.distortion import distort
 from haptisym.model.quantities import unit_text
 from haptisym.pages.measured import linearity, measured_words
-from haptisym.pages.words import near, noted, undecided
+from haptisym.pages.words import Field, near, noted, number, phrased, table, undecided
 from haptisym.verbs.identify.entry import Estimate, Identification, correlation
-from haptisym.writing.document import (
-    Block,
-    Code,
-    Column,
-    Document,
-    Facts,
-    Figure,
-    Notes,
-    Number,
-    Paragraph,
-    Phrase,
-    Section,
-    Strong,
-    Table,
-)
-from haptisym.writing.equations import equation
-from haptisym.writing.layout import named
+from haptisym.writing import document as doc
+from haptisym.writing.document import Block, Document, Phrase, Strong
+from haptisym.writing.layout import equation, named
 from haptisym.writing.mathml import readable
 
 _CORRELATED = 0.95
@@ -42,14 +28,14 @@ def page(a: Identification) -> Document:
     """The whole page."""
     shown = "The model over the measured points, with discs, and the residuals in units of their standard error."
     blocks: tuple[Block, ...] = (
-        Facts(tuple(_answer(a)), "findings"),
-        Section("Parameters", (_table(a), Notes(tuple(_remarks(a)))), "parameters"),
-        Section(
+        doc.Facts(tuple(_answer(a)), "findings"),
+        doc.Section("Parameters", (_table(a), doc.Notes(tuple(_remarks(a)))), "parameters"),
+        doc.Section(
             "Does the model fit?",
-            (Facts(tuple(_about(a))), *noted(_tests(a)), Figure("model", shown, a.figure)),
+            (doc.Facts(tuple(_about(a))), *noted(_tests(a)), doc.Figure("model", shown, a.figure)),
             "verdict",
         ),
-        Paragraph(_how_sure(a)),
+        doc.Paragraph(_how_sure(a)),
     )
     return Document(a.title, (), blocks, "A model fitted to a measured response")
 
@@ -93,12 +79,12 @@ def _digits(a: Identification) -> int:
     return min(max(2, 1 + ceil(-log10(max(min(shares, default=1), 1e-7)))), 8)
 
 
-def _certain_digits(x: Estimate, value: float, way: str = ROUND_HALF_EVEN) -> Number:
+def _certain_digits(x: Estimate, value: float, way: str = ROUND_HALF_EVEN) -> doc.Number:
     """A number to the second digit of the error."""
     last = floor(log10(x.error)) - 1 if x.error > 0 else -12
     least = floor(log10(abs(value))) - 7 if value else last
     exact = Decimal(value).quantize(Decimal(1).scaleb(max(last, least)), rounding=way, context=Context(prec=60))
-    return Number(
+    return doc.Number(
         f"{float(exact):.{max(0, -max(last, least))}f}" if abs(exact) < 10**7 else f"{float(exact):.8g}", value
     )
 
@@ -106,15 +92,17 @@ def _certain_digits(x: Estimate, value: float, way: str = ROUND_HALF_EVEN) -> Nu
 def _tests(a: Identification) -> Iterator[Phrase]:
     v = a.verdict
     if v.square is not None and v.chance is not None:
-        yield (
-            "Size of the residuals: chi^2 = ", near(v.square), f", {v.freedom} degrees of freedom; as large or larger with a ",
-            "probability ", *_chance(v.chance), " if the model holds.",
-        )  # fmt: skip
+        words = (
+            "Size of the residuals: chi^2 = {}, {} degrees of freedom; as large or larger with a probability {} if the "
+            "model holds."
+        )
+        yield phrased(words, near(v.square), str(v.freedom), _chance(v.chance))
     if v.neighbours is not None and v.neighbours_chance is not None:
-        yield (
-            "Order: residuals of neighbouring points correlate by ", near(v.neighbours, most=2), "; as much or more with a ",
-            "probability ", *_chance(v.neighbours_chance), " if they are independent.",
-        )  # fmt: skip
+        words = (
+            "Order: residuals of neighbouring points correlate by {}; as much or more with a probability {} if they are "
+            "independent."
+        )
+        yield phrased(words, near(v.neighbours, most=2), _chance(v.neighbours_chance))
         if v.neighbours_chance < (1 - a.fit.lines.confidence) / 3 < (v.chance or 1):
             yield "Points of a Hann window overlap: if these do, keep every second one."
     if a.measurement.welch and (told := linearity(a.measurement.welch)):
@@ -123,31 +111,23 @@ def _tests(a: Identification) -> Iterator[Phrase]:
 
 def _chance(x: float) -> tuple[Phrase, ...]:
     """``of 0.003``; a double has none below some 1e-308."""
-    return ("of ", near(x, most=3)) if x else ("below ", Number("1e-300", x))
+    return ("of ", near(x, most=3)) if x else ("below ", doc.Number("1e-300", x))
 
 
 def _table(a: Identification) -> Block:
-    share = f"{100 * a.fit.lines.confidence:g}\xa0%"
-    columns = (
-        Column("parameter"), Column("value", number=True), Column("± error", number=True), Column(f"{share} interval"),
-        Column("joint range"), Column(""),
-    )  # fmt: skip
     caption = (
-        "Each parameter: its standard error, its confidence interval by itself, and its range where all parameters are estimated "
-        "together."
+        "Each parameter: its standard error, its confidence interval by itself, and its range where all parameters are "
+        "estimated together."
     )
-    return Table(columns, tuple(_row(a, x) for x in a.estimates), caption)
-
-
-def _row(a: Identification, x: Estimate) -> tuple[Phrase, ...]:
-    unit = a.unit(x)
-    sides = (_ends(x, x.low, x.high), _ends(x, x.least, x.most))
-    return (
-        _name(a, x),
-        _certain_digits(x, x.value),
-        near(x.error, most=2),
-        *sides,
-        "" if unit == "1" else unit_text(unit),
+    return table(
+        a.estimates,
+        caption,
+        Field("parameter", lambda x: _name(a, x)),
+        number("value", lambda x: _certain_digits(x, x.value)),
+        number("± error", lambda x: near(x.error, most=2)),
+        Field(f"{100 * a.fit.lines.confidence:g}\xa0% interval", lambda x: _ends(x, x.low, x.high)),
+        Field("joint range", lambda x: _ends(x, x.least, x.most)),
+        Field("", lambda x: "" if a.unit(x) == "1" else unit_text(a.unit(x))),
     )
 
 
@@ -158,7 +138,7 @@ def _ends(x: Estimate, low: float, high: float) -> Phrase:
 def _name(a: Identification, x: Estimate) -> Phrase:
     """Its name, where no other parameter has that, else its path."""
     names = [other.parameter.name for other in a.estimates]
-    return named(x.parameter.name) if names.count(x.parameter.name) == 1 else Code(x.parameter.path)
+    return named(x.parameter.name) if names.count(x.parameter.name) == 1 else doc.Code(x.parameter.path)
 
 
 def _remarks(a: Identification) -> Iterator[Phrase]:
@@ -173,33 +153,42 @@ def _remarks(a: Identification) -> Iterator[Phrase]:
         for values in a.fit.others:
             yield Strong("The same response"), f" at every frequency: {a.moved(values)}."
         paths = " or ".join(a.ambiguous)
-        fix = Code("model:key=value"), "), or measure the response of the environment without the effects."
+        fix = doc.Code("model:key=value"), "), or measure the response of the environment without the effects."
         yield f"No point of this response distinguishes them. Fix {paths} (", *fix
     if a.fit.period is not None:
         step, more = near(2 * np.pi / a.fit.period), near(a.fit.period)
-        yield (
-            "Points ",
-            step,
-            " rad/s apart do not distinguish a delay from one that is ",
-            more,
-            " s longer; the shortest is kept.",
-        )
+        words = "Points {} rad/s apart do not distinguish a delay from one that is {} s longer; the shortest is kept."
+        yield phrased(words, step, more)
     for x in a.estimates:
         if not x.told:
-            yield "The data do not identify ", _name(a, x), ". Leave it out, or fix it: ", Code("model:key=value"), "."
+            yield (
+                "The data do not identify ",
+                _name(a, x),
+                ". Leave it out, or fix it: ",
+                doc.Code("model:key=value"),
+                ".",
+            )
     shares = np.triu(np.abs(correlation(a.fit)), 1)
     for i, j in np.argwhere(shares > _CORRELATED).tolist():
         one, other = (_name(a, a.estimates[k]) for k in (i, j))
-        yield (
-            one,
-            " and ",
-            other,
-            f" are correlated ({correlation(a.fit)[i, j]:.3g}): the data hardly identify them separately.",
+        words = (
+            f"{{}} and {{}} are correlated ({correlation(a.fit)[i, j]:.3g}): the data hardly identify them separately."
         )
+        yield phrased(words, one, other)
     if a.has_ranges:
-        yield "The scene file (", Code("--scene FILE"), ") has the joint ranges, for ", Code("haptisym tolerances"), "."
+        yield (
+            "The scene file (",
+            doc.Code("--scene FILE"),
+            ") has the joint ranges, for ",
+            doc.Code("haptisym tolerances"),
+            ".",
+        )
     else:
-        yield "The scene file (", Code("--scene FILE"), ") has values and no ranges: here a range would mean nothing."
+        yield (
+            "The scene file (",
+            doc.Code("--scene FILE"),
+            ") has values and no ranges: here a range would mean nothing.",
+        )
 
 
 def _how_sure(a: Identification) -> Phrase:

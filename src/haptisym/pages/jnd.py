@@ -12,25 +12,11 @@ from statistics import NormalDist
 import numpy as np
 
 from haptisym.model.jnd import Published
-from haptisym.pages.words import near, noted
+from haptisym.pages.words import Field, near, noted, number, phrased, table
 from haptisym.verbs.jnd.entry import METHODS, Estimate, Psychometric, PublishedThresholds
+from haptisym.writing import document as doc
 from haptisym.writing.boxes import Applied, Box, Fenced, Fraction, Numeral, Product, Sum
-from haptisym.writing.document import (
-    Block,
-    Code,
-    Column,
-    Document,
-    Equations,
-    Facts,
-    Figure,
-    Line,
-    Notes,
-    Paragraph,
-    Phrase,
-    Section,
-    Strong,
-    Table,
-)
+from haptisym.writing.document import Block, Document, Phrase, Strong
 from haptisym.writing.layout import named
 
 
@@ -38,10 +24,10 @@ def page(p: Psychometric) -> Document:
     """The whole page."""
     caption = "Shares of the answers at each level (the larger a dot, the more answers) and the fitted curve."
     blocks: tuple[Block, ...] = (
-        Facts(tuple(_found(p)), "findings"), *_warned(p), *_for_a_scene(p),
-        Section("The curve", (Equations((_equation(p),)), Facts(tuple(_facts(p)))), "curve"),
-        Figure("answers", caption, p.figure), Section("The responses", (_answers(p),), "answers"), *noted(p.notes),
-        Notes((_ESTIMATED, f"Method: {METHODS[p.method]}.")),
+        doc.Facts(tuple(_found(p)), "findings"), *_warned(p), *_for_a_scene(p),
+        doc.Section("The curve", (doc.Equations((_equation(p),)), doc.Facts(tuple(_facts(p)))), "curve"),
+        doc.Figure("answers", caption, p.figure), doc.Section("The responses", (_answers(p),), "answers"), *noted(p.notes),
+        doc.Notes((_ESTIMATED, f"Method: {METHODS[p.method]}.")),
     )  # fmt: skip
     return Document(p.answers.name, (), blocks, "A just-noticeable difference, measured")
 
@@ -77,63 +63,57 @@ def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
         without = "lapses" if choices else "guesses and lapses"
         seen = _percent(float(curve(np.array([level]))[0]))
         yield "JND", (_estimate(p, p.jnd), f", where without {without} {share} of the responses would be {of}{where}")
-        reached = (
-            NormalDist().inv_cdf(inner)
-            if 0 < (inner := (p.asked.proportion - curve.guess) / (1 - curve.guess - curve.lapse)) < 1
-            else None
-        )
-        there = "at no level" if reached is None else near(curve.mu * bool(choices) + reached * curve.sigma)
+        inner, there = (p.asked.proportion - curve.guess) / (1 - curve.guess - curve.lapse), "at no level"
+        if 0 < inner < 1:
+            there = near(curve.mu * bool(choices) + NormalDist().inv_cdf(inner) * curve.sigma)
         yield "with lapses", (f"{seen} of all responses are {of} there; {share} of all: ", there)
     if p.fraction and p.reference:
         yield "fraction", (_estimate(p, p.fraction), " of the standard, ", near(p.reference))
     yield "fit", _fit(p)
     if not p.table:
         how = "a threshold is a fraction of the standard: give its level with "
-        yield "in a scene", (how, Code("--reference"), " (1 for fractions)")
+        yield "in a scene", (how, doc.Code("--reference"), " (1 for fractions)")
 
 
 def _for_a_scene(p: Psychometric) -> Iterator[Block]:
     """The threshold as a table of a scene file, line by line."""
     if p.table:
         lines = ("[evaluation.jnd]", *(f"{key} = {value}" for key, value in p.table.items()))
-        yield Section("In a scene", (Notes(tuple(map(Code, lines))),), "scene")
+        yield doc.Section("In a scene", (doc.Notes(tuple(map(doc.Code, lines))),), "scene")
 
 
 def _fit(p: Psychometric) -> Phrase:
     tested = p.deviance
     if tested.p is None:
         return "cannot be tested: no more levels with enough answers than numbers that are fitted"
-    found = (
-        "deviance ",
-        near(tested.value),
-        f", {tested.degrees} degrees of freedom, p = ",
-        near(tested.p, most=2),
-    )
-    return (*found, ": within chance") if tested.fits else (*found, ": ", Strong("not"), " within chance")
+    within: Phrase = "within chance" if tested.fits else (Strong("not"), " within chance")
+    words = f"deviance {{}}, {tested.degrees} degrees of freedom, p = {{}}: {{}}"
+    return phrased(words, near(tested.value), near(tested.p, most=2), within)
 
 
 def _warned(p: Psychometric) -> Iterator[Block]:
     if p.deviance.fits is False:
-        yield Paragraph((
-            "The curve does ", Strong("not"), " fit these responses: neither the JND nor its interval can be relied on. See the ",
-            "figure; causes are lapses, learning, or responses of several people put together.",
-        ))  # fmt: skip
+        words = (
+            "The curve does {} fit these responses: neither the JND nor its interval can be relied on. See the figure; causes "
+            "are lapses, learning, or responses of several people put together."
+        )
+        yield doc.Paragraph(phrased(words, Strong("not")))
     if p.jnd.high is None:
-        yield Paragraph((
-            "The interval has ", Strong("no"), (" upper end: these responses do not bound the JND. It takes more of "
-            "them, or levels "),
-            "farther from the standard.",
-        ))  # fmt: skip
+        words = (
+            "The interval has {} upper end: these responses do not bound the JND. It takes more of them, or levels farther from "
+            "the standard."
+        )
+        yield doc.Paragraph(phrased(words, Strong("no")))
 
 
-def _equation(p: Psychometric) -> Line:
+def _equation(p: Psychometric) -> doc.Line:
     curve = p.fit.curve
     x, mu, sigma = (named(name) for name in ("x", "mu", "sigma"))
     phi = Applied(named("Phi"), (Fraction(Sum(((1, x), (-1, mu))), sigma),))
     if not curve.guess and not curve.lapse:
-        return Line(Applied(named("psi"), (x,)), phi)
+        return doc.Line(Applied(named("psi"), (x,)), phi)
     share: Box = Sum(((1, Numeral("1")), (-1, named("gamma")), (-1, named("lambda"))))
-    return Line(Applied(named("psi"), (x,)), Sum(((1, named("gamma")), (1, Product((Fenced(share), phi))))))
+    return doc.Line(Applied(named("psi"), (x,)), Sum(((1, named("gamma")), (1, Product((Fenced(share), phi))))))
 
 
 def _facts(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
@@ -155,30 +135,30 @@ def _answers(p: Psychometric) -> Block:
     rows = p.answers.rows
     if len(rows) > _MOST_ROWS:
         trials = sum(x.trials for x in rows)
-        return Paragraph(f"{trials} responses at {len(rows)} levels, from {rows[0].level:g} to {rows[-1].level:g}.")
+        return doc.Paragraph(f"{trials} responses at {len(rows)} levels, from {rows[0].level:g} to {rows[-1].level:g}.")
     curve = p.fit.curve(np.array([x.level for x in rows]))
-    columns = tuple(Column(x, number=True) for x in ("level", "k", "n", "share", "curve"))
-    told = tuple(
-        (near(x.level), str(x.count), str(x.trials), f"{x.share:.3f}", f"{y:.3f}")
-        for x, y in zip(rows, curve, strict=True)
-    )
-    return Table(
-        columns, told, "The responses: how many (k) of how many (n) counted at each level, and the curve there."
-    )
+    return table(
+        zip(rows, curve, strict=True), "The responses: how many (k) of how many (n) counted at each level, and the curve there.",
+        number("level", lambda x: near(x[0].level)), number("k", lambda x: str(x[0].count)),
+        number("n", lambda x: str(x[0].trials)), number("share", lambda x: f"{x[0].share:.3f}"),
+        number("curve", lambda x: f"{x[1]:.3f}"),
+    )  # fmt: skip
 
 
 def published_page(found: PublishedThresholds) -> Document:
     """The page of published thresholds: what they are, and where they come from."""
-    columns = Column("name"), Column("JND"), Column("criterion"), Column("of what")
-    rows = tuple((Code(x.name), x.written.replace(" %", "\xa0%"), _criterion(x), x.quantity) for x in found)
     named = next(x.name for x in found if x.criterion)
-    lead = "By its name in a scene: ", Code(f'jnd = {{ like = "{named}" }}'), "; a range gives a range of bandwidths."
+    like = doc.Code(f'jnd = {{ like = "{named}" }}')
+    lead = phrased("By its name in a scene: {}; a range gives a range of bandwidths.", like)
+    shown = table(
+        found, "Published thresholds, and the share of answers at which each was taken where that is known.",
+        Field("name", lambda x: doc.Code(x.name)), Field("JND", lambda x: x.written.replace(" %", "\xa0%")),
+        Field("criterion", _criterion), Field("of what", lambda x: x.quantity),
+    )  # fmt: skip
     blocks = (
-        Table(
-            columns, rows, "Published thresholds, and the share of answers at which each was taken where that is known."
-        ),
-        Section("Sources, and how far they were read", (Notes(tuple(map(_reference, found))),)),
-        Paragraph(_DIFFER),
+        shown,
+        doc.Section("Sources, and how far they were read", (doc.Notes(tuple(map(_reference, found))),)),
+        doc.Paragraph(_DIFFER),
     )
     return Document("Published thresholds", (lead,), blocks, "Just-noticeable differences")
 
@@ -193,4 +173,4 @@ def _criterion(x: Published) -> str:
 def _reference(x: Published) -> Phrase:
     doi = f", doi:{x.doi}" if x.doi else ""
     apart = f". Not for a scene: {x.apart}" if x.apart else ""
-    return Code(x.name), f": {x.source}{doi} [{x.read}]; {x.reference}{apart}."
+    return doc.Code(x.name), f": {x.source}{doi} [{x.read}]; {x.reference}{apart}."

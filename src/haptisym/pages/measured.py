@@ -14,38 +14,12 @@ from haptisym.kernel.rings import s
 from haptisym.model.jnd import Part
 from haptisym.model.measured import Measurement, Slope, Welch, coherence_for
 from haptisym.model.quantities import unit_text
-from haptisym.pages.late import drawing
-from haptisym.pages.words import (
-    PART_NAMES,
-    RATIOS,
-    at_least,
-    at_most,
-    both,
-    cell,
-    limits,
-    near,
-    page_about,
-    stiffness_unit,
-)
+from haptisym.pages import words as w
 from haptisym.verbs.measured.entry import Between, MeasuredEvaluation, Share, Stretches
 from haptisym.verbs.measured.judging import CODES, certainty, limits_of
-from haptisym.writing.document import (
-    FREQUENCY,
-    FREQUENCY_UNIT,
-    Block,
-    Column,
-    Document,
-    Facts,
-    Figure,
-    Notes,
-    Paragraph,
-    Phrase,
-    Section,
-    Strong,
-    Table,
-    listed,
-)
-from haptisym.writing.equations import equation
+from haptisym.writing import document as doc
+from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
+from haptisym.writing.layout import equation
 from haptisym.writing.mathml import readable
 
 _UNLIKELY = 0.01
@@ -55,7 +29,7 @@ _UNLIKELY = 0.01
 def measured_words(m: Measurement) -> Phrase:
     """``bench.csv: 60 lines from 1 to 15 rad/s``, and what its discs come from."""
     low, high = float(m.omega[0]), float(m.omega[-1])
-    where: Phrase = ("at ", cell(low)) if len(m) == 1 else ("from ", cell(low), " to ", cell(high))
+    where: Phrase = ("at ", w.cell(low)) if len(m) == 1 else ("from ", w.cell(low), " to ", w.cell(high))
     lines: Phrase = (m.name, ": ", counted(len(m), "frequency point"), " ", where, "\xa0", FREQUENCY_UNIT)
     if m.welch is not None:
         return lines, "; ", m.welch.words
@@ -70,18 +44,14 @@ def linearity(w: Welch) -> Phrase | None:
     if w.cube is None or w.cube_chance is None:
         return None
     told: Phrase = (
-        "the force follows the cube of the predicted one by ", near(w.cube), " standard errors; as many or more have a ",
-        "probability of ", near(w.cube_chance), " if the display is linear",
+        "the force follows the cube of the predicted one by ", w.near(w.cube), " standard errors; as many or more have a ",
+        "probability of ", w.near(w.cube_chance), " if the display is linear",
     )  # fmt: skip
     if w.cube_chance >= _UNLIKELY:
         return told
     as_if = "saturating" if w.cube < 0 else "hardening, or with play"
-    return (
-        Strong("not linear"),
-        f" ({as_if}): ",
-        told,
-        ". The response is that of a motion of this size; another gives another",
-    )
+    words = f"{{}} ({as_if}): {{}}. The response is that of a motion of this size; another gives another"
+    return w.phrased(words, Strong("not linear"), told)
 
 
 MOST_ROWS = 40
@@ -96,7 +66,7 @@ def shape(e: MeasuredEvaluation) -> str:
 def _judgements(e: MeasuredEvaluation) -> list[tuple[str, Any]]:
     """The columns of verdicts: their headings and codes."""
     alone = " alone" if e.joint else ""
-    found = [(f"{PART_NAMES[part]}{alone}", e.verdict[part]) for part in Part]
+    found = [(f"{w.PART_NAMES[part]}{alone}", e.verdict[part]) for part in Part]
     return [(shape(e), e.joint.verdict), *found] if e.joint else found
 
 
@@ -108,42 +78,36 @@ def _groups(e: MeasuredEvaluation) -> Any:
     return code
 
 
-def table(e: MeasuredEvaluation) -> Block:
+def _lines(e: MeasuredEvaluation) -> Block:
     """All lines."""
-    judgements = _judgements(e)
-    names = tuple(Column(name) for name, _ in judgements)
+    judged = [w.Field(name, lambda i, own=own: verdict(CODES[int(own[i])].value)) for name, own in _judgements(e)]
     caption = "Each frequency point: exceeds or below where the whole uncertainty disc does, else unresolved."
-    heading: Phrase = (FREQUENCY, " (", FREQUENCY_UNIT, ")")
     if len(e) <= MOST_ROWS:
+        rows = list(e.rows)
         numbers = (
-            Column(FREQUENCY, number=True, hertz=True),
-            *(Column(RATIOS[x], number=True) for x in Part),
-        )
-        columns = (*numbers, Column("radius", number=True), *names)
-        rows: tuple[tuple[Phrase, ...], ...] = tuple(
-            (cell(x.omega), _ratio(x.ratio_real), _ratio(x.ratio_imag), _ratio(x.radius),
-             *(verdict(CODES[int(own[i])].value) for _, own in judgements))
-            for i, x in enumerate(e.rows)
+            w.hertz(lambda i: w.cell(rows[i].omega)), w.number(w.RATIOS[Part.REAL], lambda i: _ratio(rows[i].ratio_real)),
+            w.number(w.RATIOS[Part.IMAG], lambda i: _ratio(rows[i].ratio_imag)),
+            w.number("radius", lambda i: _ratio(rows[i].radius)),
         )  # fmt: skip
-        return Table(columns, rows, caption)
-    rows = tuple(
-        (
-            ends(e, first, last),
-            str(last - first + 1),
-            *(verdict(CODES[int(own[first])].value) for _, own in judgements),
-        )
-        for first, last in islice(runs(_groups(e)), MOST_ROWS)
-    )
-    return Table((Column(heading), Column("points", number=True), *names), rows, caption)
+        return w.table(range(len(e)), caption, *numbers, *judged)
+    last = dict(islice(runs(_groups(e)), MOST_ROWS))
+    points = w.number("points", lambda i: str(last[i] - i + 1))
+    return w.table(last, caption, w.Field(w.IN_UNIT, lambda i: ends(e, i, last[i])), points, *judged)
 
 
 def cut(e: MeasuredEvaluation) -> Iterator[Block]:
     """That the table does not hold everything."""
     groups = 1 + np.count_nonzero(np.diff(_groups(e)))
     if len(e) > MOST_ROWS and groups > MOST_ROWS:
-        yield Notes(
+        yield doc.Notes(
             (f"The first {MOST_ROWS} of {groups} groups of points with equal verdicts; --json has every point.",)
         )
+
+
+def _each(*headings: Phrase) -> Iterator[w.Field]:
+    """The columns of rows of cells."""
+    for i, x in enumerate(headings):
+        yield w.Field(x, lambda row, i=i: row[i], number=x == "points")
 
 
 def verdict(word: str) -> Phrase:
@@ -152,7 +116,7 @@ def verdict(word: str) -> Phrase:
 
 
 def _ratio(x: float | None) -> Phrase:
-    return "" if x is None else near(x) if np.isfinite(x) else "unbounded"
+    return "" if x is None else w.near(x) if np.isfinite(x) else "unbounded"
 
 
 def runs(codes: Any) -> Iterator[tuple[int, int]]:
@@ -164,7 +128,7 @@ def runs(codes: Any) -> Iterator[tuple[int, int]]:
 
 def ends(e: MeasuredEvaluation, first: int, last: int) -> Phrase:
     """``2 to 3``, or one frequency."""
-    low, high = (cell(float(e.lines.omega[i])) for i in (first, last))
+    low, high = (w.cell(float(e.lines.omega[i])) for i in (first, last))
     return low if first == last else (low, " to ", high)
 
 
@@ -183,40 +147,34 @@ def stated(e: MeasuredEvaluation) -> str:
     return "; ".join(f"{slope_words(x)}{_OF[key]}" for key, x in e.scene.slopes.items())
 
 
-def between_section(e: MeasuredEvaluation) -> Iterator[Section]:
+def between_section(e: MeasuredEvaluation) -> Iterator[doc.Section]:
     """A section, where a bound was stated."""
     if e.between is not None:
-        yield Section("Between frequency points, by the bound on the slope", tuple(_blocks(e, e.between)), "between")
+        yield doc.Section(
+            "Between frequency points, by the bound on the slope", tuple(_blocks(e, e.between)), "between"
+        )
 
 
 def _blocks(e: MeasuredEvaluation, found: Between) -> Iterator[Block]:
-    yield Paragraph(
-        (
-            (
-                f"With {stated(e)} the disc of each point extends to its neighbours, larger by as much as the bound "
-                f"allows; half-way its "
-                "radius is at most "
-            ),
-            at_most(100 * found.grown),
-            "\xa0% of |H_env|.",
-        )
+    words = (
+        "With {} the disc of each point extends to its neighbours, larger by as much as the bound allows; half-way its radius is "
+        "at most {}\xa0% of |H_env|."
     )
+    yield doc.Paragraph(w.phrased(words, stated(e), w.at_most(100 * found.grown)))
     if not len(found.told[Part.REAL]):
-        yield Paragraph("No two neighbouring points have bounded discs: nothing follows.")
+        yield doc.Paragraph("No two neighbouring points have bounded discs: nothing follows.")
         return
     for part, own in found.told.items():
-        yield Paragraph(_summary(e, part, own))
+        yield doc.Paragraph(_summary(e, part, own))
     if found.contradicted:
-        yield Notes((_contradicted(found),))
+        yield doc.Notes((_contradicted(found),))
     rows = list(_chosen(found))
-    yield Table(
-        (Column("part"), Column((FREQUENCY, " (", FREQUENCY_UNIT, ")")), Column("verdict")),
-        tuple(_row(e, part, found.told[part], i) for part, i in rows),
-        "Intervals between points: exceeds or below where the extended discs do, else unresolved.",
-    )
+    cells = [_row(e, part, found.told[part], i) for part, i in rows]
+    caption = "Intervals between points: exceeds or below where the extended discs do, else unresolved."
+    yield w.table(cells, caption, *_each("part", w.IN_UNIT, "verdict"))
     count = sum(map(len, found.told.values()))
     if len(rows) < count:
-        yield Notes(
+        yield doc.Notes(
             (f"The {_LONGEST} longest resolved intervals of each part, of {count} in all; --json has every one.",)
         )
 
@@ -231,34 +189,21 @@ def _chosen(found: Between) -> Iterator[tuple[Part | None, int]]:
 
 
 def _summary(e: MeasuredEvaluation, part: Part | None, own: Stretches) -> Phrase:
-    exceeds, below, unresolved = (cell(own.length(code)) for code in (1, -1, 0))
-    whole = cell(float(own.high[-1] - own.low[0]))
-    what: Phrase = (RATIOS[part], f" ({PART_NAMES[part]} part) exceeds its threshold") if part else (
+    exceeds, below, unresolved = (w.cell(own.length(code)) for code in (1, -1, 0))
+    whole = w.cell(float(own.high[-1] - own.low[0]))
+    what: Phrase = (w.RATIOS[part], f" ({w.PART_NAMES[part]} part) exceeds its threshold") if part else (
         f"The change lies outside the {shape(e)}"
     )  # fmt: skip
     where = "is below it on " if part else "inside it on "
-    return (
-        what,
-        " on ",
-        exceeds,
-        " of ",
-        whole,
-        "\xa0",
-        FREQUENCY_UNIT,
-        ", ",
-        where,
-        below,
-        ", and is unresolved on ",
-        unresolved,
-        ".",
-    )
+    words = f"{{}} on {{}} of {{}}\xa0{{}}, {where}{{}}, and is unresolved on {{}}."
+    return w.phrased(words, what, exceeds, whole, FREQUENCY_UNIT, below, unresolved)
 
 
 def _contradicted(found: Between) -> Phrase:
     low, high = found.contradicted[0]
     return (
-        Strong("Contradiction"), f": in {counted(len(found.contradicted), 'gap')}, the first from ", cell(low), " to ",
-        cell(high),
+        Strong("Contradiction"), f": in {counted(len(found.contradicted), 'gap')}, the first from ", w.cell(low), " to ",
+        w.cell(high),
         "\xa0", FREQUENCY_UNIT, (", neighbouring points differ by more than their discs and the bound allow: the bound "
         "is too small, "),
         "or a disc misses the true value. Nothing follows there.",
@@ -266,29 +211,29 @@ def _contradicted(found: Between) -> Phrase:
 
 
 def _row(e: MeasuredEvaluation, part: Part | None, own: Stretches, i: int) -> tuple[Phrase, ...]:
-    ends: Phrase = (cell(float(own.low[i])), " to ", cell(float(own.high[i])))
-    return PART_NAMES[part] if part else shape(e), ends, verdict(CODES[int(own.code[i])].value)
+    ends: Phrase = (w.cell(float(own.low[i])), " to ", w.cell(float(own.high[i])))
+    return w.PART_NAMES[part] if part else shape(e), ends, verdict(CODES[int(own.code[i])].value)
 
 
 def page(e: MeasuredEvaluation) -> Document:
     """The whole page."""
     blocks: tuple[Block, ...] = (
-        Facts(tuple(_about(e))),
-        Section("Step 1: where a hand notices", tuple(_step_1(e)), "step-1"),
+        doc.Facts(tuple(_about(e))),
+        doc.Section("Step 1: where a hand notices", tuple(_step_1(e)), "step-1"),
         *between_section(e),
-        Section("Step 2: perceived change", tuple(_step_2(e)), "step-2"),
+        doc.Section("Step 2: perceived change", tuple(_step_2(e)), "step-2"),
     )
-    return page_about(e.scene, _answer(e), blocks, _how_sure(e), "Two-step evaluation of a measured display")
+    return w.page_about(e.scene, _answer(e), blocks, _how_sure(e), "Two-step evaluation of a measured display")
 
 
 def _answer(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
     """Where discs first exceed, and as what."""
     joint = [(f"the {shape(e)}", e.joint.verdict)] if e.joint else []
-    verdicts = joint or [(f"the {PART_NAMES[part]} part", e.verdict[part]) for part in Part]
+    verdicts = joint or [(f"the {w.PART_NAMES[part]} part", e.verdict[part]) for part in Part]
     first = [(int(np.argmax(codes == 1)), name) for name, codes in verdicts if (codes == 1).any()]
     if first:
         at, name = min(first)
-        yield "Noticed", (Strong("first at "), both(float(e.lines.omega[at])), f", by {name}")
+        yield "Noticed", (Strong("first at "), w.both(float(e.lines.omega[at])), f", by {name}")
     else:
         open_ = any((codes == 0).any() for _, codes in verdicts)
         yield "Noticed", "at no point resolved; some are unresolved" if open_ else "at no measured point"
@@ -312,7 +257,7 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     else:
         function = e.scene.frame.distortion().env
         form, is_rounded = readable(function, s)
-        unit = f"  {stiffness_unit(e.scene.frame)}"
+        unit = f"  {w.stiffness_unit(e.scene.frame)}"
         yield "environment", (equation("H_env", form, relation="≈" if is_rounded else "="), unit)
     yield "perceived", measured_words(felt)
     if felt.welch and (told := linearity(felt.welch)):
@@ -320,14 +265,14 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     if e.left_out:
         yield "left out", f"{counted(e.left_out, 'point')}, off the band or without the environment's value"
     if e.scene.band is not None:
-        low, high = map(cell, e.scene.band)
+        low, high = map(w.cell, e.scene.band)
         yield "band", (low, " to ", high, "\xa0", FREQUENCY_UNIT)
-    yield "threshold", limits(e.scene.threshold)
+    yield "threshold", w.limits(e.scene.threshold)
     if felt.coherence is not None and felt.averages is not None:
         c = min(float(x.min()) for x in limits_of(e.scene, e.lines.omega).values())
         least = float(coherence_for(c, felt.averages, felt.confidence))
         told = f"with {felt.averages:g} averages a radius of {_share(c)} needs a coherence of at least "
-        yield "discs", (_discs(e), "; ", told, at_least(least))
+        yield "discs", (_discs(e), "; ", told, w.at_least(least))
     else:
         yield "discs", _discs(e)
     if e.scene.slopes:
@@ -352,11 +297,11 @@ _SIZE: Phrase = "|H_env|"
 def _step_1(e: MeasuredEvaluation) -> Iterator[Block]:
     if e.joint is not None:
         outside = f"The change lies outside the {shape(e)}"
-        yield Paragraph((*_counted(e, e.joint.verdict, outside, "inside it"), " Each part by itself:"))
+        yield doc.Paragraph((*_counted(e, e.joint.verdict, outside, "inside it"), " Each part by itself:"))
     for part in Part:
-        exceeds = f" ({PART_NAMES[part]} part) exceeds its threshold"
-        yield Paragraph((RATIOS[part], *_counted(e, e.verdict[part], exceeds, "below it")))
-    yield table(e)
+        exceeds = f" ({w.PART_NAMES[part]} part) exceeds its threshold"
+        yield doc.Paragraph((w.RATIOS[part], *_counted(e, e.verdict[part], exceeds, "below it")))
+    yield _lines(e)
     yield from cut(e)
     yield _figure(e, "ratios", "Distortion ratios at the measured points. Bars: the uncertainty disc of each. Filled: the whole "
                   "disc exceeds the threshold or is below it; open: unresolved.", wide=True)  # fmt: skip
@@ -366,7 +311,7 @@ def _step_1(e: MeasuredEvaluation) -> Iterator[Block]:
         )
         yield _figure(e, "plane", shown)
     if e.needed is not None:
-        yield Notes(tuple(_resolving(e)))
+        yield doc.Notes(tuple(_resolving(e)))
 
 
 def _counted(e: MeasuredEvaluation, codes: Any, exceeds: str, below: str) -> tuple[Phrase, ...]:
@@ -379,7 +324,7 @@ def _counted(e: MeasuredEvaluation, codes: Any, exceeds: str, below: str) -> tup
     )
     if not count[1]:
         return said, "."
-    return said, "; first at ", both(float(e.lines.omega[int(np.argmax(codes == 1))])), "."
+    return said, "; first at ", w.both(float(e.lines.omega[int(np.argmax(codes == 1))])), "."
 
 
 def _resolving(e: MeasuredEvaluation) -> Iterator[Phrase]:
@@ -415,17 +360,13 @@ def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
     rows = tuple(islice(_felt(e), MOST_ROWS + 1))
     if rows:
         caption = "What is felt at the points that exceed, where their discs show it."
-        columns = (
-            Column((FREQUENCY, " (", FREQUENCY_UNIT, ")")),
-            Column("points", number=True),
-            Column("part"),
-            Column("felt as"),
-        )
-        yield Table(columns, rows[:MOST_ROWS], caption)
+        yield w.table(rows[:MOST_ROWS], caption, *_each(w.IN_UNIT, "points", "part", "felt as"))
     if len(rows) > MOST_ROWS:
-        yield Notes((f"The first {MOST_ROWS} groups of points that are felt in the same way; --json has every point.",))
+        yield doc.Notes(
+            (f"The first {MOST_ROWS} groups of points that are felt in the same way; --json has every point.",)
+        )
     if not rows:
-        yield Paragraph("At no point do the discs show that something is noticed, and in which part.")
+        yield doc.Paragraph("At no point do the discs show that something is noticed, and in which part.")
     yield _figure(
         e, "nyquist", "Environment and perceived dynamics in the complex plane, a disc around each measured point."
     )
@@ -449,8 +390,8 @@ def _felt_words(e: MeasuredEvaluation, part: Part | None, line: int) -> str:
     return " and ".join(felt_words(*e.signs[x].label(x, line)) for x in (far, nearer))
 
 
-def _figure(e: MeasuredEvaluation, name: str, caption: str, *, wide: bool = False) -> Figure:
-    return drawing(name, caption, "measured:draw_measured_figure", e, name, wide=wide)
+def _figure(e: MeasuredEvaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
+    return w.drawing(name, caption, "measured:draw_measured_figure", e, name, wide=wide)
 
 
 def _how_sure(e: MeasuredEvaluation) -> Iterator[Phrase]:
@@ -466,5 +407,5 @@ def _how_sure(e: MeasuredEvaluation) -> Iterator[Phrase]:
     missed = min(1.0, share * (2 if both_ else 1)) * len(e)
     yield (
         f"Estimated: each disc misses the true value with a probability of {_share(share)}, if the noise is as assumed; that is ",
-        near(missed), f" of {counted(len(e), 'point')}.",
+        w.near(missed), f" of {counted(len(e), 'point')}.",
     )  # fmt: skip

@@ -10,40 +10,13 @@ from haptisym.kernel.rings import RationalFunction, omega, s
 from haptisym.model.quantities import unit_text
 from haptisym.pages.words import both, caveats, near, noted, page_about, percent, proof, region, spans, undecided
 from haptisym.verbs.metrics.metric import Form, Metric, Metrics, Value
-from haptisym.writing.boxes import (
-    Absolute,
-    Applied,
-    Box,
-    Fenced,
-    Fraction,
-    Numeral,
-    Operator,
-    Power,
-    Prefixed,
-    Product,
-    Sum,
-    Titled,
-)
-from haptisym.writing.document import (
-    Block,
-    Column,
-    Document,
-    Equations,
-    Facts,
-    Figure,
-    Formulas,
-    Line,
-    Notes,
-    Phrase,
-    Section,
-    Strong,
-    Table,
-)
-from haptisym.writing.equations import meaning, quantity
+from haptisym.writing import boxes
+from haptisym.writing import document as doc
+from haptisym.writing.boxes import Box, text
+from haptisym.writing.document import Block, Document, Phrase, Strong
 from haptisym.writing.latex import tex
-from haptisym.writing.layout import layout, named
+from haptisym.writing.layout import layout, meaning, named, quantity
 from haptisym.writing.mathml import readable
-from haptisym.writing.mathtext import text
 
 _MOST_LETTERS = 180  # of a formula in symbols; a longer one is told in numbers
 
@@ -52,9 +25,9 @@ def page(m: Metrics) -> Document:
     """The whole page."""
     shown = "Distance of each measure from transparency over the band, and below where each measure is satisfied."
     told = (x for x in m.notes if m.tell_absolute or "absolutely stable" not in x)
-    notes = Section("Where they disagree", noted(map(formulated, told)))
+    notes = doc.Section("Where they disagree", noted(map(formulated, told)))
     blocks: tuple[Block, ...] = (
-        _overview(m), notes, Formulas(lambda: map(_measure, m.told)), Figure("metrics", shown, m.figure),
+        _overview(m), notes, doc.Formulas(lambda: map(_measure, m.told)), doc.Figure("metrics", shown, m.figure),
         *caveats(m.evaluation.caveats),
     )  # fmt: skip
     return page_about(
@@ -72,18 +45,18 @@ def jnd_verdict(m: Metrics) -> Phrase:
     return "transparent ", where, " (", named("c"), f" = {limits})"
 
 
-def _overview(m: Metrics) -> Table:
+def _overview(m: Metrics) -> doc.Table:
     rows = [(x.name, formulated(x.verdict)) for x in m.told]
-    return Table((Column("measure"), Column("verdict")), tuple(rows), "The verdict of each measure.")
+    return doc.Table((doc.Column("measure"), doc.Column("verdict")), tuple(rows), "The verdict of each measure.")
 
 
-def _measure(x: Metric) -> Section:
+def _measure(x: Metric) -> doc.Section:
     lines, values = tuple(written(x)), tuple((formulated(v.what), _value(v)) for v in x.values)
     parts: tuple[Block | None, ...] = (
-        Equations(lines) if lines else None, Facts(values) if values else None,
-        Notes((f"Source: {x.source} [{x.evidence}]",)),
+        doc.Equations(lines) if lines else None, doc.Facts(values) if values else None,
+        doc.Notes((f"Source: {x.source} [{x.evidence}]",)),
     )  # fmt: skip
-    return Section(f"{x.name[0].upper()}{x.name[1:]}", tuple(part for part in parts if part))
+    return doc.Section(f"{x.name[0].upper()}{x.name[1:]}", tuple(part for part in parts if part))
 
 
 def _value(x: Value) -> Phrase:
@@ -135,50 +108,60 @@ def formulas(x: Metric) -> list[dict[str, str]]:
     return [{"text": text(line.equation), "latex": tex(line.equation)} for line in written(x)]
 
 
-def written(x: Metric) -> Iterator[Line]:
+def written(x: Metric) -> Iterator[doc.Line]:
     """The formulas of a measure: what defines it, and the closed forms of what it is."""
     yield from _CONDITIONS.get(x.name, ())
     yield from map(_closed, x.forms)
 
 
-def _closed(form: Form) -> Line:
+def _closed(form: Form) -> doc.Line:
     left, means = _DEFINITIONS[form.name]
     known = form.symbolic.factored() if form.symbolic else None
     if known is not None and len(text(layout(known))) <= _MOST_LETTERS:
-        return Line(left, known, meaning=means)
+        return doc.Line(left, known, meaning=means)
     if form.numeric is None:
-        return Line(left, means)
+        return doc.Line(left, means)
     found = form.numeric
     value, is_rounded = readable(found, s) if isinstance(found, RationalFunction) else readable(found.written, omega)
-    return Line(left, value, "≈" if is_rounded else "=", means)
+    return doc.Line(left, value, "≈" if is_rounded else "=", means)
 
 
 def _of_s(name: str) -> Box:
-    return Titled(f"{name}(s)", Applied(named(name), (named("s"),)))
+    return boxes.Titled(f"{name}(s)", boxes.Applied(named(name), (named("s"),)))
 
 
 def _im(of: Box) -> Box:
-    return Prefixed(Operator("Im"), of)
+    return boxes.Prefixed(boxes.Operator("Im"), of)
 
 
 _H_ENV, _H_PERC, _DH = (quantity(x) for x in ("H_env", "H_perc", "dH"))
 _A, _B, _C, _D, _G = (named(x) for x in ("A", "B", "C", "D", "g"))
-_ZERO, _TWO = Numeral("0"), Numeral("2")
-_DET = Sum(((1, Product((_A, _D))), (-1, Product((_B, _C)))))
-_SLOPE = Titled("dH_perc/dH_env", Fraction(Product((Operator("d"), _H_PERC)), Product((Operator("d"), _H_ENV))))
+_ZERO, _TWO = boxes.Numeral("0"), boxes.Numeral("2")
+_DET = boxes.Sum(((1, boxes.Product((_A, _D))), (-1, boxes.Product((_B, _C)))))
+_SLOPE = boxes.Titled(
+    "dH_perc/dH_env",
+    boxes.Fraction(boxes.Product((boxes.Operator("d"), _H_PERC)), boxes.Product((boxes.Operator("d"), _H_ENV))),
+)
 _DEFINITIONS: dict[str, tuple[Box, Box]] = {
-    "Gamma": (_of_s("Gamma"), Fraction(_H_PERC, _H_ENV)),
-    "Theta": (_of_s("Theta"), Fraction(_DH, _H_ENV)),
-    "Z_min": (_of_s("Z_min"), Fraction(_B, _D)),
-    "Z_max": (_of_s("Z_max"), Fraction(_A, _C)),
-    "Z_width": (_of_s("Z_width"), Fraction(_DET, Product((_C, _D)))),
-    "dH_perc/dH_env": (_SLOPE, Fraction(_DET, Power(Fenced(Sum(((1, Product((_C, _H_ENV))), (1, _D)))), _TWO))),
-    "g": (_G, Fraction(_DET, Power(_D, _TWO))),
+    "Gamma": (_of_s("Gamma"), boxes.Fraction(_H_PERC, _H_ENV)),
+    "Theta": (_of_s("Theta"), boxes.Fraction(_DH, _H_ENV)),
+    "Z_min": (_of_s("Z_min"), boxes.Fraction(_B, _D)),
+    "Z_max": (_of_s("Z_max"), boxes.Fraction(_A, _C)),
+    "Z_width": (_of_s("Z_width"), boxes.Fraction(_DET, boxes.Product((_C, _D)))),
+    "dH_perc/dH_env": (
+        _SLOPE,
+        boxes.Fraction(_DET, boxes.Power(boxes.Fenced(boxes.Sum(((1, boxes.Product((_C, _H_ENV))), (1, _D)))), _TWO)),
+    ),
+    "g": (_G, boxes.Fraction(_DET, boxes.Power(_D, _TWO))),
     **{name: (quantity(name), meaning(name)) for name in ("k_perc", "m_perc", "b_perc")},
 }
-_FIRST, _SECOND = _im(Fraction(_B, _D)), _im(Fraction(_C, _D))
-_MARGIN = Sum(((1, Prefixed(Operator("Re"), _G)), (-1, Product((_TWO, _FIRST, _SECOND)))))
+_FIRST, _SECOND = _im(boxes.Fraction(_B, _D)), _im(boxes.Fraction(_C, _D))
+_MARGIN = boxes.Sum(((1, boxes.Prefixed(boxes.Operator("Re"), _G)), (-1, boxes.Product((_TWO, _FIRST, _SECOND)))))
 _CONDITIONS = {
-    "passivity": (Line(_im(_H_PERC), _ZERO, "≥"),),
-    "absolute stability": (Line(_FIRST, _ZERO, "≥"), Line(_SECOND, _ZERO, "≤"), Line(_MARGIN, Absolute(_G), "≥")),
+    "passivity": (doc.Line(_im(_H_PERC), _ZERO, "≥"),),
+    "absolute stability": (
+        doc.Line(_FIRST, _ZERO, "≥"),
+        doc.Line(_SECOND, _ZERO, "≤"),
+        doc.Line(_MARGIN, boxes.Absolute(_G), "≥"),
+    ),
 }

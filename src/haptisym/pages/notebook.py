@@ -1,4 +1,4 @@
-"""How values show themselves in notebooks: formulas as LaTeX, tables and sentences as HTML.
+"""How values show themselves: formulas as LaTeX, tables and sentences as HTML in notebooks, and LaTeX for a paper.
 
 The classes themselves know neither LaTeX nor HTML: ``Viewed`` finds what is here when a value is shown.
 """
@@ -6,10 +6,11 @@ The classes themselves know neither LaTeX nor HTML: ``Viewed`` finds what is her
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import singledispatch
 from html import escape
 from typing import Any
 
-from sympy import Expr, ImmutableMatrix
+from sympy import Basic, Expr, ImmutableMatrix
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Crossing, Judged
@@ -25,21 +26,58 @@ from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Scene
 from haptisym.pages import scene as scene_page
-from haptisym.pages.closedforms import ClosedForms
 from haptisym.pages.evaluation import VERBS, event, sense
+from haptisym.pages.scene import ClosedForms
 from haptisym.pages.words import PART_NAMES, both, ends, near, region
 from haptisym.writing.boxes import Box, Equation, Grid
 from haptisym.writing.document import DIGITS, Line
-from haptisym.writing.equations import function
 from haptisym.writing.html import display, element, fragment, phrase
-from haptisym.writing.latex import align, is_long, tex
-from haptisym.writing.layout import layout, named, rounded
+from haptisym.writing.latex import align, formula, is_long, tables, tex
+from haptisym.writing.layout import function, layout, named, rounded
 from haptisym.writing.plain import said
+
+
+@singledispatch
+def latex(value: Any, *, digits: int = DIGITS) -> str:
+    r"""LaTeX of a SymPy expression, of a Distortion (its formulas, an ``align*``) or of an answer (its tables).
+
+    Formulas stand in descending powers of s or omega, ascending where that avoids a leading minus; nothing in them is rounded.
+    ``digits`` : of the numbers of tables.
+    Raises TypeError for anything else.
+
+    >>> from sympy import Rational
+    >>> from haptisym.kernel.rings import omega, s, symbols
+    >>> m, b, k, omega_n, zeta = symbols("m b k omega_n zeta")
+    >>> latex(Rational(9, 5) * s**2 + b * s + k), latex(k - m * omega**2)
+    ('1.8 s^{2} + b s + k', 'k - m \\omega^{2}')
+    >>> latex(omega_n**2 / (s**2 + 2 * zeta * omega_n * s + omega_n**2))
+    '\\frac{\\omega_n^{2}}{s^{2} + 2 \\zeta \\omega_n s + \\omega_n^{2}}'
+    """
+    raise TypeError(f"no LaTeX for {type(value).__name__}: give an expression, a Distortion or an answer")
+
+
+@latex.register
+def _(value: Basic, *, digits: int = DIGITS) -> str:
+    return formula(value)
+
+
+@latex.register
+def _(value: Distortion, *, digits: int = DIGITS) -> str:
+    return align(ClosedForms(value).all())
+
+
+@latex.register
+def _(value: Answer, *, digits: int = DIGITS) -> str:
+    return tables(value.document(), digits)
+
+
+# Notebooks.
+
 
 _PER_SECOND = r"\,\mathrm{rad/s}"
 
 
-def latex(x: Any) -> str | None:
+def as_latex(x: Any) -> str | None:
     """LaTeX of a formula or a number; None for anything else.
 
     >>> from haptisym.model.jnd import Threshold
@@ -49,7 +87,7 @@ def latex(x: Any) -> str | None:
     return _shown(_LATEX, x)
 
 
-def html(x: Any) -> str | None:
+def as_html(x: Any) -> str | None:
     """HTML of a table, a sentence or a page; None for anything else."""
     return _shown(_HTML, x)
 

@@ -1,38 +1,32 @@
-"""The pages of requirements: which values satisfy what is required, what limits them; of a report those of each parameter."""
+"""The pages of requirements: which values satisfy what is required, what limits them; of a report those of each parameter.
+
+Of a map of two parameters: its exact slices, what is proven between them, and what is estimated there.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from math import ceil
 
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, Way
+from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, Way, in_unit
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Unit
 from haptisym.model.scene import THRESHOLD, Knob, clocks
-from haptisym.pages.late import proof as certificate
-from haptisym.pages.words import PART_NAMES, at_least, both, near, page_about, proof, symbol, undecided, value_of
+from haptisym.pages import words as w
+from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span
 from haptisym.verbs.require.freeparameter import searched
-from haptisym.verbs.require.required import Requirement, is_quick, require
-from haptisym.writing.document import (
-    Block,
-    Column,
-    Document,
-    Equations,
-    Figure,
-    Line,
-    Paragraph,
-    Phrase,
-    Real,
-    Section,
-    Table,
-    listed,
-)
+from haptisym.verbs.require.required import STABLE, Requirement, is_quick, require
+from haptisym.writing import document as doc
+from haptisym.writing.document import Block, Document, Phrase, Strong, listed
 from haptisym.writing.layout import layout, named
-from haptisym.writing.layout import rounded as in_digits
 from haptisym.writing.plain import said
+
+# One parameter.
+
 
 _PLACES = {
     Kind.EDGE: "the high end of the band", Kind.START: "the low end of the band", Kind.TOUCH: "a tangency inside the band",
@@ -49,9 +43,9 @@ def page(r: Requirement) -> Document:
     worst = "The worst case over the band against the parameter, with the threshold; grey: " if judged else "Grey: "
     caption = (worst, required(r.criteria), "; hatched: undecided." if r.undecided else ".")
     blocks = (
-        *_nearest(r), *_ends(r), *_formulas(r), Figure("requirement", caption, r.figure), certificate(r, r.scene),
+        *_nearest(r), *_ends(r), *_formulas(r), doc.Figure("requirement", caption, r.figure), w.certificate(r, r.scene),
     )  # fmt: skip
-    return page_about(r.scene, _answer(r), blocks, _proven(r), "Which values satisfy it", r.asides())
+    return w.page_about(r.scene, _answer(r), blocks, _proven(r), "Which values satisfy it", r.asides())
 
 
 def required(criteria: tuple[Criterion, ...]) -> str:
@@ -65,14 +59,10 @@ def kept(x: Criterion) -> str:
 
 
 def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
-    now = (" (is ", value_of(r.free, ExactNumber(r.free.value), Way.NEAREST), ")") if r.free.value.is_number else ()
+    now = (" (is ", w.value_of(r.free, ExactNumber(r.free.value), Way.NEAREST), ")") if r.free.value.is_number else ()
     what = required(r.criteria)
     known: Phrase = (
-        ("for ", sets(r))
-        if r.feasible
-        else "for no value in the range"
-        if r.certified
-        else "for no value that is proven"
+        ("for ", sets(r)) if r.feasible else f"for no value {'in the range' if r.certified else 'that is proven'}"
     )
     yield what[0].upper() + what[1:], (known, now)
     limits = list(dict.fromkeys(x for end in r.ends if end.value for x in _bindings(end, r)))
@@ -85,10 +75,10 @@ def _range(r: Requirement) -> Phrase:
     """From where to where values are searched, with 0 where the model allows it."""
     low, high = searched(r.free, r.domain)
     zero = "0, " if r.domain.low == 0 and r.domain.holds_low else ""
-    return zero, _bare(value_of(r.free, low, Way.NEAREST)), " to ", value_of(r.free, high, Way.NEAREST)
+    return zero, _bare(w.value_of(r.free, low, Way.NEAREST)), " to ", w.value_of(r.free, high, Way.NEAREST)
 
 
-def _bare(x: Real) -> Real:
+def _bare(x: doc.Real) -> doc.Real:
     """A number without the name of its unit, which follows."""
     return replace(x, unit=Unit("", x.unit.size))
 
@@ -109,9 +99,9 @@ def _span(x: Span, free: Knob) -> Phrase:
     if low is None and high is None:
         return "every value of ", name
     if low is not None and low is high:
-        return name, " = ", value_of(free, low, Way.NEAREST), " alone"
-    least = None if low is None else value_of(free, low, Way.UP)
-    most = None if high is None else value_of(free, high, Way.DOWN)
+        return name, " = ", w.value_of(free, low, Way.NEAREST), " alone"
+    least = None if low is None else w.value_of(free, low, Way.UP)
+    most = None if high is None else w.value_of(free, high, Way.DOWN)
     if least is not None and most is None:
         return name, " ≥ " if x.low.closed else " > ", least
     left = () if least is None else (_bare(least), _below(x.low))
@@ -125,35 +115,36 @@ def _below(end: End) -> str:
 def _nearest(r: Requirement) -> Iterator[Block]:
     """Where no value satisfies it: the nearest one found, what limits it, and what was proven about all others."""
     if r.alone:
-        alone = (
-            (required(x.criteria), " for ", sets(x), ", some others undecided" if x.undecided else "") for x in r.alone
-        )
-        yield Paragraph(("Each by itself: ", listed(alone), "."))
+        others = ", some others undecided"
+        alone = ((required(x.criteria), " for ", sets(x), others if x.undecided else "") for x in r.alone)
+        yield doc.Paragraph(("Each by itself: ", listed(alone), "."))
     x = next((y.nearest for y in r.alone if y.nearest), r.nearest)
     if x is None:
         return
     least: Phrase = "How near other values come is not proven."
     if x.at_least > 1:
-        least = (
-            "Proven: no value in the range keeps all ratios below ",
-            at_least(x.at_least),
-            " times their thresholds.",
-        )
-    yield Paragraph((
-        "Nearest of those tried: ", named(r.free.symbol.name), " = ", value_of(r.free, float(x.value), Way.NEAREST), ", where ",
-        _part(x.binding), " reaches ", near(100 * float(x.ratio)), "\xa0% at ", _where(x.binding, r), ", ", near(x.times),
-        " times its threshold. ", least,
+        words = "Proven: no value in the range keeps all ratios below {} times their thresholds."
+        least = w.phrased(words, w.at_least(x.at_least))
+    value, reached = w.value_of(r.free, float(x.value), Way.NEAREST), w.near(100 * float(x.ratio))
+    yield doc.Paragraph(w.phrased(
+        "Nearest of those tried: {} = {}, where {} reaches {}\xa0% at {}, {} times its threshold. {}", named(r.free.symbol.name),
+        value, _part(x.binding), reached, _where(x.binding, r), w.near(x.times), least,
     ))  # fmt: skip
 
 
 def _ends(r: Requirement) -> Iterator[Block]:
     """What limits at each end, where that is more than the answer has room for."""
     rows = dict.fromkeys(
-        (value_of(r.free, x.value, Way.NEAREST), _part(b), _where(b, r)) for x in r.ends for b in x.bindings if x.value
+        (w.value_of(r.free, x.value, Way.NEAREST), _part(b), _where(b, r))
+        for x in r.ends
+        for b in x.bindings
+        if x.value
     )
     if len(rows) > _MOST_LIMITS:
-        columns = Column(named(r.free.symbol.name), number=True), Column("limited by"), Column("at")
-        yield Table(columns, tuple(rows), "What limits the values at each end, proven.")
+        yield w.table(
+            rows, "What limits the values at each end, proven.", w.number(named(r.free.symbol.name), lambda x: x[0]),
+            w.Field("limited by", lambda x: x[1]), w.Field("at", lambda x: x[2]),
+        )  # fmt: skip
 
 
 def heading(free: Knob) -> Phrase:
@@ -167,7 +158,7 @@ def _part(b: Binding) -> Phrase:
         return "passivity"
     if b.criterion.name == "stable":
         return "stability" if " in " not in b.criterion.kept else f"stability{b.criterion.kept.removeprefix('stable')}"
-    return f"the {PART_NAMES[b.part]} part" if isinstance(b.part, Part) else symbol(b.criterion.symbol)
+    return f"the {w.PART_NAMES[b.part]} part" if isinstance(b.part, Part) else w.symbol(b.criterion.symbol)
 
 
 def _where(b: Binding, r: Requirement) -> Phrase:
@@ -175,13 +166,13 @@ def _where(b: Binding, r: Requirement) -> Phrase:
     if b.kind is Kind.AXIS and b.criterion.name == "stable" and clocks(r.scene):
         place = "poles on the unit circle"
     joined = " at " if b.kind is Kind.AXIS else ", "
-    return place, "" if b.omega is None else (joined, both(b.omega))
+    return place, "" if b.omega is None else (joined, w.both(b.omega))
 
 
 def _formulas(r: Requirement) -> Iterator[Block]:
-    forms = tuple(Line(named(r.free.symbol.name), form) for form in r.forms if form is not None)
+    forms = tuple(doc.Line(named(r.free.symbol.name), form) for form in r.forms if form is not None)
     if forms:
-        yield Section("Closed form, from the condition at the end of the band", (Equations(forms),))
+        yield doc.Section("Closed form, from the condition at the end of the band", (doc.Equations(forms),))
 
 
 def _is_all(r: Requirement) -> bool:
@@ -196,22 +187,22 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
     if r.undecided:
         where = listed((_limit(r.free, a, Way.DOWN), " to ", _limit(r.free, b, Way.UP)) for a, b in r.undecided)
         why = f"; stopped after {r.limit:g} s" if r.limit is not None else ""
-        yield undecided((named(r.free.symbol.name), " from ", where, why, f": {r.reason}" if r.reason else ""))
+        yield w.undecided((named(r.free.symbol.name), " from ", where, why, f": {r.reason}" if r.reason else ""))
         if not _is_all(r):
             yield "Proven: all other values in the range."
         return
     exact = any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high))
     bounds = "; each end lies within the enclosure in --json" if exact else ""
     if r.feasible:
-        yield proof(r.scene, (what, " for every value in this set and for no other in the range", bounds))
+        yield w.proof(r.scene, (what, " for every value in this set and for no other in the range", bounds))
     else:
-        yield proof(r.scene, ("no value in the range is ", what))
+        yield w.proof(r.scene, ("no value in the range is ", what))
 
 
 def _limit(free: Knob, x: RealNumber | None, way: Way) -> Phrase:
     if x is None:
         return "infinity" if way is Way.UP else "minus infinity"
-    return value_of(free, x, way)
+    return w.value_of(free, x, way)
 
 
 _MOST_PARAMETERS = 8  # for more, ``haptisym require`` has the time
@@ -222,16 +213,17 @@ def design(e: Evaluation) -> Iterator[Block]:
     found = requirements(e)
     if not found:
         return
-    yield Paragraph(
+    yield doc.Paragraph(
         "All values of one parameter for which neither ratio exceeds its threshold on the band, the others as in the scene."
     )
     if e.scene.untied():
-        yield Paragraph(e.scene.untied_note())
-    columns = tuple(map(Column, ("parameter", "in the scene", "transparent for", "limited by")))
+        yield doc.Paragraph(e.scene.untied_note())
     how = "proven" if e.scene.level is None else "of the fitted model"
-    yield Table(
-        columns, tuple(map(_row, found)), f"Values for which the display is transparent on its whole band, {how}."
-    )
+    yield w.table(
+        found, f"Values for which the display is transparent on its whole band, {how}.",
+        w.Field("parameter", lambda r: layout(r.free.symbol)), w.Field("in the scene", _in_scene),
+        w.Field("transparent for", sets), w.Field("limited by", _binding),
+    )  # fmt: skip
 
 
 def requirements(e: Evaluation) -> list[Requirement]:
@@ -241,18 +233,132 @@ def requirements(e: Evaluation) -> list[Requirement]:
     return [require(e.scene, path) for path in (*(x.path for x in e.scene.parameters), THRESHOLD)]
 
 
-def _row(r: Requirement) -> tuple[Phrase, ...]:
-    value = r.free.value if r.free.value.free_symbols else in_digits(r.free.value)  # a limit may be a formula in omega
-    shown: Phrase = (
-        layout(value) if r.free.value.free_symbols else value_of(r.free, ExactNumber(r.free.value), Way.NEAREST)
-    )
-    return layout(r.free.symbol), shown, sets(r), _binding(r)
+def _in_scene(r: Requirement) -> Phrase:
+    if r.free.value.free_symbols:  # a limit may be a formula in omega
+        return layout(r.free.value)
+    return w.value_of(r.free, ExactNumber(r.free.value), Way.NEAREST)
 
 
 def _binding(r: Requirement) -> Phrase:
-    found = [
-        (symbol(b.criterion.symbol), "" if b.omega is None else (" at ", both(b.omega)))
-        for end in r.ends
-        for b in end.bindings
-    ]
-    return listed(found) if found else "–"
+    limits = [(w.symbol(b.criterion.symbol), b.omega) for end in r.ends for b in end.bindings]
+    return listed((x, "" if omega is None else (" at ", w.both(omega))) for x, omega in limits) if limits else "–"
+
+
+# Two parameters.
+
+
+_MOST_ROWS = 10  # of slices that are listed; the document of JSON has them all
+
+
+def page_map(m: DesignMap) -> Document:
+    """The page of a map: where values satisfy what is required, some of its slices, what is proven."""
+    shown = "Values that satisfy what is required, along exact slices, with what limits them at their ends."
+    rows = _slices(m)
+    left = len(m.slices) - len(rows.rows)
+    more = [f"Printed: {len(rows.rows)} of {len(m.slices)} slices; --json has all."] if left else []
+    drawn = doc.Figure("map", shown, m.figure)
+    blocks = rows, *w.noted(more), *_stiffest(m), *_contours(m), *_classical(m), drawn, *_between(m)
+    return w.page_about(
+        m.scene, _answer_map(m), blocks, (*_slices_proven(m), *_proven_map(m)), "Which values satisfy it", m.asides()
+    )
+
+
+def _answer_map(m: DesignMap) -> Iterator[tuple[Phrase, Phrase]]:
+    a, b = m.free
+    some = [x for x in m.slices if x.requirement.feasible]
+    what = required(m.criteria)
+    on: Phrase = (f"on {len(some)} of {len(m.slices)} slices along ", named(a.symbol.name))
+    if some:
+        ends = [w.value_of(a, float(x.at), Way.NEAREST) for x in (some[0], some[-1])]
+        on = w.phrased("{}, from {} to {}; for {} see the table and --figure", on, *ends, named(b.symbol.name))
+    yield what[0].upper() + what[1:], on
+    kinds = sorted({_KINDS.get(y.kind, y.kind.value) for x in some for e in x.requirement.ends for y in e.bindings})
+    if kinds:
+        yield "Limited at", listed(kinds)
+
+
+_KINDS = {
+    Kind.EDGE: "the high end of the band", Kind.START: "the low end of the band", Kind.TOUCH: "tangencies inside the band",
+    Kind.AXIS: "poles on the boundary of stability", Kind.FAR: "high frequency",
+}  # fmt: skip
+
+
+def _slices_proven(m: DesignMap) -> Iterator[Phrase]:
+    if m.certified:
+        yield w.proof(m.scene, "every value of a slice")
+        return
+    open_ = [r for x in m.slices for r in x.sets if r.undecided]
+    late = " (stopped at the time limit)" if any(r.limit is not None for r in open_) else ""
+    why = "".join(f"; {x}" for x in dict.fromkeys(r.reason for r in open_) if x)
+    yield w.undecided(f"parts of {len(open_)} slices{late}{why}; --json has them")
+
+
+def _between(m: DesignMap) -> Iterator[Block]:
+    """What is estimated between slices."""
+    if m.deviation is None:
+        return
+    share: Phrase = (" (", w.at_most(100 * m.deviation / m.height), "\xa0% of the range)")
+    apart = sum(1 for x in m.gaps if x.deviation is None)
+    others = f"; not between {apart} pair{'' if apart == 1 else 's'} of slices that differ in kind" if apart else ""
+    more = " --slices N gives more." if m.is_coarse or m.within is None else ""
+    most = w.value_of(m.free[1], m.deviation, Way.UP)
+    words = "Estimated (from the curvature): straight lines between slices are off by at most {}{}{}.{}"
+    yield doc.Paragraph(w.phrased(words, most, share, others, more))
+
+
+def _proven_map(m: DesignMap) -> Iterator[Phrase]:
+    """Of what is transparent, or stable, what is proven between the slices too."""
+    for x in m.proofs:
+        what = listed(kept(y) for y in m.criteria if y.name == x.of) if x.of == STABLE else x.of
+        threshold = "" if x.jnd is None else f" with a JND of {float(100 * x.jnd):.6g}\xa0%"
+        most = m.bound(x)
+        share: Phrase = (w.at_most(100 * x.rectangles.share_left), "\xa0% of the map")
+        near: Phrase = ""
+        if most:
+            part: Phrase = (" (", w.at_most(100 * most / m.height), "\xa0% of the range)")
+            near = "; where lines join slices, within ", w.value_of(m.free[1], most, Way.UP), part, " of them"
+        words = "Proven between slices: what is {}{}, and what is not, but for {}, along the boundary{}."
+        yield w.phrased(words, what, threshold, share, near)
+
+
+def _stiffest(m: DesignMap) -> Iterator[Block]:
+    """Of a map along a wall's damping, the stiffest wall."""
+    if m.stiffest is None:
+        return
+    at, top = m.stiffest
+    b, k = m.free
+    stable = listed(kept(x) for x in m.criteria if x.name == "stable")
+    value, damping = w.value_of(k, top, Way.DOWN), w.value_of(b, float(at.at), Way.NEAREST)
+    words = "Stiffest wall of these slices that is {}: {} < {}, at {} = {}."
+    yield doc.Paragraph(w.phrased(words, stable, named(k.symbol.name), value, named(b.symbol.name), damping))
+
+
+def _contours(m: DesignMap) -> Iterator[Block]:
+    """On how many slices something is transparent with each of the other thresholds."""
+    for i, jnd in enumerate(m.thresholds):
+        found = [x.contours[i] for x in m.slices]
+        held = sum(1 for r in found if r.feasible)
+        left = "" if all(r.certified for r in found) else "; others are undecided"
+        yield doc.Paragraph(f"With a JND of {float(100 * jnd):.6g}\xa0%: transparent values on {held} slices{left}.")
+
+
+def _classical(m: DesignMap) -> Iterator[Block]:
+    """The classical bounds that the figure has beside what is exact, and what each takes for granted."""
+    if m.lines:
+        yield doc.Paragraph("Classical bounds in the figure, computed, not proven:")
+        yield doc.Facts(tuple((x.name, f"{x.rule} ({x.assumes})") for x in m.lines))
+
+
+def _of_slice(r: Requirement) -> Phrase:
+    return Strong("undecided") if r.undecided and not r.feasible else sets(r)
+
+
+def _slices(m: DesignMap) -> doc.Table:
+    """Some of the slices, the first and the last one among them."""
+    step = ceil((len(m.slices) - 1) / _MOST_ROWS)
+    some = [*m.slices[:-1:step], m.slices[-1]]
+    caption = ("Some of the slices" if len(some) < len(m.slices) else "The slices") + ", proven."
+    shown = m.free[0].shown_unit(m.free[0].motion).size
+    what = "satisfied for" if len(m.that) > 1 else f"{m.that[0]} for"
+    value = w.number(heading(m.free[0]), lambda x: w.near(in_unit(float(x.at), shown)))
+    return w.table(some, caption, value, w.Field(what, lambda x: _of_slice(x.requirement)))

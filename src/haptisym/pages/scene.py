@@ -1,42 +1,192 @@
-"""A scene on a page: the chain, the parameters, the band, and its closed forms.
+"""A scene on a page and its closed forms, and the derivation of a report.
 
-A scene on a page: the chain from the environment to the hand, the parameters, the band and the threshold.
-
-The closed forms of a scene: in symbols where a person would read them, in numbers, rounded where these are long.
+On a page stand the chain from the environment to the hand, the parameters, the band and the threshold. The formulas of a
+distortion are lines of equations, each denominator a sum of two squares where nothing cancels; in symbols where a person would
+read them, in numbers, rounded where these are long. A report derives them: from the dynamics to closed forms, threshold
+polynomials and what is perceived.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import comb, prod
 from types import MappingProxyType
 from typing import NamedTuple
 
-from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi
+from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi, sqrt
 
 from haptisym.judge.crossings import noticed, opened
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.dynamics import RealFunction, on_axis
+from haptisym.kernel import dynamics as response
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, omega, s
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, X, omega, s
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
-from haptisym.model.distortion import Distortion
+from haptisym.model.distortion import Distortion, magnitude, part_of
 from haptisym.model.jnd import Part, Shape, Threshold, is_irrational_algebraic
 from haptisym.model.parameters import values
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.scene import Knob, Scene
-from haptisym.pages.closedforms import ClosedForms
-from haptisym.pages.words import H_ENV, H_PERC, both, page_about, region
-from haptisym.writing.boxes import Absolute, Box, Equation
-from haptisym.writing.document import Block, Column, Document, Flow, Line, Paragraph, Phrase, Strong, Table
-from haptisym.writing.equations import quantity
-from haptisym.writing.latex import formula, is_long
-from haptisym.writing.layout import approximate, layout, named, rounded
-from haptisym.writing.mathtext import plain
+from haptisym.pages.derive import beyond, ways
+from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OPERATORS, RATIOS, both, page_about, region
+from haptisym.verbs.derive.derivation import derive
+from haptisym.writing import document as doc
+from haptisym.writing.boxes import Absolute, Box, Equation, Prefixed, Sum
+from haptisym.writing.document import Block, Document, Phrase, Strong, listed
+from haptisym.writing.latex import LINE, formula, is_long, width
+from haptisym.writing.layout import QUANTITIES, approximate, function, layout, named, plain, quantity, rounded
+
+# Closed forms.
+
+
+@dataclass(frozen=True)
+class ClosedForms:
+    """The formulas of a distortion by their subjects."""
+
+    distortion: Distortion
+
+    def all(self) -> list[doc.Line]:
+        """All of them."""
+        return [
+            *self.dynamics(), *self.difference(), *self.ratios(), *self.relative(), *self.properties("env"),
+            *self.properties("perc"), *self.parameter_jnds(), *self.forces("env"), *self.forces("perc"),
+        ]  # fmt: skip
+
+    def dynamics(self) -> list[doc.Line]:
+        """H_env(s) and H_perc(s)."""
+        d = self.distortion
+        return [_row("H_env", d.environment), _row("H_perc", d.perceived)]
+
+    def difference(self) -> list[doc.Line]:
+        """Re dH and Im dH (eq. 9), and what they are compared with, |H_env|^2."""
+        change = [_row(f"{name} dH", self._change(part)) for part, name in _OPERATORS.items()]
+        return [*change, _row("|H_env|^2", self._square)]
+
+    def ratios(self) -> list[doc.Line]:
+        """r_r and r_i (eq. 10)."""
+        return [_row(name, self._ratio(part), optional=True) for part, name in _RATIOS.items()]
+
+    def relative(self) -> list[doc.Line]:
+        """Re(dH/H_env) and Im(dH/H_env), which are not the ratios."""
+        relative = (self.distortion.difference / self.distortion.env).reduced()
+        forms = {part: self.distortion.relative_form(part) for part in Part}
+        return [
+            _row(f"{name}(dH/H_env)", on_axis(relative, part) if forms[part][1] else forms[part][0])
+            for part, name in _OPERATORS.items()
+        ]
+
+    def properties(self, system: str) -> list[doc.Line]:
+        """What is felt of a system (section 2.3): Re H and Im H; stiffness, mass and damping."""
+        real, imag = self._parts(system)
+        return [
+            _row(f"k_{system}", real),
+            _row(f"m_{system}", -real / omega**2, optional=True),
+            _row(f"b_{system}", imag / omega),
+        ]
+
+    def parameter_jnds(self) -> list[doc.Line]:
+        """By how much a single parameter must change to be noticed."""
+        least = Symbol("c", positive=True) * sqrt(self._square)
+        powers = {"k": 0, "b": 1, "m": 2}
+        return [_row(f"jnd {key}", least / omega**power, optional=True) for key, power in powers.items()]
+
+    def forces(self, system: str) -> list[doc.Line]:
+        """The phasors of spring or inertia force and of damping force (eqs. 5 and 6) for a motion X."""
+        real, imag = self._parts(system)
+        return [_row(f"F_si_{system}", X * real, optional=True), _row(f"F_d_{system}", X * imag * I, optional=True)]
+
+    @property
+    def _square(self) -> Expr:
+        return squared_modulus(self.distortion.env)
+
+    def _change(self, part: Part) -> Expr:
+        """Re or Im dH."""
+        form, is_lowest = self.distortion.form(part)
+        return on_axis(self.distortion.difference, part) if is_lowest else form
+
+    def _parts(self, system: str) -> tuple[Expr, Expr]:
+        real, imag = (on_axis(self.distortion.env, part) for part in Part)
+        if system == "env":
+            return real, imag
+        if all(self.distortion.form(part)[1] for part in Part):
+            return on_axis(self.distortion.perc, Part.REAL), on_axis(self.distortion.perc, Part.IMAG)
+        return real + self._change(Part.REAL), imag + self._change(Part.IMAG)
+
+    def _ratio(self, part: Part) -> Expr:
+        form, difference = self._change(part), self.distortion.difference
+        if not self.distortion.form(part)[1]:
+            return Abs(form, evaluate=False) / sqrt(self._square)
+        return magnitude(form, difference, evaluate=not is_long(form)) / sqrt(self._square)
+
+
+_RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
+_OPERATORS = {Part.REAL: "Re", Part.IMAG: "Im"}
+
+
+def _row(name: str, value: Expr, *, optional: bool = False) -> doc.Line:
+    """A row for a quantity by its name, with its meaning if it has one."""
+    left, means = QUANTITIES[name]
+    return doc.Line(left, value, meaning=means, optional=optional)
+
+
+def on_axis(function: RationalFunction, part: Part) -> Expr:
+    """Real or imaginary part on s = j omega, over the squared modulus of the denominator.
+
+    >>> from haptisym.kernel.dynamics import Ring
+    >>> from haptisym.kernel.rings import s
+    >>> on_axis(Ring().convert(1 / (s**2 + s + 4)), Part.REAL)
+    (4 - omega**2)/(omega**2 + (4 - omega**2)**2)
+    """
+    axis = _ring(function).axis
+    if axis.functions or axis.complex:
+        return part_of(response.on_axis(function), part).factored()
+    whole = function.reduced().cleared()
+    (a, b), (c, d) = axis.parts([whole.numerator, whole.denominator])
+    above, below = (a * c + b * d if part is Part.REAL else b * c - a * d), c * c + d * d
+    if not above.gcd(below).is_constant():
+        return axis.function(above, below).factored()
+    return axis.factored_expression(above) / _squares(whole, whole.denominator)
+
+
+def squared_modulus(function: RationalFunction) -> Expr:
+    """|f(j omega)|^2 as sums of two squares.
+
+    >>> from haptisym.kernel.dynamics import Ring
+    >>> from haptisym.kernel.rings import s
+    >>> squared_modulus(Ring().convert(s**2 + s + 4))
+    omega**2 + (4 - omega**2)**2
+    """
+    if _ring(function).axis.functions or _ring(function).axis.complex:
+        return response.squared_modulus(function).factored()
+    reduced = function.reduced()
+    whole = reduced if reduced.denominator.is_constant() else reduced.cleared()
+    return _squares(whole, whole.numerator) / _squares(whole, whole.denominator)
+
+
+def _squares(function: RationalFunction, polynomial: Polynomial) -> Expr:
+    axis = _ring(function).axis
+    unit, factors = function.ring.factors(polynomial)
+    if len(factors) == 1 and factors[0][1] == 1:
+        unit, factors = S.One, [(polynomial, 1)]
+    moduli = []
+    for factor, exponent in factors:
+        real, imag = map(axis.expression, axis.parts([factor])[0])
+        moduli.append((real**2 + imag**2) ** exponent)
+    return Mul(unit**2, *moduli)
+
+
+def _ring(function: RationalFunction) -> Ring:
+    ring = function.ring
+    assert isinstance(ring, Ring)
+    return ring
+
+
+# The scene.
+
 
 _AS_THEY_ARE: Mapping[Symbol, Symbol] = MappingProxyType({})
 
@@ -49,13 +199,15 @@ def page(scene: Scene) -> Document:
 def scene_blocks(scene: Scene, short_names: Mapping[Symbol, Symbol] = _AS_THEY_ARE) -> Iterator[Block]:
     """The chain, the table of parameters, and what is judged; ``short_names`` : other symbols for parameters."""
     hand = (Strong("hand"), " feels ", H_PERC)
-    yield Flow((*(_link(place, part) for place, part in scene.elements()), hand))
+    yield doc.Flow((*(_link(place, part) for place, part in scene.elements()), hand))
     rows = tuple(_parameter(scene, short_names, x) for x in scene.parameters)
     if rows:
         columns = ("symbol", "of", "parameter", "quantity", "value", "unit")
-        yield Table(tuple(Column(x, number=x == "value") for x in columns), rows, "The parameters, in SI units.")
+        yield doc.Table(
+            tuple(doc.Column(x, number=x == "value") for x in columns), rows, "The parameters, in SI units."
+        )
     low, high = (both(ExactNumber(x)) for x in scene.band)
-    yield Paragraph(("The band of interest goes from ", low, " to ", high, ". ", noticeable(scene.threshold)))
+    yield doc.Paragraph(("The band of interest goes from ", low, " to ", high, ". ", noticeable(scene.threshold)))
 
 
 def noticeable(c: Threshold) -> Phrase:
@@ -113,7 +265,7 @@ class FormulaGroup(NamedTuple):
     """Closed forms that belong together, and the function whose length decides whether they can be read."""
 
     function: Callable[[Distortion], RationalFunction]
-    rows: Callable[[ClosedForms], list[Line]]
+    rows: Callable[[ClosedForms], list[doc.Line]]
 
 
 DYNAMICS = FormulaGroup(lambda d: d.perc, ClosedForms.dynamics)
@@ -131,35 +283,35 @@ class SceneForms:
     """The closed forms of an evaluated scene; what was found in symbols is kept, as it is asked for again."""
 
     evaluation: Evaluation
-    found: dict[FormulaGroup, list[Line] | None] = field(default_factory=dict, repr=False)
+    found: dict[FormulaGroup, list[doc.Line] | None] = field(default_factory=dict, repr=False)
 
     @cached_property
     def symbolic(self) -> Distortion | None:
         """The distortion in symbols, unless that would be far too long."""
         return self.evaluation.scene.symbolic_distortion() if _size(self.evaluation) <= _LARGEST else None
 
-    def in_symbols(self, group: FormulaGroup) -> list[Line] | None:
+    def in_symbols(self, group: FormulaGroup) -> list[doc.Line] | None:
         """Closed forms in symbols; None if they would be too long to read."""
         if group not in self.found:
             self.found[group] = self._in_symbols(group)
         return self.found[group]
 
-    def _in_symbols(self, group: FormulaGroup) -> list[Line] | None:
+    def _in_symbols(self, group: FormulaGroup) -> list[doc.Line] | None:
         if self.symbolic is None:
             return None
-        response = on_axis(group.function(self.symbolic))
-        if max(len(x.numerator) for x in (response.raw_real, response.raw_imag)) > _MOST_TERMS:
+        parts = response.on_axis(group.function(self.symbolic))
+        if max(len(x.numerator) for x in (parts.raw_real, parts.raw_imag)) > _MOST_TERMS:
             return None
         rows = group.rows(ClosedForms(self.symbolic))
         return None if any(is_long(row.value) for row in rows if not row.optional) else rows
 
-    def in_numbers(self, group: FormulaGroup) -> list[Line]:
+    def in_numbers(self, group: FormulaGroup) -> list[doc.Line]:
         """Closed forms in numbers: exact, in the places of the symbols, if they are short; else rounded."""
         known = values(self.evaluation.scene.parameters)
         rows = self.in_symbols(group) or group.rows(ClosedForms(self.evaluation.distortion))
         return [_evaluated(row, known) for row in rows]
 
-    def threshold(self, part: Part) -> Line:
+    def threshold(self, part: Part) -> doc.Line:
         """The polynomial in omega^2 that is positive exactly where the ratio exceeds its threshold, in factors."""
         limits = self.evaluation.scene.threshold
         free = [x for x in Part if is_irrational_algebraic(limits[x] ** 2)]
@@ -167,22 +319,22 @@ class SceneForms:
         assert isinstance(found, RealFunction)  # a symbol is no algebraic number
         return self.polynomial(quantity("p_r" if part is Part.REAL else "p_i"), found)
 
-    def polynomial(self, left: Box, found: RealFunction) -> Line:
+    def polynomial(self, left: Box, found: RealFunction) -> doc.Line:
         """The numerator of a function that is positive where it is, in factors, rounded where that is long."""
         function = found.written
         if function.is_zero:
-            return Line(left, S.Zero)
+            return doc.Line(left, S.Zero)
         unit, factors = function.ring.factors(function.numerator)
         exact = Mul(1 if unit > 0 else -1, *(function.ring.expression(f) ** n for f, n in factors))
         if not is_long(exact, lines=2 if exact.has(pi) else 5):
-            return Line(left, exact)
+            return doc.Line(left, exact)
         if function.ring.functions:
-            return Line(left, approximate(exact, digits=10), relation="≈")
+            return doc.Line(left, approximate(exact, digits=10), relation="≈")
         sign = sign_of_number(_gain(function, function.numerator))
         monic = sign * _monic_factors(function, function.numerator, omega)
-        return Line(left, approximate(monic, digits=10), relation="≈")  # fewer lose close roots
+        return doc.Line(left, approximate(monic, digits=10), relation="≈")  # fewer lose close roots
 
-    def named(self, rows: list[Line]) -> list[Line]:
+    def named(self, rows: list[doc.Line]) -> list[doc.Line]:
         """The rows with short names for the parameters of effects with long names."""
         return [replace(row, value=_expression(row).xreplace(self.short_names)) for row in rows]
 
@@ -202,13 +354,13 @@ class SceneForms:
         return found
 
 
-def _expression(row: Line) -> Expr:
+def _expression(row: doc.Line) -> Expr:
     """The value of a closed form, which is more than what it looks like."""
     assert isinstance(row.value, Expr)
     return row.value
 
 
-def _evaluated(row: Line, known: Mapping[Symbol, Expr]) -> Line:
+def _evaluated(row: doc.Line, known: Mapping[Symbol, Expr]) -> doc.Line:
     """A row with numbers for its parameters; if they are long, in lowest terms and rounded."""
     exact = _expression(row).xreplace(known)
     if approximate(exact) == exact:
@@ -271,3 +423,158 @@ def _terms(expression: Expr) -> tuple[int, int]:
         n, d = (comb(x + abs(int(expression.exp)) - 1, x - 1) for x in _terms(expression.base))
         return (n, d) if expression.exp > 0 else (d, n)
     return int(expression != 0), 1
+
+
+# The derivation in a report.
+
+
+_H = named("H")
+_VALUES = "the scene's values"
+_MOST_POLYNOMIALS = 12
+
+
+def derivation(forms: SceneForms) -> Iterator[Block]:
+    """All steps, each below its heading, and what lies beyond them: short steps, crossings solved for omega, groups.
+
+    Closed forms stand in symbols; in numbers, rounded where they are long, if they would be too long to read.
+    """
+    steps = _Steps(forms)
+    yield doc.Section("Dynamics", tuple(steps.dynamics()))
+    yield doc.Section("Distortion", tuple(steps.distortion()))
+    yield doc.Section("Threshold polynomials", tuple(steps.thresholds()))
+    yield doc.Section("Perceived properties", tuple(steps.properties()))
+    yield from filter(_is_readable, beyond(derive(forms.evaluation.scene)))
+
+
+def _is_readable(section: doc.Section) -> bool:
+    """Whether no formula of a section holds numbers or sums that nobody reads."""
+    lines = [line for x in section.blocks if isinstance(x, doc.Equations) for line in x.lines]
+    return not any(is_long(line.value) for line in lines)
+
+
+@dataclass(frozen=True)
+class _Steps:
+    """The steps as paragraphs and equations."""
+
+    forms: SceneForms
+
+    @property
+    def evaluation(self) -> Evaluation:
+        return self.forms.evaluation
+
+    def dynamics(self) -> Iterator[Block]:
+        scene = self.evaluation.scene
+        yield doc.Paragraph(("Dynamics are force per position, as functions of the Laplace variable ", named("s"), "."))
+        lines = [doc.Line(quantity("H_env"), scene.environment.dynamics)]
+        if scene.rendered:
+            yield doc.Paragraph(("The controller renders ", quantity("H_rendered"), " for ", quantity("H_env"), "."))
+            lines.append(doc.Line(quantity("H_rendered"), scene.rendered.dynamics))
+        said = []
+        for i, effect in enumerate(scene.effects, 1):
+            words, entries = _action(i, effect)
+            said.append((f"Effect {i}, {effect.name}, ", words, ". "))
+            lines += entries
+        if said:
+            yield doc.Paragraph(tuple(said))
+        yield self._equations([*lines, *(self.forms.in_symbols(DYNAMICS) or [])[1:]])
+        if scene.parameters:
+            yield doc.Paragraph(f"With {_VALUES} (here and below, long numbers are rounded to six digits after ≈):")
+            yield self._equations(self.forms.in_numbers(DYNAMICS))
+
+    def distortion(self) -> Iterator[Block]:
+        where = Equation((named("s"), layout(I * omega)), ("=",))
+        change = Equation((CHANGE, Sum(((1, H_PERC), (-1, H_ENV)))), ("=",))
+        yield from self._formulas(("On ", where, " the distortion ", change, " has the parts"), DIFFERENCE)
+        yield from self._formulas("The distortion ratios, which the threshold judges, are", RATIO_FORMS)
+        yield from self._formulas("The relative distortion, not to be confused with them, is", RELATIVE)
+        if self.evaluation.scene.parameters and self.forms.in_symbols(DIFFERENCE):
+            yield doc.Paragraph(f"With {_VALUES} the distortion is")
+            yield self._equations(self.forms.in_numbers(DIFFERENCE))
+
+    def thresholds(self) -> Iterator[Block]:
+        if not self.evaluation.scene.threshold.is_plain:
+            yield from self._regions()
+            return
+        functions = self.evaluation.distortion.squared_modulus.axis.functions
+        kind = "polynomials in ω, its powers, sines and cosines" if functions else "polynomials in ω²"
+        exceeds = listed((RATIOS[part], " exceeds exactly where ", _excess(part), " > 0") for part in Part)
+        yield doc.Paragraph((
+            "A ratio exceeds its threshold where its square does, and so no root is needed: ", exceeds, f". These are {kind} ",
+            "with exact coefficients (to ten digits after ≈); the crossings are their roots on the band. Written up to a ",
+            "positive factor:",
+        ))  # fmt: skip
+        yield self._equations([self.forms.threshold(part) for part in Part])
+
+    def _regions(self) -> Iterator[Block]:
+        """Of what is judged by a region or by a formula in omega: which functions must not all be positive."""
+        said: list[Phrase] = []
+        lines: list[doc.Line] = []
+        for x in self.evaluation.criteria:
+            found = x.function(self.evaluation.distortion)
+            where, functions = ways(x, found)
+            said += [where, " "]
+            moves = bool(x.joint) and not self.evaluation.scene.threshold.is_constant  # corners may change sign
+            singles = ((name, f) for name, f in functions if isinstance(f, RealFunction))
+            lines += [self.forms.polynomial(name, _whole(f) if moves else f) for name, f in singles]
+        if len(lines) > _MOST_POLYNOMIALS:
+            yield doc.Paragraph(f"{len(lines)} functions of ω decide what is noticed: too many to be written here.")
+            return
+        yield doc.Paragraph((*said, "Written up to a positive factor (to ten digits after ≈):"))
+        yield self._equations(lines)
+
+    def properties(self) -> Iterator[Block]:
+        real, imag = (Prefixed(OPERATORS[part], _H) for part in Part)
+        lead = (
+            real, " is felt as stiffness where it is positive and as mass where it is negative, ", imag, " as damping. The ",
+            "stiffness, mass and damping perceived are",
+        )  # fmt: skip
+        yield from self._formulas(lead, FELT)
+        d = self.forms.symbolic
+        found = {"env": d.changeover_environment, "perc": d.changeover_perceived} if d else {}
+        shown = {name: x for name, x in found.items() if x is not None and width(formula(x)) < LINE - 5}
+        if shown:
+            yield doc.Paragraph("The lowest frequencies of changeover, while they are real and positive, are")
+            yield self._equations([doc.Line(quantity(f"omega_{name}"), x) for name, x in shown.items()])
+
+    def _formulas(self, lead: Phrase, group: FormulaGroup) -> Iterator[Block]:
+        """Closed forms in symbols; in numbers if they would be too long to read."""
+        has_parameters = bool(self.evaluation.scene.parameters)
+        in_symbols = self.forms.in_symbols(group) if has_parameters else None
+        lines = in_symbols or self.forms.in_numbers(group)
+        is_explained = in_symbols or not has_parameters or all(x.optional for x in lines)
+        yield doc.Paragraph(lead if is_explained else (lead, f" (with {_VALUES}; too long in symbols)"))
+        yield self._equations(lines)
+
+    def _equations(self, lines: Iterable[doc.Line]) -> Block:
+        return doc.Equations(tuple(self.forms.named(list(lines))))
+
+
+def _whole(f: RealFunction) -> RealFunction:
+    """A polynomial of the sign of a function, whatever that of its denominator."""
+    return RealFunction(f.axis.function(f.function.numerator * f.function.denominator))
+
+
+def _excess(part: Part) -> Box:
+    return quantity("p_r" if part is Part.REAL else "p_i")
+
+
+def _action(i: int, effect: Effect) -> tuple[Phrase, list[doc.Line]]:
+    """What the effect of that number does to H, in words, and the formulas that the words name."""
+    a, b, c, d = effect.dynamics
+    if effect.renders:
+        words = (f"renders it with a clock ({effect.setting('method')}): ", _H, " becomes ", named(f"G_{i}"), " (", _H)
+        return (*words, " + ", named(f"Z_{i}"), ")"), [_of_s("Z", i, b / a), _of_s("G", i, a)]
+    names = {x: named(f"{x}_{i}") for x in "GZYABCD"}
+    if (b, c, d) == (0, 0, 1):
+        return ("multiplies the force by ", names["G"]), [_of_s("G", i, a)]
+    if (a, c, d) == (1, 0, 1):
+        return ("adds the impedance ", names["Z"]), [_of_s("Z", i, b)]
+    if (a, b, d) == (1, 0, 1):
+        return ("adds the compliance ", names["Y"], " in series"), [_of_s("Y", i, c)]
+    above, below = ((names[x], "\xa0", _H, " + ", names[y]) for x, y in ("AB", "CD"))
+    mapped = (_H, " becomes (", above, ")/(", below, ")")
+    return ("is a two-port: ", mapped), [_of_s(x, i, y) for x, y in zip("ABCD", effect.dynamics, strict=True)]
+
+
+def _of_s(letter: str, i: int, value: Expr) -> doc.Line:
+    return doc.Line(function(f"{letter}_{i}", layout(s)), value)

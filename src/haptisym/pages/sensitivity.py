@@ -6,19 +6,9 @@ from collections.abc import Iterator
 
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import OMEGA, both, near, noted, page_about, proof, undecided
+from haptisym.pages.words import OMEGA, Field, both, near, noted, number, page_about, phrased, proof, table, undecided
 from haptisym.verbs.sensitivity.entry import Sensitive, Sensitivities, Sensitivity
-from haptisym.writing.document import (
-    Block,
-    Column,
-    Document,
-    Figure,
-    Paragraph,
-    Phrase,
-    Section,
-    Table,
-    listed,
-)
+from haptisym.writing.document import Block, Document, Figure, Paragraph, Phrase, Section, listed
 from haptisym.writing.layout import named
 
 _FEW = 3
@@ -37,23 +27,19 @@ def _answer(found: Sensitivities) -> Iterator[tuple[Phrase, Phrase]]:
     x = found.bandwidth
     if x is None:
         yield "Bandwidth", "none: noticed from the low end of the band on"
-    elif x.reason:
-        yield "Bandwidth", (both(x.omega), f"; its derivative is {x.reason}")
-    elif x.criterion is None:
-        yield "Bandwidth", (both(x.omega), ", the whole band: small changes of parameters leave it as it is")
-    else:
-        yield "Bandwidth", (both(x.omega), ", limited by ", named(x.criterion.symbol))
-    crossing = x and next(
-        (y for y in found.crossings if y.omega is x.omega or (x.criterion and y.criterion == x.criterion)), None
-    )
-    most = [p for p in crossing.ranked if p.elasticity is not None][:_FEW] if crossing else []
-    if most:
-        yield (
-            "Moved most by",
-            listed(
-                (named(p.name), " (", _signed(p.elasticity), "\xa0% per %)") for p in most if p.elasticity is not None
-            ),
+        return
+    limit: Phrase = ", the whole band: small changes of parameters leave it as it is"
+    if x.reason or x.criterion:
+        limit = (
+            f"; its derivative is {x.reason}"
+            if x.reason or not x.criterion
+            else (", limited by ", named(x.criterion.symbol))
         )
+    yield "Bandwidth", (both(x.omega), limit)
+    same = (y for y in found.crossings if y.omega is x.omega or (x.criterion and y.criterion == x.criterion))
+    moved = [p for y in [*same][:1] for p in y.ranked if p.elasticity is not None][:_FEW]
+    if moved:
+        yield "Moved most by", listed((named(p.name), " (", _signed(p.elasticity), "\xa0% per %)") for p in moved)
 
 
 def _crossings(found: Sensitivities) -> Iterator[Block]:
@@ -75,28 +61,26 @@ def _moved(what: Phrase, x: Sensitive) -> Section:
     heading = what, " at ", both(x.omega)
     if x.reason:
         return Section(heading, (Paragraph(f"{x.reason[0].upper()}{x.reason[1:]}."),))
-    columns = (
-        Column("parameter"), Column("path"), Column("elasticity", number=True),
-        Column(("d", OMEGA, "/d", named("p")), number=True), Column("rad/s per"),
+    shown = table(
+        x.ranked, "How it moves with each parameter, the one that moves it most first.",
+        Field("parameter", lambda p: named(p.name)), Field("path", lambda p: p.path),
+        number("elasticity", lambda p: _signed(p.elasticity) if _has(p) else p.reason),
+        number(("d", OMEGA, "/d", named("p")), lambda p: (_signed(p.derivative), f" {p.side}" * bool(p.side)) if _has(p) else ""),
+        Field("rad/s per", lambda p: unit_text(p.unit) or "unit" * _has(p)),
     )  # fmt: skip
-    caption = "How it moves with each parameter, the one that moves it most first."
-    reasons = {
-        p.reason: [q.name for q in x.ranked if q.reason == p.reason] for p in x.ranked if p.derivative and p.reason
-    }
-    told = tuple((listed(map(named, names)), f": {reason}.") for reason, names in reasons.items())
-    return Section(heading, (Table(columns, tuple(map(_row, x.ranked)), caption), *noted(told)))
+    whose: dict[str, list[Phrase]] = {}
+    for p in x.ranked:
+        whose.setdefault(p.reason, []).append(named(p.name))
+    one_sided = dict.fromkeys(p.reason for p in x.ranked if p.derivative and p.reason)
+    return Section(heading, (shown, *noted(phrased("{}: {}.", listed(whose[reason]), reason) for reason in one_sided)))
 
 
-def _row(p: Sensitivity) -> tuple[Phrase, ...]:
-    name, unit = named(p.name), unit_text(p.unit)
-    if p.derivative is None or p.elasticity is None:
-        return name, p.path, p.reason, "", unit
-    derivative = _signed(p.derivative), f" {p.side}" if p.side else ""
-    return name, p.path, _signed(p.elasticity), derivative, unit or "unit"
+def _has(p: Sensitivity) -> bool:
+    return p.derivative is not None and p.elasticity is not None
 
 
-def _signed(x: RealNumber) -> Phrase:
-    return "+" if float(x) > 0 else "", near(x)
+def _signed(x: RealNumber | None) -> Phrase:
+    return "" if x is None else ("+" if float(x) > 0 else "", near(x))
 
 
 def _proven(found: Sensitivities) -> Iterator[Phrase]:

@@ -1,26 +1,32 @@
-"""The page of a simulation: what was simulated, and how it compares with the closed form."""
+"""The page of a simulation: what was simulated, and how it compares with the closed form; and that of a release."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from haptisym.kernel.rootcount import RootChain
 from haptisym.model.quantities import Dimension
-from haptisym.pages.late import drawing
-from haptisym.pages.words import H_PERC, at_most, cell, near, noted, page_about, stiffness_unit, unit
-from haptisym.verbs.simulate.entry import Estimate, Simulation, Simulations
-from haptisym.writing.document import (
-    FREQUENCY,
-    FREQUENCY_UNIT,
-    Block,
-    Column,
-    Document,
-    Facts,
-    Phrase,
-    Section,
-    Strong,
-    Table,
-    listed,
+from haptisym.model.scene import clocks
+from haptisym.pages.words import (
+    H_PERC,
+    Field,
+    at_most,
+    cell,
+    drawing,
+    hertz,
+    near,
+    noted,
+    number,
+    page_about,
+    phrased,
+    stiffness_unit,
+    table,
+    unit,
 )
+from haptisym.verbs.simulate.entry import Simulation, Simulations
+from haptisym.verbs.simulate.release import Closed, Release
+from haptisym.writing import document as doc
+from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
 
 _AGREES: dict[bool | None, Phrase] = {True: "yes", False: Strong("no"), None: "-"}
 _CAPTIONS = {
@@ -39,7 +45,7 @@ def page(found: Simulation | Simulations) -> Document:
         for name, caption in _CAPTIONS.items()
         if name.startswith("simulated") or any(run.estimates for run in runs)
     )
-    blocks = *_table(runs), Facts(tuple(_simulated(runs))), *drawn, *noted(runs[0].notes)
+    blocks = *_table(runs), doc.Facts(tuple(_simulated(runs))), *drawn, *noted(runs[0].notes)
     answer = (("Closed form", _verdict(runs)),)
     return page_about(found.scene, answer, blocks, (_HOW_SURE,), "Simulation in time", found.asides())
 
@@ -59,22 +65,16 @@ def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
 
 
 def _table(runs: Sequence[Simulation]) -> Iterator[Block]:
-    rows = tuple(_row(x) for run in runs for x in run.estimates)
+    rows = [x for run in runs for x in run.estimates]
     if rows:
-        numbers = "Re simulated", "Im simulated", "difference", "error"
-        columns = (
-            Column(FREQUENCY, number=True, hertz=True),
-            *(Column(x, number=True) for x in numbers),
-            Column("agrees"),
-        )
         heading = H_PERC, f" recovered from the force, {stiffness_unit(runs[0].scene)}"
         caption = (*heading, "; its distance from the closed form, and the error of the simulation, estimated.")
-        yield Section(heading, (Table(columns, rows, caption),))
-
-
-def _row(x: Estimate) -> tuple[Phrase, ...]:
-    found = near(x.simulated.real), near(x.simulated.imag)
-    return cell(x.omega), *found, near(x.difference, most=2), near(x.error, most=2), _AGREES[x.agrees]
+        shown = table(
+            rows, caption, hertz(lambda x: cell(x.omega)), number("Re simulated", lambda x: near(x.simulated.real)),
+            number("Im simulated", lambda x: near(x.simulated.imag)), number("difference", lambda x: near(x.difference, most=2)),
+            number("error", lambda x: near(x.error, most=2)), Field("agrees", lambda x: _AGREES[x.agrees]),
+        )  # fmt: skip
+        yield doc.Section(heading, (shown,))
 
 
 def _verdict(runs: Sequence[Simulation]) -> Phrase:
@@ -90,3 +90,83 @@ def _verdict(runs: Sequence[Simulation]) -> Phrase:
     if wrong:
         return Strong("disagrees"), " with the simulation at ", listed(wrong), "\xa0", FREQUENCY_UNIT
     return "agrees with the simulation at every frequency, within its estimated error"
+
+
+# A release: what was let go, how the motion went on, and what the closed form gives for it.
+
+
+def page_release(r: Release) -> Document:
+    """The whole page."""
+    shown = "Motion after the hand lets go, and the envelope of the rightmost pole in closed form."
+    blocks = *_table_release(r), *noted(_remarks(r)), doc.Facts(tuple(_run(r))), doc.Figure("release", shown, r.figure)
+    return page_about(r.scene, _answer(r), blocks, (_how_sure(r),), "Release test", r.asides())
+
+
+def _answer(r: Release) -> Iterator[tuple[Phrase, Phrase]]:
+    motion: Phrase = "undecided from this run" if r.grows is None else Strong("grows") if r.grows else "decays"
+    yield "After release", motion
+    yield "Closed form", _held(r)
+
+
+def _run(r: Release) -> Iterator[tuple[str, Phrase]]:
+    motion = r.scene.motion
+    numbers = listed((f"{p.key} = ", near(p.value, unit=p.shown_unit(motion))) for p in r.hand.parameters)
+    yield "simulated", ", ".join(r.built)
+    yield "hand", (f"{r.hand.name}: ", numbers)
+    yield "held at", (near(r.displacement), f" {r.unit}, at rest, then let go")
+    yield "time", ("0 to ", near(float(r.time[-1])), f" s{f' (it {r.stopped})' if r.stopped else ''}")
+
+
+def _table_release(r: Release) -> Iterator[Block]:
+    """Rate and frequency as read from the motion, and of the closed form."""
+    rows: list[tuple[Phrase, ...]] = []
+    if r.fitted is not None:
+        omega: Phrase = "-" if r.is_envelope else cell(r.fitted.omega)
+        rows.append(("simulated motion", near(r.fitted.rate), omega, f"{r.error:.2g}"))
+    if r.closed is not None and not r.is_envelope:
+        proven = "proven" if r.closed.root.certified else "not proven to be the rightmost"
+        root = "largest pole z, ln z/T" if clocks(r.scene) else "rightmost pole"
+        rows.append((root, near(r.closed.rate), cell(r.closed.omega), proven))
+    if rows:
+        caption = "The motion that decays last: it goes as exp(rate t). The error of the simulated one is estimated."
+        yield table(
+            rows, caption, Field("slowest decay", lambda x: x[0]), number("rate (1/s)", lambda x: x[1]), hertz(lambda x: x[2]),
+            Field("error", lambda x: x[3]),
+        )  # fmt: skip
+
+
+def _remarks(r: Release) -> Iterator[Phrase]:
+    if r.closed is not None and r.is_envelope:
+        yield _chain(r.closed)
+    loop: Phrase = "the sampled loop" if clocks(r.scene) else (H_PERC, " + m s^2 + b s + k")
+    yield "Closed form: ", loop, "."
+
+
+def _held(r: Release) -> Phrase:
+    roots = r.held.roots
+    if roots is None:
+        return Strong("undecided"), f" ({r.held.reason})"
+    if r.held.stable:
+        return "stable, no pole has |z| ≥ 1" if clocks(r.scene) else "stable, no pole has Re\xa0s\xa0≥\xa00"
+    if roots.chain is RootChain.NEAR:
+        chain = ": infinitely many poles come arbitrarily near to the axis, far above what a release moves"
+        return Strong("unstable"), chain
+    return Strong("unstable"), ""
+
+
+def _chain(closed: Closed) -> Phrase:
+    words = "Infinitely many poles have rates that tend to {} 1/s: the simulated rate is that of the motion's largest values."
+    return phrased(words, near(closed.chain or 0.0))
+
+
+def _how_sure(r: Release) -> Phrase:
+    if r.grows is None:
+        return "Computed: whether the motion grows or decays does not follow from this run."
+    if r.approximate:
+        return "Computed. The closed form is not what was simulated here: ", r.approximate, "."
+    if r.agrees is False or r.sign_agrees is False:
+        return "Computed. Simulation and closed form ", Strong("disagree"), "."
+    if r.agrees is None and r.sign_agrees is None:
+        return "Computed. There is no closed form to compare with."
+    what = "the sign of the rate" if r.is_envelope or r.agrees is None else "rate and frequency"
+    return f"Computed. Simulation and closed form agree in {what}."

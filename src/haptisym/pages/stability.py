@@ -12,49 +12,20 @@ from haptisym.kernel.rootcount import RootChain
 from haptisym.model.catalogue import Hand, hands
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension
-from haptisym.model.scene import Knob, clocks
+from haptisym.model.scene import Knob, Scene, clocks
+from haptisym.pages import words as w
 from haptisym.pages.evaluation import not_looked_at
-from haptisym.pages.late import proof as certificate
-from haptisym.pages.words import (
-    H_PERC,
-    OMEGA,
-    OPERATORS,
-    at_least,
-    at_most,
-    both,
-    cell,
-    compared,
-    near,
-    noted,
-    page_about,
-    proof,
-    span,
-    undecided,
-    unit,
-    value_of,
-)
 from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.entry import Stability, has_plane
 from haptisym.verbs.stability.held import Box, Held, Share
+from haptisym.writing import document as doc
 from haptisym.writing.boxes import Prefixed
-from haptisym.writing.document import (
-    FREQUENCY_UNIT,
-    Block,
-    Column,
-    Document,
-    Figure,
-    Phrase,
-    Real,
-    Section,
-    Strong,
-    Table,
-    listed,
-)
+from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
 from haptisym.writing.layout import named
 
-_IM = Prefixed(OPERATORS[Part.IMAG], H_PERC)
-_REAL = Prefixed(OPERATORS[Part.REAL], named("s"))
-_LEFT, _RIGHT = compared(_REAL, "<"), compared(_REAL, "≥")
+_IM = Prefixed(w.OPERATORS[Part.IMAG], w.H_PERC)
+_REAL = Prefixed(w.OPERATORS[Part.REAL], named("s"))
+_LEFT, _RIGHT = w.compared(_REAL, "<"), w.compared(_REAL, "≥")
 _PLANE = "Hands of one mass: where the display is stable in them, and the number of unstable poles where it is not."
 _WALLS = "Sampled walls: where the display is stable with them, and the number of unstable poles (|z|\xa0≥\xa01) where it is not."
 _MOST = 6  # active intervals that are printed
@@ -69,12 +40,12 @@ _CHAINS = {
 def page(found: Stability) -> Document:
     """The whole page."""
     is_sampled = bool(clocks(found.scene))
-    drawn = (Figure("plane", _WALLS if is_sampled else _PLANE, found.figure),) if has_plane(found.scene) else ()
+    drawn = (doc.Figure("plane", _WALLS if is_sampled else _PLANE, found.figure),) if has_plane(found.scene) else ()
     blocks = (
         *_hands(found), *_limits(found), *drawn,
-        *noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))), certificate(found, found.scene),
+        *w.noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))), w.certificate(found, found.scene),
     )  # fmt: skip
-    return page_about(found.scene, _answer(found), blocks, _proven(found), "Stability", found.asides())
+    return w.page_about(found.scene, _answer(found), blocks, _proven(found), "Stability", found.asides())
 
 
 # The answer.
@@ -99,7 +70,7 @@ def _verdict(x: Held) -> Phrase:
         return Strong("unstable"), ": ", _CHAINS[x.roots.chain]
     on_axis = x.on_axis[bool(x.drifts) :]
     if on_axis and len(on_axis) * 2 >= (x.unstable or 0):
-        return Strong("unstable"), " (poles on the imaginary axis at ", listed(map(both, on_axis)), ")"
+        return Strong("unstable"), " (poles on the imaginary axis at ", listed(map(w.both, on_axis)), ")"
     return Strong("unstable"), f" ({x.unstable} unstable pole{'' if x.unstable == 1 else 's'})"
 
 
@@ -112,11 +83,11 @@ def _nearest_limits(found: Stability, x: Held, rows: Sequence[Nearest]) -> Phras
         if (value < now) != is_above if x.stable else (value > now) != is_above:
             continue
         reach = abs(value - now) / (abs(now) or 1)
-        limit = value_of(knob, critical.value, Way.UP if is_above else Way.DOWN)
+        limit = w.value_of(knob, critical.value, Way.UP if is_above else Way.DOWN)
         if x.stable:
             told.append((reach, ("down to " if is_above else "up to ", _name(knob), " = ", limit)))
         else:
-            now_ = value_of(knob, ExactNumber(knob.value), Way.NEAREST)
+            now_ = w.value_of(knob, ExactNumber(knob.value), Way.NEAREST)
             told.append((reach, (_name(knob), " > " if is_above else " < ", limit, " (is ", now_, ")")))
     few = [words for _, words in sorted(told, key=lambda y: y[0])[:_FEW]]
     return (": " if x.stable else ": needs ", listed(few, "and" if x.stable else "or")) if few else ""
@@ -135,25 +106,25 @@ def _any_operator(found: Stability) -> Phrase:
         p = x.passivity
         why: Phrase = x.reason if p is None or x.sampled is not None else _why_open(p)
         return Strong("undecided"), " whether it is passive", (": ", why) if why else ""
-    return Strong("not passive"), _needs(x.sampled, unit(Dimension.DAMPING, found.scene.motion)) if x.sampled else ""
+    return Strong("not passive"), _needs(x.sampled, w.unit(Dimension.DAMPING, found.scene.motion)) if x.sampled else ""
 
 
 def _needs(x: SampledPassivity, damping: str) -> Phrase:
     """What Colgate and Schenkel's condition asks of the device's damping."""
     if x.sides is None:
         return ""
-    has = " (is ", near(ExactNumber(x.damping)), ")"
+    has = " (is ", w.near(ExactNumber(x.damping)), ")"
     if x.needed is None:
         return ": no damping of the device is enough"
     if x.asks_nothing:
         return ": needs device damping ≥ 0", *has
-    return (": needs device damping > ", at_most(x.needed.value), f" {damping}", *has) if x.passive is False else ""
+    return (": needs device damping > ", w.at_most(x.needed.value), f" {damping}", *has) if x.passive is False else ""
 
 
 def _why_open(p: Passivity) -> Phrase:
     if p.beyond is Beyond.NEVER:
         return _IM, " ≥ 0 at all frequencies, but where poles lie is undecided"
-    return "above ", both(ExactNumber(p.high)), " the sign of ", _IM, f" is {p.beyond.value}"
+    return "above ", w.both(ExactNumber(p.high)), " the sign of ", _IM, f" is {p.beyond.value}"
 
 
 # Each hand, and the limits.
@@ -162,13 +133,19 @@ def _why_open(p: Passivity) -> Phrase:
 def _hands(found: Stability) -> Iterator[Block]:
     if not found.held:
         return
-    keys = (Column((named(key), f" ({unit_})"), number=True) for key, unit_ in zip("mbk", _units(found), strict=True))
     where = "unstable poles (|z|\xa0≥\xa01)" if found.sampled is not None else ("unstable poles (", _RIGHT, ")")
-    columns = (Column("hand"), *keys, Column("stable"), Column(where, number=True))
+    units = [w.unit(x, found.scene.motion) for x in (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)]
+    keys = (
+        w.number((named(key), f" ({unit_})"), lambda x, i=i: w.near(ExactNumber(x.hand.parameters[i].value)))
+        for i, (key, unit_) in enumerate(zip("mbk", units, strict=True))
+    )
     notes = [_box(x.hand, box) for x, box in zip(found.held, found.boxes, strict=True) if box]
     notes += [f"{x.hand.name}: no motion grows, as all parts are passive." for x in found.held if _only_near(found, x)]
-    table = Table(columns, tuple(map(_row, found.held)), "The display in each hand.")
-    yield Section("Does it shake?", (table, *noted(notes)))
+    shown = w.table(
+        found.held, "The display in each hand.", w.Field("hand", lambda x: x.hand.name), *keys, w.Field("stable", _stable),
+        w.number(where, _count),
+    )  # fmt: skip
+    yield doc.Section("Does it shake?", (shown, *w.noted(notes)))
 
 
 def _only_near(found: Stability, x: Held) -> bool:
@@ -177,17 +154,9 @@ def _only_near(found: Stability, x: Held) -> bool:
     return bool(x.roots is not None and x.roots.chain is RootChain.NEAR and p and p.has_passive_parts)
 
 
-def _units(found: Stability) -> list[str]:
-    """Of mass, damping and stiffness."""
-    return [unit(x, found.scene.motion) for x in (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)]
-
-
-def _row(x: Held) -> tuple[Phrase, ...]:
+def _stable(x: Held) -> Phrase:
     drifts = x.shakes is False and x.drifts
-    verdict: Phrase = (
-        Strong("undecided") if x.stable is None else "yes" if x.stable else "drifts" if drifts else Strong("no")
-    )
-    return x.hand.name, *(near(ExactNumber(p.value)) for p in x.hand.parameters), verdict, _count(x)
+    return Strong("undecided") if x.stable is None else "yes" if x.stable else "drifts" if drifts else Strong("no")
 
 
 def _count(x: Held) -> str:
@@ -199,13 +168,10 @@ def _count(x: Held) -> str:
 
 def _box(hand: Hand, box: Box) -> Phrase:
     """In which hands of given ranges it is stable."""
-    ranges = listed(
-        (named(p.key), " from ", near(ExactNumber(p.interval[0])), " to ", near(ExactNumber(p.interval[1])))
-        for p in hand.parameters
-        if p.interval
-    )
+    within = [(p, *map(ExactNumber, p.interval)) for p in hand.parameters if p.interval]
+    ranges = listed((named(p.key), " from ", w.near(low), " to ", w.near(high)) for p, low, high in within)
     if box.share is None:
-        return undecided((f"{hand.name} with ", ranges, f": {box.reason}"))
+        return w.undecided((f"{hand.name} with ", ranges, f": {box.reason}"))
     verdict: dict[Share, Phrase] = {
         Share.ALL: "stable in all of these hands",
         Share.SOME: (Strong("not"), " stable in all of these hands, but in some"),
@@ -218,17 +184,10 @@ def _limits(found: Stability) -> Iterator[Block]:
     """The limits of each parameter, one varied at a time; those that change nothing in a line."""
     pairs = [(x, row) for x, rows in zip(found.held, found.critical, strict=True) for row in rows]
     shown = [(x, row, own) for x, row in pairs if (own := _stable_for(found, row))]
-    lines: list[tuple[Phrase, ...]] = []
-    last = ""
-    for x, row, (stable_for, places) in shown:
-        knob = found.scene.knobs[row.path]
-        now, shown_unit = _number(knob, ExactNumber(knob.value), Way.NEAREST), knob.shown_unit(knob.motion).text
-        name = _name(knob), f" ({shown_unit})" if shown_unit else ""
-        lines.append(("" if last == x.hand.name else x.hand.name, name, now, stable_for, places))
-        last = x.hand.name
-    heads = "hand", "parameter", "is", "stable for", ("pole at limit (", FREQUENCY_UNIT, ")")
-    columns = tuple(Column(x) for x in heads)
-    caption = "The nearest values, either way, at which stability changes, and the frequency of the pole there."
+    first = {x.hand.name: row for x, row, _ in reversed(shown)}
+    lines = [
+        (x.hand.name if first[x.hand.name] is row else "", found.scene.knobs[row.path], own) for x, row, own in shown
+    ]
     notes: list[Phrase] = []
     for x in found.held:
         none = [row for y, row in pairs if y is x and not row.reason and not _stable_for(found, row)]
@@ -239,10 +198,21 @@ def _limits(found: Stability) -> Iterator[Block]:
         ):
             names = listed(_name(found.scene.knobs[row.path]) for row in rows)
             notes += [(f"{x.hand.name}: {words}", names, _searched(found, rows), ".")] if rows else []
-    notes += [undecided((f"{row.path}: {row.reason}",)) for _, row in pairs if row.reason]
-    blocks: list[Block] = [Table(columns, tuple(lines), caption)] if lines else []
-    if blocks or notes:
-        yield Section("Stability limits, one parameter varied at a time", (*blocks, *noted(notes)))
+    notes += [w.undecided((f"{row.path}: {row.reason}",)) for _, row in pairs if row.reason]
+    limits = w.table(
+        lines, "The nearest values, either way, at which stability changes, and the frequency of the pole there.",
+        w.Field("hand", lambda x: x[0]), w.Field("parameter", lambda x: _name_and_unit(x[1])),
+        w.Field("is", lambda x: _number(x[1], ExactNumber(x[1].value), Way.NEAREST)), w.Field("stable for", lambda x: x[2][0]),
+        w.Field(("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: x[2][1]),
+    )  # fmt: skip
+    if lines or notes:
+        blocks = (limits,) if lines else ()
+        yield doc.Section("Stability limits, one parameter varied at a time", (*blocks, *w.noted(notes)))
+
+
+def _name_and_unit(knob: Knob) -> Phrase:
+    shown = knob.shown_unit(knob.motion).text
+    return _name(knob), f" ({shown})" if shown else ""
 
 
 def _searched(found: Stability, rows: Sequence[Nearest]) -> Phrase:
@@ -255,8 +225,8 @@ def _searched(found: Stability, rows: Sequence[Nearest]) -> Phrase:
 
 
 def _range(knob: Knob, low: Fraction | None, high: Fraction | None) -> Phrase:
-    first: Phrase = (" from ", value_of(knob, low, Way.UP)) if low else ""
-    return (first, " up to ", value_of(knob, high, Way.DOWN)) if high is not None else (first, "")
+    first: Phrase = (" from ", w.value_of(knob, low, Way.UP)) if low else ""
+    return (first, " up to ", w.value_of(knob, high, Way.DOWN)) if high is not None else (first, "")
 
 
 def _stable_for(found: Stability, row: Nearest) -> tuple[Phrase, Phrase] | None:
@@ -276,13 +246,13 @@ def _stable_for(found: Stability, row: Nearest) -> tuple[Phrase, Phrase] | None:
     return ("> ", least or "") if low else ("< ", most or ""), places
 
 
-def _number(knob: Knob, x: Printable, way: Way) -> Real:
+def _number(knob: Knob, x: Printable, way: Way) -> doc.Real:
     """A value without the name of its unit, which the heading has."""
-    return Real(in_unit(x, knob.shown_unit(knob.motion).size), way)
+    return doc.Real(in_unit(x, knob.shown_unit(knob.motion).size), way)
 
 
 def _place(x: Critical) -> Phrase:
-    return "from infinity" if x.omega is None else cell(x.omega)
+    return "from infinity" if x.omega is None else w.cell(x.omega)
 
 
 # Prescribed motion, and passivity.
@@ -291,64 +261,58 @@ def _place(x: Critical) -> Phrase:
 def _prescribed(found: Stability) -> Phrase:
     x = found.imposed
     if x.stable is None:
-        return Strong("undecided"), ", whether all poles of ", H_PERC, " lie in ", _LEFT, "."
+        return Strong("undecided"), ", whether all poles of ", w.H_PERC, " lie in ", _LEFT, "."
     if x.stable:
         return "stable", "; infinitely many poles come arbitrarily near to the imaginary axis." if x.chain else "."
     if x.chain is RootChain.NEAR:
-        return Strong("unstable"), ": ", H_PERC, " has poles on the imaginary axis."
+        return Strong("unstable"), ": ", w.H_PERC, " has poles on the imaginary axis."
     if x.chain:
-        return Strong("unstable"), ": of the poles of ", H_PERC, f", {_CHAINS[x.chain]}."
+        return Strong("unstable"), ": of the poles of ", w.H_PERC, f", {_CHAINS[x.chain]}."
     count = "at least one pole" if x.unstable is None else f"{x.unstable} pole{'' if x.unstable == 1 else 's'}"
-    return Strong("unstable"), f": {count} of ", H_PERC, " in ", _RIGHT, "."
+    return Strong("unstable"), f": {count} of ", w.H_PERC, " in ", _RIGHT, "."
 
 
 def _passivity(found: Stability) -> Iterator[Phrase]:
     """Where the display is active, and what compensates it."""
-    x, damping = found.every_passive_hand, unit(Dimension.DAMPING, found.scene.motion)
+    x, damping = found.every_passive_hand, w.unit(Dimension.DAMPING, found.scene.motion)
     p, sampled = x.passivity, x.sampled
     if p is not None and p.active:
         yield "Active (", _IM, " < 0) ", _bands(p), "."
     if sampled is not None:
-        yield from _sampled(sampled, damping, unit(Dimension.STIFFNESS, found.scene.motion))
+        yield from _sampled(sampled, found.scene)
         return
     if p is None:
         return
     if p.holds is False and p.poles_allow is False:
-        yield (
-            "A pole of ",
-            H_PERC,
-            "/s to the right, on the axis, at 0 or at ∞ prevents passivity, for any damping of the hand.",
+        words = (
+            "A pole of {}/s to the right, on the axis, at 0 or at ∞ prevents passivity, for any damping of the hand."
         )
+        yield w.phrased(words, w.H_PERC)
     if p.is_unbounded:
-        yield "No damping of a hand is enough for all masses and stiffnesses: −", _IM, "/", OMEGA, " is unbounded."
+        yield "No damping of a hand is enough for all masses and stiffnesses: −", _IM, "/", w.OMEGA, " is unbounded."
     elif p.is_active and p.damping:
         if p.poles_allow:
-            yield (
-                "Stable in any hand with damping above ",
-                at_most(p.damping.value),
-                f" {damping}, for any mass and stiffness.",
-            )
+            yield w.enough_damping(w.at_most(p.damping.value), found.scene)
         else:
-            yield "b* = sup(−", _IM, "/", OMEGA, ") = ", near(p.damping.value), f" {damping}."
+            yield "b* = sup(−", _IM, "/", w.OMEGA, ") = ", w.near(p.damping.value), f" {damping}."
     elif p.is_active and p.beyond is not Beyond.CLOCK:
-        yield undecided(("how large −", _IM, "/", OMEGA, " becomes"))
+        yield w.undecided(("how large −", _IM, "/", w.OMEGA, " becomes"))
 
 
-def _sampled(x: SampledPassivity, damping: str, stiffness: str) -> Iterator[Phrase]:
+def _sampled(x: SampledPassivity, scene: Scene) -> Iterator[Phrase]:
     if x.pushes:
-        value = at_least(ExactNumber(x.at_rest)), f" {stiffness}"
+        value = w.at_least(ExactNumber(x.at_rest)), f" {w.stiffness_unit(scene)}"
         yield "The stiffness of the display at rest is negative (", *value, "): no damping compensates it."
     elif x.passive is False and x.hand_needed is not None:
-        lacking = at_most(x.hand_needed), f" {damping}"
-        yield "Stable in any hand with damping above ", *lacking, ", for any mass and stiffness."
+        yield w.enough_damping(w.at_most(x.hand_needed), scene)
 
 
 def _bands(p: Passivity) -> Phrase:
-    shown = [span(x) for x in p.active[:_MOST]]
+    shown = [w.span(x) for x in p.active[:_MOST]]
     if p.beyond is Beyond.ALWAYS and len(p.active) <= _MOST:
-        shown[-1] = ("above ", both(p.active[-1].low.omega))
+        shown[-1] = ("above ", w.both(p.active[-1].low.omega))
     more = [f"{len(p.active) - _MOST} more intervals"] if len(p.active) > _MOST else []
-    again = [("at infinitely many frequencies above ", both(ExactNumber(p.high)))] if p.beyond is Beyond.AGAIN else []
+    again = [("at infinitely many frequencies above ", w.both(ExactNumber(p.high)))] if p.beyond is Beyond.AGAIN else []
     return listed([*shown, *more, *again]), not_looked_at(p) if p.beyond is Beyond.LATE else ""
 
 
@@ -359,4 +323,4 @@ def _proven(found: Stability) -> Iterator[Phrase]:
     if not found.certified:
         yield f"Proven: {what}, but for what is marked undecided."
         return
-    yield proof(found.scene, f"{what}, {of}")
+    yield w.proof(found.scene, f"{what}, {of}")

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from sympy import Expr
 
+from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import reals
@@ -19,26 +21,10 @@ from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.quantities import Dimension, MotionKind, Unit, unit_text
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import SceneFamily
-from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled
-from haptisym.writing.document import (
-    DIGITS,
-    FREQUENCY_UNIT,
-    Block,
-    Code,
-    Document,
-    Facts,
-    Frequency,
-    Notes,
-    Phrase,
-    Real,
-    Strong,
-    Versions,
-    coded,
-    listed,
-)
-from haptisym.writing.equations import equation
-from haptisym.writing.layout import approximate, layout, named
-from haptisym.writing.mathtext import text
+from haptisym.writing import document as doc
+from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled, text
+from haptisym.writing.document import FREQUENCY, FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
+from haptisym.writing.layout import approximate, equation, layout, named
 
 if TYPE_CHECKING:
     from haptisym.model.measuredscene import MeasuredScene
@@ -66,20 +52,67 @@ def page_about(
     lead on.
     """
     found = tuple(answer)
-    notes = [coded(x) for x in (scene.asides() if asides is None else asides)]
+    notes = [doc.coded(x) for x in (scene.asides() if asides is None else asides)]
     end: list[Phrase] = [("Model: ", x) for x in model_words(scene)]
     end += [f"Source: {scene.source}"] if scene.source else []
-    told: list[Block] = [Facts(found, "findings")] if found else []
-    told += [*blocks, Notes((*proof, *notes))]
-    steps = tuple(y for x in further for y in ("; ", Code(x)))[1:]
-    brief = (Notes((*end, *((("Next: ", *steps),) if steps else ()))),)
+    told: list[Block] = [doc.Facts(found, "findings")] if found else []
+    told += [*blocks, doc.Notes((*proof, *notes))]
+    steps = tuple(y for x in further for y in ("; ", doc.Code(x)))[1:]
+    brief = (doc.Notes((*end, *((("Next: ", *steps),) if steps else ()))),)
     return Document(
         scene.title or "Untitled scene",
         (),
-        (*told, Versions(brief, lambda: [Notes(tuple(end))])),
+        (*told, doc.Versions(brief, lambda: [doc.Notes(tuple(end))])),
         kind,
         scene.frequency,
     )
+
+
+# Sentences and tables.
+
+
+def phrased(words: str, *given: Phrase) -> Phrase:
+    """Words with what is given in place of each ``{}``.
+
+    >>> phrased("from {} to {}.", "2", H_ENV)[0]
+    'from '
+    """
+    first, *others = words.split("{}")
+    return (first, *(x for pair in zip(given, others, strict=True) for x in pair))
+
+
+Cell: TypeAlias = Callable[[Any], Phrase]
+
+
+@dataclass(frozen=True)
+class Field:
+    """A column of a table of things: its heading, and the cell of each thing."""
+
+    heading: Phrase
+    cell: Cell
+    number: bool = False
+    full: bool = False
+    hertz: bool = False
+
+
+def number(heading: Phrase, cell: Cell) -> Field:
+    """A column of numbers."""
+    return Field(heading, cell, number=True)
+
+
+def hertz(cell: Cell, heading: Phrase = FREQUENCY) -> Field:
+    """A column of frequencies, and of the same in Hz where the page is in rad/s."""
+    return Field(heading, cell, number=True, hertz=True)
+
+
+def table(things: Iterable[Any], caption: Phrase, *fields: Field) -> doc.Table:
+    """A row for each thing; ``caption`` : what a report calls it."""
+    rows = tuple(tuple(x.cell(one) for x in fields) for one in things)
+    return doc.Table(tuple(doc.Column(x.heading, x.number, x.full, x.hertz) for x in fields), rows, caption)
+
+
+IN_UNIT: Phrase = (FREQUENCY, " (", FREQUENCY_UNIT, ")")
+"""The heading of a column of intervals of frequencies."""
 
 
 _LONGEST = 110  # characters of an environment's formula in the line of the model
@@ -91,7 +124,7 @@ def model_words(scene: Scene | SceneFamily | MeasuredScene) -> Iterator[Phrase]:
         yield f"{len(scene)} environments; ", _effects(scene.first)
     elif isinstance(scene, Scene):
         environment = scene.environment
-        rounded_ = approximate(environment.H, digits=DIGITS)
+        rounded_ = approximate(environment.H, digits=doc.DIGITS)
         form = equation("H_env", rounded_, relation="=" if rounded_ == environment.H else "≈")
         is_long = len(text(form)) > _LONGEST
         rendered = f"; rendered: {scene.rendered.model}" if scene.rendered else ""
@@ -113,7 +146,7 @@ def proof(scene: Scene | SceneFamily, what: Phrase) -> Phrase:
     region = region_of_fit(scene)
     if region:
         fitted = f". The model is estimated; for all values in the {region}: "
-        return "Proven for the fitted model: ", what, fitted, Code("haptisym tolerances"), "."
+        return "Proven for the fitted model: ", what, fitted, doc.Code("haptisym tolerances"), "."
     return "Proven: ", what, "."
 
 
@@ -122,38 +155,38 @@ def undecided(what: Phrase) -> Phrase:
     return Strong("Undecided"), ": ", what, "."
 
 
-def near(x: Printable, *, unit: Unit | None = None, most: int = 1000) -> Real:
+def near(x: Printable, *, unit: Unit | None = None, most: int = 1000) -> doc.Real:
     """A number to the nearest: of a place, a value, an estimate with so many digits at most."""
-    return Real(x, Way.NEAREST, unit=unit or Unit(""), most=most)
+    return doc.Real(x, Way.NEAREST, unit=unit or Unit(""), most=most)
 
 
-def at_least(x: Printable, *, unit: Unit | None = None) -> Real:
+def at_least(x: Printable, *, unit: Unit | None = None) -> doc.Real:
     """A lower bound: rounded down."""
-    return Real(x, Way.DOWN, unit=unit or Unit(""))
+    return doc.Real(x, Way.DOWN, unit=unit or Unit(""))
 
 
-def at_most(x: Printable, *, unit: Unit | None = None) -> Real:
+def at_most(x: Printable, *, unit: Unit | None = None) -> doc.Real:
     """An upper bound: rounded up."""
-    return Real(x, Way.UP, unit=unit or Unit(""))
+    return doc.Real(x, Way.UP, unit=unit or Unit(""))
 
 
-def cell(x: Printable, way: Way = Way.NEAREST) -> Frequency:
+def cell(x: Printable, way: Way = Way.NEAREST) -> doc.Frequency:
     """A frequency in a table whose heading has the unit."""
-    return Frequency(x, way, alone=True)
+    return doc.Frequency(x, way, alone=True)
 
 
-def both(x: Printable, way: Way = Way.NEAREST) -> Frequency:
+def both(x: Printable, way: Way = Way.NEAREST) -> doc.Frequency:
     """A frequency with its unit; of rad/s in Hz, too."""
-    return Frequency(x, way)
+    return doc.Frequency(x, way)
 
 
-def apart(values: Sequence[RealNumber]) -> list[Frequency]:
+def apart(values: Sequence[RealNumber]) -> list[doc.Frequency]:
     """Frequencies in order, without their unit: those that would look the same with more digits."""
     need = [1] * len(values)
     for i, (low, high) in enumerate(pairwise(values)):
         count = next((n for n in _DIGITS if reals.short(low, n) != reals.short(high, n)), 1)
         need[i], need[i + 1] = max(need[i], count), max(need[i + 1], count)
-    return [Frequency(x, Way.NEAREST, n, alone=True) for x, n in zip(values, need, strict=True)]
+    return [doc.Frequency(x, Way.NEAREST, n, alone=True) for x, n in zip(values, need, strict=True)]
 
 
 _DIGITS = range(1, 51)
@@ -184,9 +217,9 @@ def places(points: Iterable[Point]) -> Phrase:
     return listed(apart([p.omega for p in points])), "\xa0", FREQUENCY_UNIT
 
 
-def value_of(knob: Knob, x: Printable, way: Way) -> Real:
+def value_of(knob: Knob, x: Printable, way: Way) -> doc.Real:
     """A value of a parameter in the unit that the scene wrote."""
-    return Real(x, way, unit=knob.shown_unit(knob.motion))
+    return doc.Real(x, way, unit=knob.shown_unit(knob.motion))
 
 
 _SYMBOLS = {"|G - 1|": Absolute(Sum(((1, named("G")), (-1, Numeral("1")))))}
@@ -267,13 +300,19 @@ def stiffness_unit(scene: Scene) -> str:
     return unit(Dimension.STIFFNESS, scene.motion)
 
 
-def noted(remarks: Iterable[Phrase]) -> tuple[Notes, ...]:
+def enough_damping(least: Phrase, scene: Scene) -> Phrase:
+    """The damping of a hand that compensates whatever a display generates."""
+    least = least, f" {unit(Dimension.DAMPING, scene.motion)}"
+    return phrased("Stable in any hand with damping above {}, for any mass and stiffness.", least)
+
+
+def noted(remarks: Iterable[Phrase]) -> tuple[doc.Notes, ...]:
     """Remarks as a block; nothing where there is none."""
     entries = tuple(remarks)
-    return (Notes(entries),) if entries else ()
+    return (doc.Notes(entries),) if entries else ()
 
 
-def caveats(found: Iterable[str]) -> tuple[Notes, ...]:
+def caveats(found: Iterable[str]) -> tuple[doc.Notes, ...]:
     """Limits of the results, a remark each."""
     return noted((Strong("Note:"), f" {caveat}") for caveat in found)
 
@@ -282,3 +321,17 @@ def is_transparent_throughout(e: Evaluation) -> bool:
     """Whether neither ratio exceeds its threshold anywhere on the band."""
     found = [(x.low, x.high) for x in e.transparent]
     return found == [(e.chart.points[0], e.chart.points[-1])]
+
+
+# What reports have besides words, loaded only where one is made.
+
+
+def drawing(name: str, caption: Phrase, function: str, *given: Any, wide: bool = False) -> doc.Figure:
+    """A figure, made by a function below ``haptisym.figures``, ``"module:function"``, of what is given; it is told ``wide``."""
+    told = {"wide": True} if wide else {}
+    return doc.Figure(name, caption, lambda: resolve_name(f"haptisym.figures.{function}")(*given, **told), wide)
+
+
+def certificate(answer: Answer, scene: Scene) -> doc.Live:
+    """The certificate of an answer, with a program that proves it anew where the page is read."""
+    return doc.Live(lambda: str(resolve_name("haptisym.pages.explorer:checked")(answer, scene)))

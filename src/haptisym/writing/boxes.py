@@ -1,13 +1,16 @@
 """The boxes of typeset mathematics: what a formula looks like, before anyone decides how it is written down.
 
-``layout`` makes a tree of them from an expression, ``equations`` for the names of quantities; ``texprinter``, ``plain`` and
-``mathml`` write it. Order, signs and fences of a formula are in the tree, so that all writers agree on them.
+``layout`` makes a tree of them from an expression, or for the name of a quantity; ``text`` here, ``latex`` and ``mathml`` write
+it, each with a table that has a form for every kind of box. Order, signs and fences of a formula are in the tree, so that all
+writers agree on them.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from itertools import pairwise
+from typing import Any, TypeAlias
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,3 +164,80 @@ def needs_dot(left: Box, right: Box) -> bool:
 def _starts_with_digit(box: Box) -> bool:
     base = box.base if isinstance(box, Power) else box
     return isinstance(base, Numeral | Ratio)
+
+
+# One line of text, for the screen, with signs that a keyboard has.
+
+
+def formed(box: Box, forms: Mapping[type, Callable[[Any], str]]) -> str:
+    """A box as a writer writes it: ``forms`` has a form for every kind. TypeError for what is no box."""
+    if type(box) not in forms:
+        raise TypeError(f"not a box: {type(box).__name__}")
+    return forms[type(box)](box)
+
+
+def text(box: Box) -> str:
+    """A box as one line of plain text.
+
+    >>> text(Equation((Name("x", Word("x", False)), Sum(((-1, Numeral("2")), (1, Root(Numeral("3")))))), ("≤",)))
+    'x <= -2 + sqrt(3)'
+    """
+    return formed(box, _TEXT)
+
+
+_KEYS = {
+    "≈": "~",
+    "≠": "!=",
+    "≤": "<=",
+    "≥": ">=",
+    "ln": "log",
+    "arsinh": "asinh",
+    "arcosh": "acosh",
+    "artanh": "atanh",
+}
+_KEYS |= {f"arc{name}": f"a{name}" for name in ("sin", "cos", "tan")}
+
+
+def _inside(box: Box, *fenced: type) -> str:
+    """A part, in parentheses where it is one of those."""
+    return f"({text(box)})" if isinstance(box, fenced) else text(box)
+
+
+def _product(x: Product) -> str:
+    parts = [_inside(x.factors[0], Ratio, Fraction)]
+    for left, right in pairwise(x.factors):
+        parts.append(("*" if needs_dot(left, right) else " ") + _inside(right, Ratio, Fraction))
+    return "".join(parts)
+
+
+def signed(terms: Sequence[tuple[int, Box]], form: Callable[[Box], str]) -> str:
+    """Terms with their signs between them, the first one's only where it is a minus."""
+    shown = "".join((" - " if sign < 0 else " + ") + form(term) for sign, term in terms)
+    return f"-{shown[3:]}" if shown.startswith(" - ") else shown[3:]
+
+
+def related(x: Equation, form: Callable[[Box], str], relations: Mapping[str, str]) -> str:
+    """The sides of an equation with its relations between them."""
+    pairs = zip(x.relations, x.sides[1:], strict=True)
+    return "".join((form(x.sides[0]), *(f" {relations.get(sign, sign)} {form(side)}" for sign, side in pairs)))
+
+
+_TEXT: Mapping[type, Callable[[Any], str]] = {
+    Numeral: lambda x: f"{x.digits}e{x.exponent}" if x.exponent else x.digits,
+    Ratio: lambda x: f"{x.above}/{x.below}",
+    Name: lambda x: x.text,
+    Operator: lambda x: _KEYS.get(x.name, x.name),
+    Sum: lambda x: signed(x.terms, text),
+    Product: _product,
+    Fraction: lambda x: f"{_inside(x.above, Sum, Fraction, Ratio)}/{_inside(x.below, Sum, Product, Fraction, Ratio)}",
+    Power: lambda x: f"{_inside(x.base, Ratio)}^{_inside(x.exponent, Sum, Product, Fraction, Ratio, Power)}",
+    Root: lambda x: f"sqrt({text(x.inside)})",
+    Exponential: lambda x: f"exp({text(x.exponent)})",
+    Applied: lambda x: f"{text(x.function)}({', '.join(map(text, x.arguments))})",
+    Prefixed: lambda x: f"{text(x.operator)} {_inside(x.operand, Sum, Fraction)}",
+    Fenced: lambda x: f"({text(x.inside)})",
+    Absolute: lambda x: f"abs({text(x.inside)})" if "|" in text(x.inside) else f"|{text(x.inside)}|",
+    Grid: lambda x: "[" + ", ".join("[" + ", ".join(map(text, row)) + "]" for row in x.rows) + "]",
+    Titled: lambda x: x.text,
+    Equation: lambda x: related(x, text, _KEYS),
+}

@@ -22,30 +22,9 @@ from unicodedata import category
 
 from sympy import Expr
 
+from haptisym.writing import document as doc
 from haptisym.writing.boxes import Absolute, Box, Fenced, Fraction, Name, Product, Sum, Word, needs_dot
-from haptisym.writing.document import (
-    Block,
-    Code,
-    Column,
-    Document,
-    Equations,
-    Facts,
-    Figure,
-    Flow,
-    Frequency,
-    Line,
-    Live,
-    Notes,
-    Number,
-    OfFrequency,
-    Paragraph,
-    Phrase,
-    Real,
-    Section,
-    Strong,
-    Style,
-    Table,
-)
+from haptisym.writing.document import Block, Document, Phrase, Strong
 from haptisym.writing.latex import is_long, tex, width
 from haptisym.writing.mathml import markup, mathml
 from haptisym.writing.plain import NUMBER, said
@@ -135,11 +114,11 @@ class Parts:
         return self.given[box], True
 
 
-def display(formulas: Sequence[Line], parts: Parts | None = None) -> Html:
+def display(formulas: Sequence[doc.Line], parts: Parts | None = None) -> Html:
     """The formulas in one block, aligned at their relations, which scrolls by itself where it is too wide.
 
     >>> from haptisym.kernel.rings import s
-    >>> from haptisym.writing.equations import QUANTITIES
+    >>> from haptisym.writing.layout import QUANTITIES
     >>> display([Line(QUANTITIES["H_env"][0], s)]).count("<mtr>")
     1
     """
@@ -159,7 +138,7 @@ def inline(expression: Expr | Box) -> Html:
     return Html(mathml(expression))
 
 
-def _rows(f: Line, parts: Parts) -> Iterator[tuple[str, str]]:
+def _rows(f: doc.Line, parts: Parts) -> Iterator[tuple[str, str]]:
     """Left and right side of each line, the relation at the start of the right one."""
     left = markup(f.left)
     is_left_out = f.optional and is_long(f.value)
@@ -278,7 +257,7 @@ _POLICY = (
 """Nothing is loaded; ``data:`` are the grounds of figures, which are part of the page."""
 
 
-def html(document: Document, drawn: Callable[[Figure], Html], record: tuple[str, str], made: str) -> str:
+def html(document: Document, drawn: Callable[[doc.Figure], Html], record: tuple[str, str], made: str) -> str:
     """The whole page, in full: it loads nothing from anywhere, and forbids itself to. Text of the scene stays text.
 
     ``drawn`` : how a figure is drawn within a page; ``record`` : a name and the document of ``to_json``, which is kept in the
@@ -311,7 +290,7 @@ def fragment(document: Document) -> str:
     return str(element("div", title, *lead, inside, given={"class": "haptisym"}))
 
 
-def _nothing(_figure: Figure) -> Html:
+def _nothing(_figure: doc.Figure) -> Html:
     return Html()
 
 
@@ -325,13 +304,13 @@ def phrase(words: Phrase) -> Html:
         return joined(map(phrase, words))
     if isinstance(words, str):
         return joined([words])
-    if isinstance(words, Real | Frequency | OfFrequency):
-        return phrase(Style().phrase(words))
-    if isinstance(words, Number):
+    if isinstance(words, doc.Real | doc.Frequency | doc.OfFrequency):
+        return phrase(doc.Style().phrase(words))
+    if isinstance(words, doc.Number):
         return element("data", _wrapped(words.digits), given={"value": repr(words.value)})
     if isinstance(words, Strong):
         return element("strong", phrase(words.words))
-    return element("code", words.text) if isinstance(words, Code) else inline(words)
+    return element("code", words.text) if isinstance(words, doc.Code) else inline(words)
 
 
 _LONG = 25  # characters of a number; a longer one is set on several lines
@@ -345,7 +324,7 @@ def _wrapped(digits: str) -> str:
 class _Writer:
     """Markup of blocks. Named numerators and denominators are shared by all equations of a page."""
 
-    drawn: Callable[[Figure], Html]
+    drawn: Callable[[doc.Figure], Html]
     parts: Parts = field(default_factory=Parts)
     depth: int = 2
 
@@ -353,7 +332,7 @@ class _Writer:
         """Blocks one after the other; small figures side by side."""
         return joined(
             x
-            for is_pair, group in groupby(blocks, key=lambda x: isinstance(x, Figure) and not x.wide)
+            for is_pair, group in groupby(blocks, key=lambda x: isinstance(x, doc.Figure) and not x.wide)
             for x in (_paired(map(self.block, group)) if is_pair else map(self.block, group))
         )
 
@@ -363,36 +342,36 @@ class _Writer:
         raise TypeError(f"not a block of HTML: {type(block).__name__}")
 
     @block.register
-    def _(self, block: Paragraph) -> Html:
+    def _(self, block: doc.Paragraph) -> Html:
         return element("p", phrase(block.words))
 
     @block.register
-    def _(self, block: Notes) -> Html:
+    def _(self, block: doc.Notes) -> Html:
         return joined(element("p", phrase(x)) for x in block.entries)
 
     @block.register
-    def _(self, block: Facts) -> Html:
+    def _(self, block: doc.Facts) -> Html:
         rows = (element("div", element("dt", phrase(x)), element("dd", phrase(y))) for x, y in block.rows)
         return element("dl", *rows, given={"class": block.role or "facts"})
 
     @block.register
-    def _(self, block: Flow) -> Html:
+    def _(self, block: doc.Flow) -> Html:
         return element("ol", *(element("li", phrase(x)) for x in block.links), given={"class": "chain"})
 
     @block.register
-    def _(self, block: Equations) -> Html:
+    def _(self, block: doc.Equations) -> Html:
         return display(block.lines, self.parts)
 
     @block.register
-    def _(self, block: Figure) -> Html:
+    def _(self, block: doc.Figure) -> Html:
         return self.drawn(block)
 
     @block.register
-    def _(self, block: Live) -> Html:
+    def _(self, block: doc.Live) -> Html:
         return Html(block.markup())
 
     @block.register
-    def _(self, block: Section) -> Html:
+    def _(self, block: doc.Section) -> Html:
         inside = _Writer(self.drawn, self.parts, self.depth + 1).joined(block.blocks)
         if not block.title:
             return inside
@@ -402,7 +381,7 @@ class _Writer:
         return element("section", heading, inside, given={"id": block.name})
 
     @block.register
-    def _(self, block: Table) -> Html:
+    def _(self, block: doc.Table) -> Html:
         """It scrolls by itself where it is too wide."""
         shown = [[said(x.heading), *(said(row[i]) for row in block.rows)] for i, x in enumerate(block.columns)]
         widths = [max(map(len, x)) for x in shown]
@@ -427,7 +406,7 @@ _LINE, _CUT = (
 )  # characters of a row, where the second number holds if they are more; and what such a column takes
 
 
-def _look(column: Column, shown: Sequence[str], most: int) -> dict[str, str]:
+def _look(column: doc.Column, shown: Sequence[str], most: int) -> dict[str, str]:
     if column.number:
         return {"class": "number"}
     longest = max(map(len, shown), default=0)

@@ -1,70 +1,26 @@
-"""A document in LaTeX, for pdflatex with article, amsmath and booktabs.
+"""A document in LaTeX, for pdflatex with article, amsmath and booktabs (graphicx for figures); plain ASCII.
 
-Text and names in LaTeX, for pdflatex and nothing but amsmath.
-
-Formulas in LaTeX, for amsmath.
-
-Equations of an ``align*`` that stay on the page: long ones broken at their signs, long fractions in named parts.
-
-A document in LaTeX, for pdflatex with article, amsmath and booktabs (graphicx for figures); plain ASCII.
+From the letter up: text and names, formulas, equations of an ``align*`` that stay on the page (long ones broken at their signs,
+long fractions in named parts), phrases, blocks, documents.
 """
 
 from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import singledispatch, singledispatchmethod
+from functools import singledispatchmethod
 from itertools import accumulate, groupby, pairwise
 from types import MappingProxyType
+from typing import Any
 
 from sympy import Basic, Expr, preorder_traversal
 
-from haptisym.writing.boxes import (
-    Absolute,
-    Applied,
-    Box,
-    Equation,
-    Exponential,
-    Fenced,
-    Fraction,
-    Grid,
-    Name,
-    Numeral,
-    Operator,
-    Power,
-    Prefixed,
-    Product,
-    Ratio,
-    Root,
-    Sum,
-    Titled,
-    Word,
-    needs_dot,
-)
-from haptisym.writing.document import (
-    DIGITS,
-    Block,
-    Code,
-    Document,
-    Equations,
-    Facts,
-    Figure,
-    Flow,
-    Frequency,
-    Line,
-    Notes,
-    Number,
-    OfFrequency,
-    Paragraph,
-    Phrase,
-    Real,
-    Section,
-    Strong,
-    Style,
-    Table,
-)
+from haptisym.writing import boxes
+from haptisym.writing import document as doc
+from haptisym.writing.boxes import Box
+from haptisym.writing.document import Block, Document, Phrase, Strong
 from haptisym.writing.layout import CAPITALS, GREEK, greek, layout, named
 from haptisym.writing.plain import NUMBER, said, widths_of
 
@@ -161,7 +117,7 @@ def symbol_name(name: str) -> str:
     return set_name(named(name))
 
 
-def set_name(name: Name) -> str:
+def set_name(name: boxes.Name) -> str:
     """The same of a name that is taken apart already."""
     head, subscript = _word(name.head), ",".join(map(_word, name.below))
     if not subscript:
@@ -170,7 +126,7 @@ def set_name(name: Name) -> str:
     return f"{head}_{subscript}" if is_plain else f"{head}_{{{subscript}}}"
 
 
-def _word(word: Word) -> str:
+def _word(word: boxes.Word) -> str:
     letters = word.letters
     if letters in GREEK or letters in CAPITALS:
         return "o" if letters == "omicron" else rf"\{letters}"
@@ -179,10 +135,7 @@ def _word(word: Word) -> str:
     return _SIGNS.get(letters) or rf"\text{{{_escaped(letters)}}}"
 
 
-_OPERATORS = {
-    **{x: rf"\{x}" for x in ("sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "coth", "ln", "max", "min")},
-    **{x: rf"\{x}" for x in ("arcsin", "arccos", "arctan")},
-}  # fmt: skip
+_OPERATORS = re.compile("(arc)?(sin|cos|tan)|(sin|cos|tan|cot)h?|ln|max|min")
 RELATIONS = {"≈": r"\approx", "≠": r"\ne", "≤": r"\le", "≥": r"\ge"}
 
 
@@ -197,113 +150,58 @@ def formula(expression: Basic) -> str:
     return tex(layout(expression))
 
 
-@singledispatch
 def tex(box: Box) -> str:
     """LaTeX of a box."""
-    raise TypeError(f"not a box: {type(box).__name__}")
+    return boxes.formed(box, _TEX)
 
 
-@tex.register
-def _(box: Numeral) -> str:
-    if not box.exponent:
-        return box.digits
-    power = f"10^{{{box.exponent}}}"
-    return power if box.digits == "1" else rf"{box.digits} \times {power}"
+def _numeral(x: boxes.Numeral) -> str:
+    power = f"10^{{{x.exponent}}}"
+    if not x.exponent:
+        return x.digits
+    return power if x.digits == "1" else rf"{x.digits} \times {power}"
 
 
-@tex.register
-def _(box: Ratio) -> str:
-    return rf"\tfrac{{{box.above}}}{{{box.below}}}"
+def _product(x: boxes.Product) -> str:
+    parts = [tex(x.factors[0])]
+    for left, right in pairwise(x.factors):
+        sign = r" \cdot " if boxes.needs_dot(left, right) else r" \, " if isinstance(right, boxes.Prefixed) else " "
+        parts.append(sign + tex(right))
+    return "".join(parts)
 
 
-@tex.register
-def _(box: Name) -> str:
-    return set_name(box)
+def _power(x: boxes.Power) -> str:
+    exponent = f"{x.exponent.above}/{x.exponent.below}" if isinstance(x.exponent, boxes.Ratio) else tex(x.exponent)
+    if isinstance(x.base, boxes.Applied):
+        return f"{tex(x.base.function)}^{{{exponent}}}{_arguments(x.base)}"
+    return f"{tex(x.base)}^{{{exponent}}}"
 
 
-@tex.register
-def _(box: Operator) -> str:
-    return _OPERATORS.get(box.name, rf"\operatorname{{{box.name}}}")
+def _arguments(x: boxes.Applied) -> str:
+    return parenthesised(", ".join(map(tex, x.arguments)))
 
 
-@tex.register
-def _(box: Sum) -> str:
-    text = "".join((" - " if sign < 0 else " + ") + tex(term) for sign, term in box.terms)
-    return "-" + text[3:] if text.startswith(" - ") else text[3:]
-
-
-@tex.register
-def _(box: Product) -> str:
-    text = tex(box.factors[0])
-    for left, right in pairwise(box.factors):
-        text += (r" \cdot " if needs_dot(left, right) else r" \, " if isinstance(right, Prefixed) else " ") + tex(right)
-    return text
-
-
-@tex.register
-def _(box: Fraction) -> str:
-    return rf"\frac{{{tex(box.above)}}}{{{tex(box.below)}}}"
-
-
-@tex.register
-def _(box: Power) -> str:
-    exponent = f"{box.exponent.above}/{box.exponent.below}" if isinstance(box.exponent, Ratio) else tex(box.exponent)
-    if isinstance(box.base, Applied):
-        return f"{tex(box.base.function)}^{{{exponent}}}{_arguments(box.base)}"
-    return f"{tex(box.base)}^{{{exponent}}}"
-
-
-@tex.register
-def _(box: Root) -> str:
-    return rf"\sqrt{{{tex(box.inside)}}}"
-
-
-@tex.register
-def _(box: Exponential) -> str:
-    return f"e^{{{tex(box.exponent)}}}"
-
-
-@tex.register
-def _(box: Applied) -> str:
-    return tex(box.function) + _arguments(box)
-
-
-def _arguments(box: Applied) -> str:
-    return parenthesised(", ".join(map(tex, box.arguments)))
-
-
-@tex.register
-def _(box: Prefixed) -> str:
-    return f"{tex(box.operator)} {tex(box.operand)}"
-
-
-@tex.register
-def _(box: Fenced) -> str:
-    return parenthesised(tex(box.inside))
-
-
-@tex.register
-def _(box: Absolute) -> str:
-    return rf"\left| {tex(box.inside)} \right|"
-
-
-@tex.register
-def _(box: Grid) -> str:
-    rows = r" \\ ".join(" & ".join(map(tex, row)) for row in box.rows)
-    return rf"\begin{{pmatrix}} {rows} \end{{pmatrix}}"
-
-
-@tex.register
-def _(box: Titled) -> str:
-    return tex(box.inside)
-
-
-@tex.register
-def _(box: Equation) -> str:
-    text = tex(box.sides[0])
-    for relation, side in zip(box.relations, box.sides[1:], strict=True):
-        text += f" {RELATIONS.get(relation, relation)} {tex(side)}"
-    return text
+_TEX: Mapping[type, Callable[[Any], str]] = {
+    boxes.Numeral: _numeral,
+    boxes.Ratio: lambda x: rf"\tfrac{{{x.above}}}{{{x.below}}}",
+    boxes.Name: lambda x: set_name(x),
+    boxes.Operator: lambda x: rf"\{x.name}" if _OPERATORS.fullmatch(x.name) else rf"\operatorname{{{x.name}}}",
+    boxes.Sum: lambda x: boxes.signed(x.terms, tex),
+    boxes.Product: _product,
+    boxes.Fraction: lambda x: rf"\frac{{{tex(x.above)}}}{{{tex(x.below)}}}",
+    boxes.Power: _power,
+    boxes.Root: lambda x: rf"\sqrt{{{tex(x.inside)}}}",
+    boxes.Exponential: lambda x: f"e^{{{tex(x.exponent)}}}",
+    boxes.Applied: lambda x: tex(x.function) + _arguments(x),
+    boxes.Prefixed: lambda x: f"{tex(x.operator)} {tex(x.operand)}",
+    boxes.Fenced: lambda x: parenthesised(tex(x.inside)),
+    boxes.Absolute: lambda x: rf"\left| {tex(x.inside)} \right|",
+    boxes.Grid: lambda x: (
+        r"\begin{pmatrix} " + r" \\ ".join(" & ".join(map(tex, row)) for row in x.rows) + r" \end{pmatrix}"
+    ),
+    boxes.Titled: lambda x: tex(x.inside),
+    boxes.Equation: lambda x: boxes.related(x, tex, RELATIONS),
+}
 
 
 def parenthesised(text: str) -> str:
@@ -319,7 +217,7 @@ LINE = 40.0
 """Width of a line, em: a page of A4 at 11 point with margins of 2.5 cm, and a little to spare."""
 
 
-def align(rows: Sequence[Line], names: Names | None = None) -> str:
+def align(rows: Sequence[doc.Line], names: Names | None = None) -> str:
     r"""The rows as an ``align*``; nothing where all are left out.
 
     >>> from haptisym.kernel.rings import s, symbols
@@ -361,7 +259,7 @@ def is_long(value: Expr | Box, lines: int = 10) -> bool:
     return width(text) > lines * LINE or re.search(r"\d{40}", text) is not None
 
 
-def _lines(row: Line, room: float, names: Names) -> Iterator[str]:
+def _lines(row: doc.Line, room: float, names: Names) -> Iterator[str]:
     relation = RELATIONS.get(row.relation, row.relation)
     start = f"{tex(row.left)} &{relation} "
     is_left_out = row.optional and is_long(row.value)
@@ -378,9 +276,9 @@ def _lines(row: Line, room: float, names: Names) -> Iterator[str]:
 
 
 def _equation(left: str, box: Box, room: float, names: Names, relation: str) -> Iterator[str]:
-    minus, quotient = ("-", box.terms[0][1]) if isinstance(box, Sum) and len(box.terms) == 1 else ("", box)
+    minus, quotient = ("-", box.terms[0][1]) if isinstance(box, boxes.Sum) and len(box.terms) == 1 else ("", box)
     text = tex(box)
-    if not isinstance(quotient, Fraction):
+    if not isinstance(quotient, boxes.Fraction):
         yield from _broken(left, text, room)
     elif width(text) <= room:
         yield left + text
@@ -388,7 +286,7 @@ def _equation(left: str, box: Box, room: float, names: Names, relation: str) -> 
         yield from _parted(left + minus, quotient, room, names, relation)
 
 
-def _parted(left: str, quotient: Fraction, room: float, names: Names, relation: str) -> Iterator[str]:
+def _parted(left: str, quotient: boxes.Fraction, room: float, names: Names, relation: str) -> Iterator[str]:
     """A fraction whose long parts get names, and what the names stand for, as exactly as the fraction does."""
     texts = {"N": tex(quotient.above), "D": tex(quotient.below)}
     named = [
@@ -550,7 +448,7 @@ def latex(document: Document, figures: Mapping[str, str] = _NONE) -> str:
 
 def fragment(blocks: Iterable[Block], figures: Mapping[str, str] = _NONE, *, depth: int = 0) -> str:
     """Blocks as a piece of a document, in full; ``depth`` : of their headings, 2 for paragraphs."""
-    return _Writer(figures, depth=depth).joined(list(Style(full=True).chosen(blocks)))
+    return _Writer(figures, depth=depth).joined(list(doc.Style(full=True).chosen(blocks)))
 
 
 def piece(document: Document) -> str:
@@ -559,21 +457,21 @@ def piece(document: Document) -> str:
     return fragment([*_asides(document), *document.blocks], depth=2)
 
 
-def tables(document: Document, digits: int = DIGITS) -> str:
+def tables(document: Document, digits: int = doc.DIGITS) -> str:
     """The tables of a document in brief, and the lines below its title but for the source, which is a string."""
     document = document.prepared(full=False, digits=digits)
     return fragment([*_tables(document.blocks), *_asides(document)])
 
 
 def _asides(document: Document) -> list[Block]:
-    return [Paragraph(x) for x in document.lead if not isinstance(x, str)]
+    return [doc.Paragraph(x) for x in document.lead if not isinstance(x, str)]
 
 
-def _tables(blocks: Iterable[Block]) -> Iterator[Table]:
+def _tables(blocks: Iterable[Block]) -> Iterator[doc.Table]:
     for block in blocks:
-        if isinstance(block, Section):
+        if isinstance(block, doc.Section):
             yield from _tables(block.blocks)
-        elif isinstance(block, Table):
+        elif isinstance(block, doc.Table):
             yield block
 
 
@@ -596,13 +494,13 @@ def phrase(words: Phrase) -> str:
         return "".join(map(phrase, words))
     if isinstance(words, str):
         return "~".join(map(spaced, words.split("\xa0")))
-    if isinstance(words, Real | Frequency | OfFrequency):
-        return phrase(Style().phrase(words))
-    if isinstance(words, Number):
+    if isinstance(words, doc.Real | doc.Frequency | doc.OfFrequency):
+        return phrase(doc.Style().phrase(words))
+    if isinstance(words, doc.Number):
         return _digits(words.digits)
     if isinstance(words, Strong):
         return rf"\textbf{{{phrase(words.words)}}}"
-    return rf"\texttt{{{_typed(words.text)}}}" if isinstance(words, Code) else f"${tex(words)}$"
+    return rf"\texttt{{{_typed(words.text)}}}" if isinstance(words, doc.Code) else f"${tex(words)}$"
 
 
 def _typed(text: str) -> str:
@@ -630,7 +528,7 @@ class _Writer:
     def joined(self, blocks: Sequence[Block]) -> str:
         """Blocks one after the other: a display belongs to the paragraph before it; figures stand side by side."""
         text = ""
-        for kind, group in groupby(blocks, key=lambda x: isinstance(x, Figure) and not x.wide):
+        for kind, group in groupby(blocks, key=lambda x: isinstance(x, doc.Figure) and not x.wide):
             for written in [self._side_by_side(list(group))] if kind else map(self._written, group):
                 between = "\n" if written.startswith(r"\begin{align*}") else "\n\n"
                 text += (between if text and written else "") + written
@@ -641,30 +539,30 @@ class _Writer:
         raise TypeError(f"not a block of LaTeX: {type(block).__name__}")
 
     @_written.register
-    def _(self, block: Paragraph) -> str:
+    def _(self, block: doc.Paragraph) -> str:
         return phrase(block.words)
 
     @_written.register
-    def _(self, block: Notes) -> str:
+    def _(self, block: doc.Notes) -> str:
         return "\n\n".join(map(phrase, block.entries))
 
     @_written.register
-    def _(self, block: Facts) -> str:
+    def _(self, block: doc.Facts) -> str:
         rows = [rf"  \item[\normalfont {phrase(key)}] {phrase(words)}" for key, words in block.rows]
         return "\n".join(
             [r"\begin{description} \setlength{\itemsep}{0pt} \setlength{\parskip}{0pt}", *rows, r"\end{description}"]
         )
 
     @_written.register
-    def _(self, block: Flow) -> str:
+    def _(self, block: doc.Flow) -> str:
         return " $\\to$ ".join(map(phrase, block.links)) + "."
 
     @_written.register
-    def _(self, block: Equations) -> str:
+    def _(self, block: doc.Equations) -> str:
         return align(block.lines, self.names)
 
     @_written.register
-    def _(self, block: Section) -> str:
+    def _(self, block: doc.Section) -> str:
         inside = _Writer(self.figures, self.names, self.depth + 1).joined(block.blocks)
         if not block.title:
             return inside
@@ -673,14 +571,14 @@ class _Writer:
         return f"{appendix}\\{command}{{{phrase(block.title)}}}\n\n{inside}"
 
     @_written.register
-    def _(self, block: Figure) -> str:
+    def _(self, block: doc.Figure) -> str:
         return self._floating([block], 0.8)
 
     def _side_by_side(self, figures: Sequence[Block]) -> str:
-        drawn = [x for x in figures if isinstance(x, Figure)]
+        drawn = [x for x in figures if isinstance(x, doc.Figure)]
         return "\n\n".join(filter(None, (self._floating(drawn[i : i + 2], 0.48) for i in range(0, len(drawn), 2))))
 
-    def _floating(self, figures: Iterable[Figure], width: float) -> str:
+    def _floating(self, figures: Iterable[doc.Figure], width: float) -> str:
         columns = "\\hfill\n".join(
             f"\\begin{{minipage}}[t]{{{width}\\linewidth}}\\centering\n"
             f"\\includegraphics[width=\\linewidth]{{{self.figures[x.name]}}}\n"
@@ -691,7 +589,7 @@ class _Writer:
         return f"\\begin{{figure}}[!htbp]\n\\centering\n{columns}\n\\end{{figure}}" if columns else ""
 
     @_written.register
-    def _(self, block: Table) -> str:
+    def _(self, block: doc.Table) -> str:
         heads = [phrase(x.heading) for x in block.columns]
         cells = [[*map(phrase, row)] for row in block.rows]
         for i, column in enumerate(block.columns):
@@ -722,7 +620,7 @@ def _point(shown: Sequence[str], cells: list[list[str]], i: int) -> None:
             row[i] = rf"\phantom{{{'0' * (max(before) - n)}}}{row[i]}"
 
 
-def _table(table: Table, columns: str, heads: Sequence[str], rows: Sequence[str], *, is_first: bool) -> str:
+def _table(table: doc.Table, columns: str, heads: Sequence[str], rows: Sequence[str], *, is_first: bool) -> str:
     caption = phrase(table.caption) + ("" if is_first else " (Continued.)")
     named = [f"  \\caption{{{caption}}}"] if table.caption else []
     return "\n".join([
@@ -731,7 +629,7 @@ def _table(table: Table, columns: str, heads: Sequence[str], rows: Sequence[str]
     ])  # fmt: skip
 
 
-def _columns(table: Table) -> tuple[str, list[int]]:
+def _columns(table: doc.Table) -> tuple[str, list[int]]:
     """The columns of a table, as wide as they are, or paragraphs where the line would be too long; and lines of each row."""
     rows = [[_breakable(x) for x in row] for row in ([c.heading for c in table.columns], *table.rows)]
     natural = [max(map(len, column)) for column in zip(*rows, strict=True)]

@@ -1,42 +1,21 @@
-"""Formulas in presentation MathML.
+"""Formulas in presentation MathML, for HTML pages and notebooks, which needs no script and no style sheet.
 
-Formulas in presentation MathML, for HTML pages and notebooks. It needs no script and no style sheet.
-
-Quotients of polynomials whose parameters are numbers, brought into a form that can be read on a screen.
+Quotients of polynomials whose parameters are numbers are brought into a form that can be read on a screen (``readable``).
 """
 
 from __future__ import annotations
 
-from functools import singledispatch
+from collections.abc import Callable, Mapping
 from itertools import pairwise
+from typing import Any
 from xml.sax.saxutils import escape
 
 from sympy import Add, Basic, Expr, Function, I, Integer, Mul, Rational, Symbol, preorder_traversal
 from sympy.core.numbers import ImaginaryUnit
 
 from haptisym.kernel.rings import RationalFunction
-from haptisym.writing.boxes import (
-    Absolute,
-    Applied,
-    Box,
-    Equation,
-    Exponential,
-    Fenced,
-    Fraction,
-    Grid,
-    Name,
-    Numeral,
-    Operator,
-    Power,
-    Prefixed,
-    Product,
-    Ratio,
-    Root,
-    Sum,
-    Titled,
-    Word,
-    needs_dot,
-)
+from haptisym.writing import boxes
+from haptisym.writing.boxes import Box
 from haptisym.writing.layout import CAPITALS, approximate, is_short, layout, letter, rounded
 
 _TIMES = "<mo>&#x2062;</mo>"  # no sign to see, but a product to a screen reader
@@ -60,48 +39,35 @@ def mathml(expression: Basic | Box, *, display: bool = False) -> str:
     '<math xmlns="http://www.w3.org/1998/Math/MathML" display="block"><mrow><mi>s</mi><mo>+</mo>\
 <msub><mi>k</mi><mn>1</mn></msub></mrow></math>'
     """
+    if not isinstance(expression, Basic) and type(expression) not in _MARKUP:
+        raise TypeError(f"no MathML for {type(expression).__name__}: give an expression or a box")
     inside = markup(layout(expression) if isinstance(expression, Basic) else expression)
     style = "block" if display else "inline"
     return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="{style}">{inside}</math>'
 
 
-@singledispatch
 def markup(box: Box) -> str:
     """One element of MathML for a box."""
-    raise TypeError(f"no MathML for {type(box).__name__}: give an expression or a box")
-
-
-@markup.register
-def _(box: Numeral) -> str:
-    if not box.exponent:
-        return f"<mn>{box.digits}</mn>"
-    power = f"<msup><mn>10</mn>{_whole(box.exponent)}</msup>"
-    return power if box.digits == "1" else f"<mrow><mn>{box.digits}</mn><mo>×</mo>{power}</mrow>"
+    return boxes.formed(box, _MARKUP)
 
 
 def _whole(number: int) -> str:
     return f"<mrow>{_MINUS}<mn>{-number}</mn></mrow>" if number < 0 else f"<mn>{number}</mn>"
 
 
-@markup.register
-def _(box: Ratio) -> str:
-    quotient = f"<mfrac><mn>{box.above}</mn><mn>{box.below}</mn></mfrac>"
-    return f'<mstyle displaystyle="false">{quotient}</mstyle>'
+def _numeral(x: boxes.Numeral) -> str:
+    power = f"<msup><mn>10</mn>{_whole(x.exponent)}</msup>"
+    if not x.exponent:
+        return f"<mn>{x.digits}</mn>"
+    return power if x.digits == "1" else f"<mrow><mn>{x.digits}</mn><mo>×</mo>{power}</mrow>"
 
 
-@markup.register
-def _(box: Name) -> str:
-    if not box.below:
-        return _word(box.head)
-    return f"<msub>{_word(box.head)}{_subscript(box)}</msub>"
-
-
-def _subscript(box: Name) -> str:
-    words = [_word(word) for word in box.below]
+def _subscript(x: boxes.Name) -> str:
+    words = [_word(word) for word in x.below]
     return words[0] if len(words) == 1 else f"<mrow>{_COMMA.join(words)}</mrow>"
 
 
-def _word(word: Word) -> str:
+def _word(word: boxes.Word) -> str:
     if word.letters.isdigit():
         return f"<mn>{word.letters}</mn>"
     if word.upright:
@@ -111,79 +77,33 @@ def _word(word: Word) -> str:
     return f"<mi{upright}>{letter(word.letters)}</mi>"
 
 
-@markup.register
-def _(box: Operator) -> str:
-    return f'<mi mathvariant="normal">{box.name}</mi>'
+def _sum(x: boxes.Sum) -> str:
+    (sign, first), *others = x.terms
+    rest = ((_MINUS if sign < 0 else "<mo>+</mo>") + markup(term) for sign, term in others)
+    return f"<mrow>{_MINUS if sign < 0 else ''}{markup(first)}{''.join(rest)}</mrow>"
 
 
-@markup.register
-def _(box: Sum) -> str:
-    (sign, first), *others = box.terms
-    text = (_MINUS if sign < 0 else "") + markup(first)
-    return (
-        f"<mrow>{text}{''.join((_MINUS if sign < 0 else '<mo>+</mo>') + markup(term) for sign, term in others)}</mrow>"
-    )
+def _product(x: boxes.Product) -> str:
+    parts = [markup(x.factors[0])]
+    for left, right in pairwise(x.factors):
+        sign = "<mo>⋅</mo>" if boxes.needs_dot(left, right) else _TIMES
+        parts.append(sign + (_SPACE if isinstance(right, boxes.Prefixed) else "") + markup(right))
+    return f"<mrow>{''.join(parts)}</mrow>"
 
 
-@markup.register
-def _(box: Product) -> str:
-    text = markup(box.factors[0])
-    for left, right in pairwise(box.factors):
-        text += "<mo>⋅</mo>" if needs_dot(left, right) else _TIMES
-        text += (_SPACE if isinstance(right, Prefixed) else "") + markup(right)
-    return f"<mrow>{text}</mrow>"
+def _power(x: boxes.Power) -> str:
+    exponent = markup(x.exponent)
+    if isinstance(x.exponent, boxes.Ratio):
+        exponent = f"<mrow><mn>{x.exponent.above}</mn>{_SLASH}<mn>{x.exponent.below}</mn></mrow>"
+    if isinstance(x.base, boxes.Name) and x.base.below:
+        return f"<msubsup>{_word(x.base.head)}{_subscript(x.base)}{exponent}</msubsup>"
+    if isinstance(x.base, boxes.Applied):
+        return _applied(f"<msup>{markup(x.base.function)}{exponent}</msup>", x.base)
+    return f"<msup>{markup(x.base)}{exponent}</msup>"
 
 
-@markup.register
-def _(box: Fraction) -> str:
-    return f"<mfrac>{markup(box.above)}{markup(box.below)}</mfrac>"
-
-
-@markup.register
-def _(box: Power) -> str:
-    exponent = markup(box.exponent)
-    if isinstance(box.exponent, Ratio):
-        exponent = f"<mrow><mn>{box.exponent.above}</mn>{_SLASH}<mn>{box.exponent.below}</mn></mrow>"
-    if isinstance(box.base, Name) and box.base.below:
-        return f"<msubsup>{_word(box.base.head)}{_subscript(box.base)}{exponent}</msubsup>"
-    if isinstance(box.base, Applied):
-        return _applied(f"<msup>{markup(box.base.function)}{exponent}</msup>", box.base)
-    return f"<msup>{markup(box.base)}{exponent}</msup>"
-
-
-@markup.register
-def _(box: Root) -> str:
-    return f"<msqrt>{markup(box.inside)}</msqrt>"
-
-
-@markup.register
-def _(box: Exponential) -> str:
-    return f"<msup><mi>e</mi>{markup(box.exponent)}</msup>"
-
-
-@markup.register
-def _(box: Applied) -> str:
-    return _applied(markup(box.function), box)
-
-
-def _applied(function: str, box: Applied) -> str:
-    return f"<mrow>{function}{_APPLY}{_between('(', '<mo>,</mo>'.join(map(markup, box.arguments)), ')')}</mrow>"
-
-
-@markup.register
-def _(box: Prefixed) -> str:
-    space = _SPACE if isinstance(box.operator, Operator) else ""
-    return f"<mrow>{markup(box.operator)}{_APPLY}{space}{markup(box.operand)}</mrow>"
-
-
-@markup.register
-def _(box: Fenced) -> str:
-    return _between("(", markup(box.inside), ")")
-
-
-@markup.register
-def _(box: Absolute) -> str:
-    return _between("|", markup(box.inside), "|")
+def _applied(function: str, x: boxes.Applied) -> str:
+    return f"<mrow>{function}{_APPLY}{_between('(', '<mo>,</mo>'.join(map(markup, x.arguments)), ')')}</mrow>"
 
 
 def _between(left: str, inside: str, right: str) -> str:
@@ -193,23 +113,43 @@ def _between(left: str, inside: str, right: str) -> str:
     return f"<mrow><mo{size}>{left}</mo>{inside}<mo{size}>{right}</mo></mrow>"
 
 
-@markup.register
-def _(box: Grid) -> str:
-    rows = ("".join(f"<mtd>{markup(x)}</mtd>" for x in row) for row in box.rows)
+def _prefixed(x: boxes.Prefixed) -> str:
+    space = _SPACE if isinstance(x.operator, boxes.Operator) else ""
+    return f"<mrow>{markup(x.operator)}{_APPLY}{space}{markup(x.operand)}</mrow>"
+
+
+def _grid(x: boxes.Grid) -> str:
+    rows = ("".join(f"<mtd>{markup(y)}</mtd>" for y in row) for row in x.rows)
     return _between("(", f"<mtable>{''.join(f'<mtr>{row}</mtr>' for row in rows)}</mtable>", ")")
 
 
-@markup.register
-def _(box: Titled) -> str:
-    return markup(box.inside)
+def _equation(x: boxes.Equation) -> str:
+    pairs = zip(x.relations, x.sides[1:], strict=True)
+    return (
+        f"<mrow>{markup(x.sides[0])}{''.join(f'<mo>{escape(sign)}</mo>{markup(side)}' for sign, side in pairs)}</mrow>"
+    )
 
 
-@markup.register
-def _(box: Equation) -> str:
-    text = markup(box.sides[0])
-    for relation, side in zip(box.relations, box.sides[1:], strict=True):
-        text += f"<mo>{escape(relation)}</mo>{markup(side)}"
-    return f"<mrow>{text}</mrow>"
+_SMALL = '<mstyle displaystyle="false"><mfrac><mn>{}</mn><mn>{}</mn></mfrac></mstyle>'
+_MARKUP: Mapping[type, Callable[[Any], str]] = {
+    boxes.Numeral: _numeral,
+    boxes.Ratio: lambda x: _SMALL.format(x.above, x.below),
+    boxes.Name: lambda x: f"<msub>{_word(x.head)}{_subscript(x)}</msub>" if x.below else _word(x.head),
+    boxes.Operator: lambda x: f'<mi mathvariant="normal">{x.name}</mi>',
+    boxes.Sum: _sum,
+    boxes.Product: _product,
+    boxes.Fraction: lambda x: f"<mfrac>{markup(x.above)}{markup(x.below)}</mfrac>",
+    boxes.Power: _power,
+    boxes.Root: lambda x: f"<msqrt>{markup(x.inside)}</msqrt>",
+    boxes.Exponential: lambda x: f"<msup><mi>e</mi>{markup(x.exponent)}</msup>",
+    boxes.Applied: lambda x: _applied(markup(x.function), x),
+    boxes.Prefixed: _prefixed,
+    boxes.Fenced: lambda x: _between("(", markup(x.inside), ")"),
+    boxes.Absolute: lambda x: _between("|", markup(x.inside), "|"),
+    boxes.Grid: _grid,
+    boxes.Titled: lambda x: markup(x.inside),
+    boxes.Equation: _equation,
+}
 
 
 _DIGITS = 6  # significant digits of a number that is too long to write out

@@ -8,29 +8,10 @@ from dataclasses import dataclass
 from functools import singledispatchmethod
 from textwrap import wrap
 
-from haptisym.writing.boxes import Box
-from haptisym.writing.document import (
-    DIGITS,
-    Block,
-    Code,
-    Document,
-    Equations,
-    Facts,
-    Flow,
-    Frequency,
-    Notes,
-    Number,
-    OfFrequency,
-    Paragraph,
-    Phrase,
-    Real,
-    Section,
-    Strong,
-    Style,
-    Table,
-)
+from haptisym.writing import document as doc
+from haptisym.writing.boxes import Box, text
+from haptisym.writing.document import Block, Document, Phrase, Strong
 from haptisym.writing.layout import letter
-from haptisym.writing.mathtext import text
 
 PAGE = 80
 """Columns of a page that goes to no terminal, so that it can be compared."""
@@ -51,7 +32,7 @@ def plain(
     columns: int = PAGE,
     spell: Callable[[str], str] = str,
     *,
-    digits: int = DIGITS,
+    digits: int = doc.DIGITS,
     formulas: bool = False,
 ) -> str:
     """The page in brief, in lines of at most so many columns (but of 40 at least; a single word or number is never broken).
@@ -85,13 +66,13 @@ def said(phrase: Phrase) -> str:
         return "".join(map(said, phrase))
     if isinstance(phrase, str):
         return phrase
-    if isinstance(phrase, Real | Frequency | OfFrequency):
-        return said(Style().phrase(phrase))
-    if isinstance(phrase, Number):
+    if isinstance(phrase, doc.Real | doc.Frequency | doc.OfFrequency):
+        return said(doc.Style().phrase(phrase))
+    if isinstance(phrase, doc.Number):
         return phrase.digits
     if isinstance(phrase, Strong):
         return said(phrase.words)
-    if isinstance(phrase, Code):
+    if isinstance(phrase, doc.Code):
         return f"`{phrase.text}`"
     return re.sub(r"[A-Za-z]+|(?<= )[<>!]=(?= )|(?<= )~(?= )", _on_a_screen, text(phrase))
 
@@ -120,8 +101,10 @@ class _Writer:
     def blocks(self, blocks: Sequence[Block], indent: str) -> Iterator[str]:
         """Blank lines stand between them, except between lists that belong together."""
         for before, block in zip((None, *blocks), blocks, strict=False):
-            belongs = isinstance(before, Notes) and isinstance(block, Equations | Facts)
-            belongs |= type(before) is type(block) and isinstance(block, Equations | Facts) and not _is_answer(before)
+            belongs = isinstance(before, doc.Notes) and isinstance(block, doc.Equations | doc.Facts)
+            belongs |= (
+                type(before) is type(block) and isinstance(block, doc.Equations | doc.Facts) and not _is_answer(before)
+            )
             if before is not None and not belongs:
                 yield ""
             yield from self.block(block, indent)
@@ -132,27 +115,27 @@ class _Writer:
         raise TypeError(f"not a block of text: {type(block).__name__}")
 
     @block.register
-    def _(self, block: Paragraph, indent: str) -> Iterable[str]:
+    def _(self, block: doc.Paragraph, indent: str) -> Iterable[str]:
         return self.filled(block.words, indent)
 
     @block.register
-    def _(self, block: Notes, indent: str) -> Iterable[str]:
+    def _(self, block: doc.Notes, indent: str) -> Iterable[str]:
         return [line for entry in block.entries for line in self.filled(entry, indent)]
 
     @block.register
-    def _(self, block: Equations, indent: str) -> Iterable[str]:
+    def _(self, block: doc.Equations, indent: str) -> Iterable[str]:
         return [line for x in block.lines for line in self.filled(x.equation, _INDENT * 2, _INDENT * 4)]
 
     @block.register
-    def _(self, block: Section, indent: str) -> Iterable[str]:
+    def _(self, block: doc.Section, indent: str) -> Iterable[str]:
         if block.title:
             yield from self.filled(block.title, indent)
-            if not isinstance(block.blocks[0], Notes | Equations | Facts):
+            if not isinstance(block.blocks[0], doc.Notes | doc.Equations | doc.Facts):
                 yield ""
         yield from self.blocks(block.blocks, _INDENT if block.title else indent)
 
     @block.register
-    def _(self, block: Facts, indent: str) -> Iterable[str]:
+    def _(self, block: doc.Facts, indent: str) -> Iterable[str]:
         keys = [self.spell(said(key)) for key, _ in block.rows]
         indent = "" if _is_answer(block) else _INDENT
         after = len(indent) + max(map(len, keys), default=0) + 2
@@ -164,7 +147,7 @@ class _Writer:
                 yield from self.filled(words, indent + _INDENT)
 
     @block.register
-    def _(self, block: Table, indent: str) -> Iterable[str]:
+    def _(self, block: doc.Table, indent: str) -> Iterable[str]:
         heads = [self._cell(x.heading) for x in block.columns]
         told = [[self._cell(x) for x in row] for row in block.rows]
         rows = _pointed(told, [x.number for x in block.columns])
@@ -176,7 +159,7 @@ class _Writer:
         return [*laid[0], rule, *(line for row in laid[1:] for line in row)]
 
     @block.register
-    def _(self, block: Flow, indent: str) -> Iterable[str]:
+    def _(self, block: doc.Flow, indent: str) -> Iterable[str]:
         return self.filled(tuple(x for link in block.links for x in (" → ", link))[1:], indent)
 
     def _cell(self, phrase: Phrase) -> str:
@@ -195,7 +178,7 @@ class _Writer:
 
 def _is_answer(block: Block) -> bool:
     """Whether it is the lines of answer at the head of a page."""
-    return isinstance(block, Facts) and block.role == "findings"
+    return isinstance(block, doc.Facts) and block.role == "findings"
 
 
 _PERCENT = re.compile(r"(?<=\d) %")

@@ -206,6 +206,7 @@ class Cost(Answer):
     _schema: ClassVar[str] = "haptisym.cost/1"
     _page: ClassVar[str] = "haptisym.pages.cost:page"
     _figure: ClassVar[str] = "haptisym.figures.cost:cost_figure"
+    settled = True
 
     scene: Scene
     rows: tuple[Measurement, ...]

@@ -302,6 +302,7 @@ class HardCosts(Answer):
     """Every hard case with every method, measured."""
 
     _schema: ClassVar[str] = "haptisym.cost/1"
+    settled = True
     _page: ClassVar[str] = "haptisym.pages.cost:hard_page"
     _figure: ClassVar[str] = "haptisym.figures.cost:hard_costs_figure"
 

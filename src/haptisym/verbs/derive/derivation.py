@@ -384,19 +384,19 @@ class Derivation(Answer):
     """The quantities that its page shows; none for all that it says unasked."""
 
     _schema: ClassVar[str] = "haptisym.derivation/1"
-    _page: ClassVar[str] = "haptisym.pages.sections:page"
+    _page: ClassVar[str] = "haptisym.pages.derive:page"
 
     def _line(self) -> str:
         kept = ", ".join(p.name for p in self.kept) or "nothing"
         return f"{titled(self.scene.title)}: {kept} as symbols"
 
     def _body(self) -> dict[str, Any]:
-        found: dict[str, Any] = resolve_name("haptisym.pages.sections:body")(self)
+        found: dict[str, Any] = resolve_name("haptisym.pages.derive:body")(self)
         return found
 
     def to_latex(self) -> str:
         r"""LaTeX for a paper, a paragraph for each section: what ``haptisym derive --to latex`` prints."""
-        return str(resolve_name("haptisym.pages.sections:latex")(self))
+        return str(resolve_name("haptisym.pages.derive:latex")(self))
 
     @cached_property
     def chain(self) -> Chain:

@@ -159,7 +159,8 @@ class FamilyEvaluation(Answer):
     """
 
     _schema: ClassVar[str] = "haptisym.evaluations/1"
-    _page: ClassVar[str] = "haptisym.pages.family:page"
+    _page: ClassVar[str] = "haptisym.pages.evaluation:page_family"
+    _figures: ClassVar[str] = "haptisym.figures.family:save_family_figures"
     _figure: ClassVar[str] = "haptisym.figures.family:family_figure"
 
     family: SceneFamily

@@ -282,6 +282,7 @@ class Identification(Answer):
 
     _schema: ClassVar[str] = "haptisym.identification/1"
     _page: ClassVar[str] = "haptisym.pages.identify:page"
+    settled = True
     _figure: ClassVar[str] = "haptisym.figures.identify:identification_figure"
 
     measurement: Measurement

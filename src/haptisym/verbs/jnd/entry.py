@@ -530,6 +530,7 @@ class Psychometric(Answer):
 
     _schema: ClassVar[str] = "haptisym.jnd/1"
     _page: ClassVar[str] = "haptisym.pages.jnd:page"
+    settled = True
     _figure: ClassVar[str] = "haptisym.figures.jnd:jnd_figure"
 
     answers: Answers
@@ -703,6 +704,7 @@ class PublishedThresholds(Answer, tuple[Published, ...]):
 
     _schema: ClassVar[str] = "haptisym.published/1"
     _page: ClassVar[str] = "haptisym.pages.jnd:published_page"
+    settled = True
 
     def __new__(cls, found: Iterable[Published]) -> PublishedThresholds:
         return super().__new__(cls, found)

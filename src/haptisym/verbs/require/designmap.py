@@ -583,7 +583,7 @@ class DesignMap(Answer):
     """
 
     _schema: ClassVar[str] = "haptisym.designmap/1"
-    _page: ClassVar[str] = "haptisym.pages.designmap:page"
+    _page: ClassVar[str] = "haptisym.pages.require:page_map"
     _figure: ClassVar[str] = "haptisym.figures.designmap:map_figure"
 
     scene: Scene

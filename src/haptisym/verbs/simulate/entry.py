@@ -98,6 +98,7 @@ class _Runs(Answer):
     __slots__ = ()
     _schema: ClassVar[str] = "haptisym.simulation/1"
     _page: ClassVar[str] = "haptisym.pages.simulate:page"
+    _figures: ClassVar[str] = "haptisym.figures.simulate:save_simulation_figures"
 
     @property
     @abstractmethod
@@ -108,6 +109,11 @@ class _Runs(Answer):
     def certified(self) -> bool:
         """False: errors of a simulation are estimated."""
         return False
+
+    @property
+    def settled(self) -> bool:
+        """Whether it does not disagree with the closed form."""
+        return self.agrees is not False
 
     @property
     def agrees(self) -> bool | None:

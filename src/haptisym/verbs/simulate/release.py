@@ -185,7 +185,8 @@ class Release(Answer):
     """
 
     _schema: ClassVar[str] = "haptisym.release/1"
-    _page: ClassVar[str] = "haptisym.pages.release:page"
+    _page: ClassVar[str] = "haptisym.pages.simulate:page_release"
+    _figures: ClassVar[str] = "haptisym.figures.simulate:save_release_figures"
     _figure: ClassVar[str] = "haptisym.figures.simulate:release_figure"
 
     scene: Scene
@@ -210,6 +211,11 @@ class Release(Answer):
     def certified(self) -> bool:
         """False: what is read from a simulation is estimated."""
         return False
+
+    @property
+    def settled(self) -> bool:
+        """Whether it does not disagree with the closed form."""
+        return self.agrees is not False and self.sign_agrees is not False
 
     @property
     def sign_agrees(self) -> bool | None:

@@ -1,4 +1,7 @@
-"""A derivation: sections of equations with a sentence between them, for text, LaTeX and MathML; its page and document."""
+"""A derivation: sections of equations with a sentence between them, for text, LaTeX and MathML; its page and document.
+
+As a script of SymPy it is its symbols with their assumptions, the dynamics, then the distortion in named steps.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +11,15 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any
 
-from sympy import Abs, Expr, Integer, Symbol, count_ops, exp
+import sympy
+from sympy import Abs, Expr, Function, Integer, Symbol, count_ops, exp
+from sympy.printing.str import StrPrinter
 
 from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.rings import omega
+from haptisym.kernel.rings import omega, s
 from haptisym.kernel.roots import Lattice, Signed
 from haptisym.kernel.solutions import Solution, solve
 from haptisym.model.jnd import Part, Shape
@@ -23,25 +28,13 @@ from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.pages.words import H_ENV, OMEGA, noted, page_about, region
 from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, Groups, bare, listed_name
-from haptisym.writing.boxes import Absolute, Box, Equation, Fraction, Product
-from haptisym.writing.document import (
-    Column,
-    Document,
-    Equations,
-    Line,
-    Notes,
-    Paragraph,
-    Phrase,
-    Section,
-    Table,
-    coded,
-    listed,
-)
-from haptisym.writing.equations import function, quantity
+from haptisym.writing import document as doc
+from haptisym.writing.boxes import Absolute, Box, Equation, Fraction, Product, text
+from haptisym.writing.code import Language, comment, identifiers
+from haptisym.writing.document import Document, Phrase, listed
 from haptisym.writing.latex import formula, fragment, tex
-from haptisym.writing.layout import layout, named
+from haptisym.writing.layout import function, layout, named, plain, quantity
 from haptisym.writing.mathml import mathml
-from haptisym.writing.mathtext import plain, text
 from haptisym.writing.plain import said
 
 MOST_STEPS = 150  # operations of the steps beyond which closed forms would fill pages
@@ -54,7 +47,7 @@ MOST_TERMS = (
 class Written:
     """What a section says, as it is put together: equations, and what they mean or why there is none."""
 
-    lines: list[Line] = field(default_factory=list)
+    lines: list[doc.Line] = field(default_factory=list)
     notes: list[Phrase] = field(default_factory=list)
 
     def solve(self, left: Box, solutions: Iterable[Solution], of: Phrase) -> None:
@@ -63,22 +56,22 @@ class Written:
         self.lines += lines
         self.notes += [(of, ": ", x) for x in said]
 
-    def section(self, title: Phrase) -> Section:
+    def section(self, title: Phrase) -> doc.Section:
         """It below a heading, the words before the equations."""
-        equations = (Equations(tuple(self.lines)),) if self.lines else ()
-        return Section(title, (*noted(self.notes), *equations))
+        equations = (doc.Equations(tuple(self.lines)),) if self.lines else ()
+        return doc.Section(title, (*noted(self.notes), *equations))
 
 
-def answers(left: Box, solutions: Iterable[Solution]) -> tuple[list[Line], list[Phrase]]:
+def answers(left: Box, solutions: Iterable[Solution]) -> tuple[list[doc.Line], list[Phrase]]:
     """The formulas among some solutions, and what to say about the others."""
-    rows: list[Line] = []
+    rows: list[doc.Line] = []
     notes: list[Phrase] = []
     for x in solutions:
         if x.omega is None:
             what = "a solution is a root of a factor ", *_degree(x.equation)
             notes.append((*what, ": no readable formula; the equation is the result."))
             continue
-        rows.append(Line(left, x.omega))
+        rows.append(doc.Line(left, x.omega))
         notes += _in_force(x)
         if x.period:
             notes.append(("so are these plus any multiple of ", layout(x.period), "."))
@@ -129,7 +122,7 @@ def _called(x: Criterion, i: int, j: int, terms: Sequence[Sequence[Signed]]) -> 
     return function(f"p_{x.name}" if one else f"p_{x.name}_{i}{j}", OMEGA)
 
 
-def when_of_region(d: Derivation) -> Section:
+def when_of_region(d: Derivation) -> doc.Section:
     """Of a region, or of limits that are formulas in omega: its border, and each function in closed form where it is short."""
     limits = "The limits are " if d.scene.threshold.region.shape is Shape.SQUARE else "The JND is "
     out = Written(notes=[(limits, region(d.scene.threshold), ".")])
@@ -141,7 +134,7 @@ def when_of_region(d: Derivation) -> Section:
             one_of = "one of " if len(borders) > 1 else ""
             shown = listed((name for name, _ in borders), "or")
             out.notes.append(("The ", x.joint.kind, " is left where ", one_of, shown, " is positive."))
-            out.lines += [_relative("x_r", "Re dH"), _relative("x_i", "Im dH"), *(Line(*pair) for pair in borders)]
+            out.lines += [_relative("x_r", "Re dH"), _relative("x_i", "Im dH"), *(doc.Line(*pair) for pair in borders)]
         if not is_short:
             continue
         found = x.function(d.distortion)
@@ -152,7 +145,7 @@ def when_of_region(d: Derivation) -> Section:
             if form is None or count_ops(form) > _LONGEST or len(long) + len(out.lines) >= _MOST:
                 long.append(name)
             else:
-                out.lines.append(Line(name, form))
+                out.lines.append(doc.Line(name, form))
         solved, told = _solved(x, found, d)
         out.lines += solved
         out.notes += told
@@ -172,14 +165,14 @@ def _is_short(d: Derivation) -> bool:
     return len(change.real.function.numerator) * len(change.imag.function.numerator) <= _LARGEST
 
 
-def _solved(x: Criterion, found: Signed, d: Derivation) -> tuple[list[Line], list[Phrase]]:
+def _solved(x: Criterion, found: Signed, d: Derivation) -> tuple[list[doc.Line], list[Phrase]]:
     """Where what is judged meets its limit, solved for omega: of one function its crossings, of several where they may lie."""
     terms: Sequence[Sequence[Signed]] = found.terms if isinstance(found, Lattice) else ((found,),)
     if not any(isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS for row in terms for f in row):
         return [], []
     conditions = [len(term.where) for term in x.region.terms(d.distortion)] if x.region else [0]
     is_one = len(terms) == len(terms[0]) == 1
-    lines: list[Line] = []
+    lines: list[doc.Line] = []
     notes: list[Phrase] = []
     for i, row in enumerate(terms):
         for j, f in enumerate(row[conditions[i] :], conditions[i] + 1):
@@ -195,8 +188,8 @@ def _solved(x: Criterion, found: Signed, d: Derivation) -> tuple[list[Line], lis
     return lines, [(named(x.symbol), ": ", note) for note in notes]
 
 
-def _relative(name: str, part: str) -> Line:
-    return Line(named(name), Fraction(quantity(part), Absolute(H_ENV)))
+def _relative(name: str, part: str) -> doc.Line:
+    return doc.Line(named(name), Fraction(quantity(part), Absolute(H_ENV)))
 
 
 def _borders(of: Joint) -> list[Expr]:
@@ -218,12 +211,12 @@ _SHOWN = dict(zip(("Re dH", "Im dH", "r_r", "r_i", "Re(dH/H_env)", "Im(dH/H_env)
 """Names of quantities, and of the results of ``Steps``."""
 
 
-def _section(title: Phrase, rows: Iterable[Line] = (), notes: Iterable[Phrase] = ()) -> Section:
+def _section(title: Phrase, rows: Iterable[doc.Line] = (), notes: Iterable[Phrase] = ()) -> doc.Section:
     """A heading, sentences that say what the equations mean or what is missing, and these."""
     return Written(list(rows), list(notes)).section(title)
 
 
-def sections(d: Derivation) -> tuple[Section, ...]:
+def sections(d: Derivation) -> tuple[doc.Section, ...]:
     """What a derivation was asked for, or all that it says unasked."""
     if d.of:
         return asked(d, d.of)
@@ -241,7 +234,7 @@ def sections(d: Derivation) -> tuple[Section, ...]:
     return tuple(section for section in found if section.blocks)
 
 
-def beyond(d: Derivation) -> tuple[Section, ...]:
+def beyond(d: Derivation) -> tuple[doc.Section, ...]:
     """What closed forms alone do not show: short steps, crossings solved for omega, groups, leading terms."""
     found = [
         _in_steps(d),
@@ -249,10 +242,10 @@ def beyond(d: Derivation) -> tuple[Section, ...]:
         *_dimensionless(d),
         *_fast(d),
     ]
-    return tuple(section for section in found if any(isinstance(x, Equations) for x in section.blocks))
+    return tuple(section for section in found if any(isinstance(x, doc.Equations) for x in section.blocks))
 
 
-def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
+def asked(d: Derivation, names: Iterable[str]) -> tuple[doc.Section, ...]:
     """The quantities with these names, each written out; SceneError for a name that is none."""
     found = Written()
     for name in names:
@@ -271,13 +264,13 @@ def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
 _SLOPE = re.compile(r"domega_([ri])/d([\w.\[\]-]+)")
 
 
-def _sensitivity(d: Derivation, letter: str, parameter: str) -> Line:
+def _sensitivity(d: Derivation, letter: str, parameter: str) -> doc.Line:
     """d omega/d parameter at a crossing, in omega and the parameters."""
     part, knob = _part(letter), d.scene.knobs[parameter]
     if knob.symbol not in d.kept and part not in {*knob.parts} & {*d.kept_thresholds}:
         raise SceneError(f'"{parameter}" does not stay a symbol: {", ".join(map(str, d.kept)) or "none does"}')
     above, below = (Product((named("d"), named(name))) for name in (f"omega_{letter}", knob.symbol.name))
-    return Line(Fraction(above, below), d.sensitivity(part, knob.symbol))
+    return doc.Line(Fraction(above, below), d.sensitivity(part, knob.symbol))
 
 
 def _part(letter: str) -> Part:
@@ -311,15 +304,15 @@ _SOLVED = {bare(name): name for name in ("omega_r", "omega_i", "omega_env", "ome
 """Quantities that are solutions of an equation."""
 
 
-def _defined(symbol: Symbol, value: Expr) -> Line:
-    return Line(layout(symbol), value)
+def _defined(symbol: Symbol, value: Expr) -> doc.Line:
+    return doc.Line(layout(symbol), value)
 
 
-def _named(name: str, value: Expr, relation: str = "=") -> Line:
-    return Line(quantity(name), value, relation)
+def _named(name: str, value: Expr, relation: str = "=") -> doc.Line:
+    return doc.Line(quantity(name), value, relation)
 
 
-def _dynamics(d: Derivation) -> Section:
+def _dynamics(d: Derivation) -> doc.Section:
     chain = " then ".join(e.name for e in d.scene.effects)
     note = f"From the environment to the hand: {chain}." if chain else "No effects between environment and hand."
     rows = [_named("H_env", d["H_env"])]
@@ -329,11 +322,11 @@ def _dynamics(d: Derivation) -> Section:
     return _section("Dynamics", rows, [note])
 
 
-def _in_steps(d: Derivation) -> Section:
+def _in_steps(d: Derivation) -> doc.Section:
     return _section(f"Intermediate steps ({d.steps.operations} operations)", _steps(d.steps))
 
 
-def _steps(steps: Steps) -> Iterator[Line]:
+def _steps(steps: Steps) -> Iterator[doc.Line]:
     shown = steps.only(_SHOWN.values())
     for symbol, value in shown.definitions:
         yield _defined(symbol, value)
@@ -341,7 +334,7 @@ def _steps(steps: Steps) -> Iterator[Line]:
         yield _named(name, shown.results[result])
 
 
-def _written_out(d: Derivation) -> Section:
+def _written_out(d: Derivation) -> doc.Section:
     """Re dH and Im dH as quotients of polynomials in lowest terms, if they are short."""
     if d.steps.operations > MOST_STEPS:
         note = f"Closed forms of this chain are long. --of prints one of: {', '.join(QUANTITIES)}."
@@ -351,7 +344,7 @@ def _written_out(d: Derivation) -> Section:
     return _section("Expanded, common factors cancelled", (_named(name, d[name]) for name in short))
 
 
-def _when(d: Derivation) -> Section:
+def _when(d: Derivation) -> doc.Section:
     title = "When it is noticed"
     if d.steps.operations > MOST_STEPS:
         return _section(title)
@@ -371,7 +364,7 @@ def _when(d: Derivation) -> Section:
     return found.section(title)
 
 
-def _solved_in_sections(d: Derivation) -> Section:
+def _solved_in_sections(d: Derivation) -> doc.Section:
     """The crossings that have a readable formula."""
     found = Written()
     for part in Part if d.steps.operations <= MOST_STEPS else ():
@@ -381,14 +374,14 @@ def _solved_in_sections(d: Derivation) -> Section:
     return found.section("Crossings, solved")
 
 
-def _changeovers(d: Derivation) -> Section:
+def _changeovers(d: Derivation) -> doc.Section:
     found = Written()
     for system in ("env", "perc") if d.steps.operations <= MOST_STEPS else ("env",):
         found.solve(quantity(f"omega_{system}"), d.changeovers(system), named(f"H_{system}"))
     return found.section("Changeover frequencies")
 
 
-def _dimensionless(d: Derivation) -> Iterator[Section]:
+def _dimensionless(d: Derivation) -> Iterator[doc.Section]:
     title = "Dimensionless"
     if len(d.scene.parameters) > _MOST_PARAMETERS:
         return
@@ -420,7 +413,7 @@ def _in_x(found: Groups, steps: Steps) -> Steps:
     )
 
 
-def _fast(d: Derivation) -> Iterator[Section]:
+def _fast(d: Derivation) -> Iterator[doc.Section]:
     if d.steps.operations > MOST_STEPS:
         return
     try:
@@ -442,7 +435,7 @@ def _fast(d: Derivation) -> Iterator[Section]:
     yield _section(("High-bandwidth approximation: ", fast), rows, [said] if errors else ())
 
 
-def _slow(d: Derivation) -> Iterator[Section]:
+def _slow(d: Derivation) -> Iterator[doc.Section]:
     """Of a chain with delays, whose closed form is long: what authors print of it."""
     if d.steps.operations > MOST_STEPS or not d["H_perc"].has(exp):
         return
@@ -451,7 +444,9 @@ def _slow(d: Derivation) -> Iterator[Section]:
     except SceneError:
         return
     rows = [
-        Line(named(name), x) for name, x in zip(("k_0", "b_0", "m_0"), found, strict=True) if count_ops(x) <= LONGEST
+        doc.Line(named(name), x)
+        for name, x in zip(("k_0", "b_0", "m_0"), found, strict=True)
+        if count_ops(x) <= LONGEST
     ]
     said = ("Stiffness, damping and mass at low frequency, of ", named("H_perc"), ":")
     yield _section("Low frequency", rows, [said])
@@ -468,13 +463,15 @@ _HOW_SURE = "Proven: all equations, by exact algebra; haptisym.verify compares t
 def page(d: Derivation) -> Document:
     """The parameters, and the sections."""
     rows = tuple((named(p.symbol.name), _meaning(p, d.scene.motion), _state(d, p)) for p in d.scene.parameters)
-    table = Table((Column("symbol"), Column("quantity"), Column("value")), rows, "The parameters, in SI units.")
+    table = doc.Table(
+        (doc.Column("symbol"), doc.Column("quantity"), doc.Column("value")), rows, "The parameters, in SI units."
+    )
     return page_about(d.scene, (), ((table,) if rows else ()) + sections(d), (_HOW_SURE,), "Derivation", _asides(d))
 
 
 def latex(d: Derivation) -> str:
     r"""LaTeX for a paper: a paragraph for each section, its equations in an ``align*``; amsmath is all it needs."""
-    return fragment((*(Paragraph(coded(x)) for x in _asides(d)), *sections(d)), depth=2) + "\n"
+    return fragment((*(doc.Paragraph(doc.coded(x)) for x in _asides(d)), *sections(d)), depth=2) + "\n"
 
 
 def _asides(d: Derivation) -> list[str]:
@@ -513,13 +510,80 @@ def _parameter(d: Derivation, p: Parameter) -> dict[str, Any]:
     }
 
 
-def _section_in_derive(section: Section) -> dict[str, Any]:
+def _section_in_derive(section: doc.Section) -> dict[str, Any]:
     boxes = [line.equation for line in lines_of(section)]
     rows = [{"text": text(e), "latex": tex(e), "mathml": mathml(e)} for e in boxes]
-    notes = [said(x) for block in section.blocks if isinstance(block, Notes) for x in block.entries]
+    notes = [said(x) for block in section.blocks if isinstance(block, doc.Notes) for x in block.entries]
     return {"title": said(section.title), "notes": notes, "equations": rows}
 
 
-def lines_of(section: Section) -> Iterator[Line]:
+def lines_of(section: doc.Section) -> Iterator[doc.Line]:
     """The equations of a section."""
-    return (line for block in section.blocks if isinstance(block, Equations) for line in block.lines)
+    return (line for block in section.blocks if isinstance(block, doc.Equations) for line in block.lines)
+
+
+# A script of SymPy.
+
+
+_FUNCTIONS = frozenset(dir(sympy)) - {"s"}
+_ALWAYS = ("Abs", "I", "Rational", "Symbol", "exp", "pi", "sqrt")  # what a script may call, whatever its names
+_ASSUMED = ("positive", "nonnegative", "real")
+_FACTORED = 400  # operations of H_perc up to which it is written in lowest terms
+
+
+class _Printer(StrPrinter):  # type: ignore[misc]
+    """Fractions stay exact where Python would divide them."""
+
+    def _print_Rational(self, x: Expr) -> str:
+        return str(x.p) if x.q == 1 else f"Rational({x.p}, {x.q})"
+
+    def _print_Abs(self, x: Expr) -> str:
+        return f"Abs({self._print(x.args[0])}, evaluate=False)"  # or SymPy multiplies out what stands in it
+
+
+def script(d: Derivation) -> str:
+    """The text of the script: run, it defines each symbol and each quantity by its name.
+
+    >>> from haptisym.verbs.derive.derivation import derive
+    >>> text = script(derive("delayed-spring"))
+    >>> known = {}
+    >>> exec(text, known)
+    >>> known["H_perc"]
+    k*exp(-s*tau)
+    """
+    return "\n".join(_lines(d)) + "\n"
+
+
+def _lines(d: Derivation) -> Iterator[str]:
+    steps = d.steps.only(DISTORTION)
+    perceived = d["H_perc"]
+    if perceived.count_ops() > _FACTORED:  # as the chain builds it
+        perceived = d.chain.rendered
+        for a, b, c, e in d.chain.matrices:
+            perceived = (a * perceived + b) / (c * perceived + e)
+    dynamics = {"H_env": d["H_env"], "H_perc": perceived}
+    own = sorted(steps.free_symbols - {omega} | d.distortion.free_symbols, key=str)
+    every = [omega, s, *own, *(x for x, _ in steps.definitions)]
+    called = {f.func.__name__ for _, value in steps.definitions for f in value.atoms(Function)}
+    taken = (*called, *_ALWAYS, *dynamics, *steps.results)
+    names = identifiers((x.name for x in every), Language.NUMPY, taken)
+    named = {x: Symbol(names[x.name]) for x in every}
+
+    def text(form: Expr) -> str:
+        return str(_Printer().doprint(form.xreplace(named)))
+
+    rows = [(names[x.name], text(value)) for x, value in steps.definitions]
+    rows += [(name, text(value)) for name, value in steps.results.items()]
+    above = [(name, text(value)) for name, value in dynamics.items()]
+    words = {word for _, value in (*rows, *above) for word in re.findall(r"[A-Za-z]\w*", value)}
+    used = words & _FUNCTIONS - {*names.values()}
+    yield f'"""{comment(d.scene.title or "Distortion of a haptic display")}'
+    yield from ("", "H is force per position; s the Laplace variable, omega the frequency in rad/s. SI units.", '"""')
+    yield from ("", f"from sympy import {', '.join(sorted({*used, 'Symbol'}))}", "")
+    for x in (s, omega, *own):
+        assumed = next((f", {a}=True" for a in _ASSUMED if getattr(x, f"is_{a}")), "")
+        yield f'{names[x.name]} = Symbol("{comment(x.name)}"{assumed})'
+    yield ""
+    yield from (f"{name} = {value}" for name, value in above)
+    yield from ("", "# Re and Im of dH = H_perc - H_env at s = j omega, over |H_env|, and of dH/H_env: in named steps")
+    yield from (f"{name} = {value}" for name, value in rows)

@@ -1,0 +1,67 @@
+"""What computes the sets of a sweep: this process, some processes of this machine, or a cluster."""
+
+from __future__ import annotations
+
+import logging
+import signal
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from importlib import import_module
+from multiprocessing import resource_tracker
+from typing import Any
+
+from haptisym.kernel.errors import SceneError
+
+
+@contextmanager
+def engine(workers: int | None, cluster: str | None) -> Iterator[None]:
+    """What computes the blocks: this process, some processes of this machine, or a cluster."""
+    if not workers and not cluster:
+        with _in_this_process():
+            yield
+        return
+    try:
+        distributed: Any = import_module("distributed")
+    except ImportError:
+        raise SceneError('distributed is missing: --workers and --cluster need "pip install haptisym[sweep]"') from None
+    with ExitStack() as stack:
+        address: Any = cluster
+        if workers:
+            local = partial(distributed.LocalCluster, n_workers=workers, threads_per_worker=1, dashboard_address=None)
+            with _deaf_children():
+                address = stack.enter_context(local(silence_logs=logging.CRITICAL))
+        try:
+            stack.enter_context(distributed.Client(address, timeout="10s"))
+        except (OSError, ValueError):
+            raise SceneError(f"--cluster {cluster}: no dask scheduler answers there") from None
+        try:
+            yield
+        except KeyboardInterrupt:
+            logging.disable()  # dask would tell at length what became of the tasks that nobody waits for
+            raise
+
+
+@contextmanager
+def _deaf_children() -> Iterator[None]:
+    """Threads and processes that are started inside do not hear Ctrl-C; this process hears it when they are there."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # later, it would let their signals through
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _in_this_process() -> Iterator[None]:
+    try:
+        from dask import config
+    except ImportError:  # only needed for a file, where its absence is told
+        yield
+        return
+    with config.set(scheduler="synchronous", num_workers=1):
+        yield

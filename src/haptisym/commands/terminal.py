@@ -1,0 +1,392 @@
+"""How the command line meets its terminal: pages as wide, characters that it has, a bar of progress, nobody who reads, Ctrl-C.
+
+Text for terminals and files that lack characters is spelt in words or ASCII signs.
+"""
+
+from __future__ import annotations
+
+import _thread
+import codecs
+import os
+import re
+import shutil
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from io import TextIOWrapper
+from pathlib import Path
+from textwrap import fill
+from time import monotonic
+from typing import TYPE_CHECKING, Self
+from unicodedata import combining, name, normalize
+
+import click
+
+from haptisym.kernel.errors import HaptisymError
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+    from haptisym.writing.document import Document
+
+
+PATIENCE = 0.5  # s; what is done sooner shows no bar
+
+
+@contextmanager
+def progress(unit: str = "", *, kept: str = "there is no answer") -> Iterator[ProgressBar]:
+    """A bar on standard error, where that is a terminal: it comes after half a second and leaves nothing behind.
+
+    ``unit`` : of what is counted, as in "1,200 of 65,536 sets"; percent are shown without it.
+
+    ``kept`` : what there is after Ctrl-C, as the end of a sentence that says how far it came.
+
+    What it yields is called with what is done, of how much (None: nobody knows, the bar then shows only that it lives) and, if
+    there is something to say, at what it is; as often as one likes. It never raises, and does nothing where nobody looks.
+
+    >>> with progress("sets") as told:
+    ...     told(1, 10)
+    ...     told(2, None, "the second half")
+    """
+    context = click.get_current_context(silent=True)
+    with ProgressBar(unit) as told:
+        if context is not None:
+            context.meta[_BAR] = told
+        try:
+            yield told
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(f" at {told.reached}: {kept}" if told.reached else f": {kept}") from None
+
+
+_BAR = "haptisym.progress"  # under which a call of the command line keeps its bar
+
+
+def quiet() -> None:
+    """Take the bar away for good, as something is about to be printed."""
+    context = click.get_current_context(silent=True)
+    told = context.meta.pop(_BAR, None) if context is not None else None
+    if told is not None:
+        told.stop()
+
+
+class ProgressBar:
+    """What ``progress`` yields."""
+
+    def __init__(self, unit: str) -> None:
+        self.unit, self.began = unit, monotonic()
+        self.seen = bool(sys.stderr and sys.stderr.isatty())
+        self.bar: Progress | None = None
+        self.reached = ""
+        """How far it came, in words."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.stop()
+
+    def stop(self) -> None:
+        """The bar leaves, and does not come again."""
+        self.seen = False
+        if self.bar is not None:
+            self.bar.stop()
+
+    def __call__(self, done: float, total: float | None = None, what: str = "") -> None:
+        self.reached = self._count(done, total)
+        if not self.seen or monotonic() - self.began < PATIENCE or (self.bar is None and done == total):
+            return
+        if self.bar is None:
+            self.bar = _bar()
+            self.bar.add_task(what, count="")
+            self.bar.start()
+        self.bar.update(self.bar.task_ids[0], description=what, count=self.reached)
+        self.bar.tasks[0].total = total  # ``update`` takes None for "as before"
+        self.bar.update(self.bar.task_ids[0], completed=done)
+
+    def _count(self, done: float, total: float | None) -> str:
+        if total is None:
+            return f"{_figure(done)} {self.unit}" if self.unit else ""
+        if self.unit:
+            return f"{_figure(done)} of {_figure(total)} {self.unit}"
+        return f"{100 * done / total if total else 100:.0f} %"
+
+
+def _figure(x: float) -> str:
+    return f"{x:,.0f}" if x >= 999.5 else f"{x:.3g}"
+
+
+def _bar() -> Progress:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.table import Column
+
+    console = Console(stderr=True)
+    roomy = console.width >= 60
+    count, what = (
+        TextColumn(x, markup=False, table_column=Column(no_wrap=True, overflow="crop"))
+        for x in ("{task.fields[count]}", "{task.description}")
+    )
+    times = (TimeElapsedColumn(), TimeRemainingColumn()) if roomy else ()
+    return Progress(BarColumn(30 if roomy else 8), count, *times, what, console=console, transient=True)
+
+
+_SIGNS = {
+    "−": "-", "–": "-", "—": "-", "─": "-", "━": "-", "═": "=", "│": "|", "·": "*", "⋅": "*", "×": "*", "∙": "*",
+    "÷": "/", "⁄": "/", "≈": "~=", "≤": "<=", "≥": ">=", "≠": "!=", "≡": "==", "±": "+-", "∓": "-+", "∞": "inf",
+    "√": "sqrt", "∂": "d", "∑": "sum", "∏": "product", "∫": "integral", "∈": "in", "∠": "angle", "→": "->",
+    "←": "<-", "↔": "<->", "⇒": "=>", "°": "deg", "µ": "u", "‘": "'", "’": "'", "‚": "'", "“": '"', "”": '"',
+    "„": '"', "′": "'", "″": "''", "…": "...", "•": "*", "†": "+", "ß": "ss", "æ": "ae", "Æ": "AE", "œ": "oe",
+    "Œ": "OE", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L", "đ": "d", "ð": "d", "þ": "th", "ı": "i", "ȷ": "j", "€": "EUR",
+    "£": "GBP", "§": "section ", "©": "(c)", "®": "(R)", "«": '"', "»": '"', "∆": "Delta", "Ω": "Omega",
+    "ϵ": "epsilon", "ϕ": "phi", "ς": "sigma", "ϑ": "theta", "\N{NO-BREAK SPACE}": " ",
+    "\N{NARROW NO-BREAK SPACE}": " ",
+}  # fmt: skip
+_GREEK = re.compile(r"GREEK (SMALL|CAPITAL) LETTER (\w+)")
+_ALIASES = {"LAMDA": "lambda"}
+
+
+def spelt(text: str, encoding: str) -> str:
+    """The text with words or ASCII signs for the characters that an encoding lacks.
+
+    >>> spelt("ω² ≈ 40 °", "ascii"), spelt("ω² ≈ 40 °", "latin-1")
+    ('omega^2 ~= 40 deg', 'omega² ~= 40 °')
+    """
+    try:
+        text.encode(encoding)
+    except UnicodeEncodeError:
+        return "".join(x if _held(x, encoding) else _word(text, i) for i, x in enumerate(text))
+    except LookupError:
+        return text
+    return text
+
+
+def _held(character: str, encoding: str) -> bool:
+    try:
+        character.encode(encoding)
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _word(text: str, at: int) -> str:
+    """The ASCII for one character of a text."""
+    x = text[at]
+    if x in _SIGNS:
+        return _SIGNS[x]
+    if greek := _GREEK.match(name(x, "")):
+        kind, letter = greek.groups()
+        word = _ALIASES.get(letter, letter.lower())
+        apart = " " if at and text[at - 1].isalnum() else ""
+        return apart + (word.capitalize() if kind == "CAPITAL" else word)
+    is_small = any(word in name(x, "") for word in ("SUPERSCRIPT", "SUBSCRIPT"))
+    plain = "".join(_SIGNS.get(y, y) if is_small else y for y in normalize("NFKD", x) if not combining(y))
+    if plain.isascii() and plain:
+        raised = "SUPERSCRIPT" in name(x, "") and not (at and "SUPERSCRIPT" in name(text[at - 1], ""))
+        return f"^{plain}" if raised else f"_{plain}" if "SUBSCRIPT" in name(x, "") else plain
+    return "" if combining(x) else f"\\u{ord(x):04x}" if ord(x) < 0x10000 else f"\\U{ord(x):08x}"
+
+
+def escaped(document: str, encoding: str) -> str:
+    r"""A JSON document with JSON's own escapes for the characters that an encoding lacks.
+
+    >>> escaped('{"title": "Prüfstand ω"}', "latin-1")
+    '{"title": "Prüfstand \\u03c9"}'
+    """
+
+    def escape(x: str) -> str:
+        if _held(x, encoding):
+            return x
+        units = x.encode("utf-16-be", "surrogatepass")
+        return "".join(f"\\u{units[i] << 8 | units[i + 1]:04x}" for i in range(0, len(units), 2))
+
+    try:
+        document.encode(encoding)
+    except UnicodeEncodeError:
+        return "".join(map(escape, document))
+    except LookupError:
+        return document
+    return document
+
+
+def _spell(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(_word(error.object, i) for i in range(error.start, error.end)), error.end
+
+
+_MOMENT = 0.02  # s
+
+
+class ReaderLeft(Exception):  # noqa: N818  it is nobody's error
+    """Whoever read standard output has closed it, as ``head`` does."""
+
+
+class CannotWriteError(HaptisymError):
+    """A file or standard output does not take what is written."""
+
+
+def prepare() -> None:
+    """Let both streams spell what their encoding lacks; ASCII in a terminal whose locale was set to C or POSIX."""
+    codecs.register_error("haptisym.spelt", _spell)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(encoding="ascii" if _is_plain(stream) else stream.encoding, errors="haptisym.spelt")
+
+
+def _is_plain(stream: TextIOWrapper) -> bool:
+    """Python writes UTF-8 where the locale is C, as containers have it unasked; a terminal that was told so has ASCII."""
+    if not stream.isatty() or os.environ.get("PYTHONIOENCODING") or os.environ.get("PYTHONUTF8"):
+        return False
+    locale = next((x for name in ("LC_ALL", "LC_CTYPE", "LANG") if (x := os.environ.get(name))), "")
+    return locale in ("C", "POSIX")
+
+
+PAGE, WIDEST, _ROOM = 80, 96, 22  # columns, as ``haptisym.writing.plain``, which only a page needs
+
+
+def _columns() -> int:
+    """As wide as the terminal; 80 anywhere else, so that pages can be compared."""
+    is_terminal = sys.stdout is not None and sys.stdout.isatty()
+    return min(shutil.get_terminal_size((PAGE, 24)).columns, WIDEST) if is_terminal else PAGE
+
+
+def say_list(title: str, rows: Sequence[tuple[str, str]]) -> None:
+    """Names and what they are, on standard output: a page for which neither its writer nor SymPy is loaded."""
+    columns, after = _columns(), 4 + max(len(key) for key, _ in rows)
+    lines, is_wide = [title, ""], columns - after >= _ROOM
+    for key, words in rows:
+        begun = f"  {key}".ljust(after) if is_wide else " " * 4
+        lines += [] if is_wide else [f"  {key}"]
+        rest = " " * len(begun)
+        lines.append(fill(words, columns, initial_indent=begun, subsequent_indent=rest, break_on_hyphens=False))
+    write(spelt("\n".join(lines) + "\n", _encoding()))
+
+
+def say(page: Document, digits: int | None = None, *, formulas: bool = False) -> None:
+    """A page on standard output: as wide as the terminal, 80 columns anywhere else so that it can be compared."""
+    from haptisym.writing.document import DIGITS  # only a page needs the writer
+    from haptisym.writing.plain import plain
+
+    write(plain(page, _columns(), lambda words: spelt(words, _encoding()), digits=digits or DIGITS, formulas=formulas))
+
+
+def say_document(document: str) -> None:
+    """A JSON document on standard output."""
+    write(escaped(document, _encoding()) + "\n")
+
+
+def write(text: str) -> None:
+    """Text on standard output as it is. ReaderLeft or CannotWriteError where it does not get there."""
+    if sys.stdout is None:
+        raise CannotWriteError("standard output cannot be written: it is closed")
+    with to_standard_output():
+        sys.stdout.write(text)
+        sys.stdout.flush()
+
+
+def note(message: str) -> None:
+    """A message on standard error; lost where that is closed or full."""
+    if sys.stderr is None:
+        return
+    with suppress(OSError, ValueError):
+        if sys.stderr.isatty():
+            message = "\n".join(map(_narrowed, message.split("\n")))
+        sys.stderr.write(f"{message}\n")
+        sys.stderr.flush()
+
+
+def _narrowed(line: str) -> str:
+    """A line of a message in the terminal's width; what is indented is typed, and stays."""
+    width = min(max(os.get_terminal_size(sys.stderr.fileno()).columns, 40), 96)
+    return line if line.startswith("    ") else fill(line, width, break_long_words=False, break_on_hyphens=False)
+
+
+def _encoding() -> str:
+    return getattr(sys.stdout, "encoding", None) or "utf-8"
+
+
+@contextmanager
+def to_standard_output() -> Iterator[None]:
+    """What goes wrong inside with standard output, by name; nothing more is then tried to be written there."""
+    try:
+        yield
+    except BrokenPipeError:
+        _close()
+        raise ReaderLeft from None
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        _close()
+        raise CannotWriteError(f"standard output cannot be written: {_reason(error)}") from None
+
+
+@contextmanager
+def to_file(what: str, path: Path) -> Iterator[None]:
+    """What goes wrong inside with writing a file, as a sentence that names it."""
+    try:
+        yield
+    except OSError as error:
+        raise CannotWriteError(f"{what}: {path} cannot be written: {_reason(error)}") from None
+
+
+def _reason(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()
+
+
+def _close() -> None:
+    """What is still in the buffer goes nowhere, so that the end of the process does not try again."""
+    with suppress(OSError, ValueError, AttributeError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
+
+
+def _interrupt() -> None:
+    """Ctrl-C to the main thread, which may wait for others."""
+    if sys.platform == "win32":
+        _thread.interrupt_main()
+    else:
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+
+
+@contextmanager
+def interrupts() -> Iterator[list[int]]:
+    """Ctrl-C raises KeyboardInterrupt, once; what it yields then is not empty, even if an import made another error of it.
+
+    Whoever presses it again while things are being tidied up does not wait any longer: status 130 at once. Where it falls into
+    code whose errors Python drops (a finalizer, a callback of an import's lock) it comes again a moment later.
+    """
+    seen: list[int] = []
+    dropped = sys.unraisablehook
+    is_ours = (
+        threading.current_thread() is threading.main_thread()
+        and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    )
+
+    def interrupted(number: int, _frame: object) -> None:
+        if seen:
+            note("\x1b[?25h" if sys.stderr and sys.stderr.isatty() else "")  # a bar of progress hides the cursor
+            os._exit(130)
+        seen.append(number)
+        raise KeyboardInterrupt
+
+    def again(lost: sys.UnraisableHookArgs) -> None:
+        if not issubclass(lost.exc_type, KeyboardInterrupt):
+            dropped(lost)
+            return
+        seen.clear()
+        later = threading.Timer(_MOMENT, _interrupt)
+        later.daemon = True
+        later.start()
+
+    if is_ours:
+        signal.signal(signal.SIGINT, interrupted)
+        sys.unraisablehook = again
+    try:
+        yield seen
+    finally:
+        if is_ours:
+            sys.unraisablehook = dropped
+            signal.signal(signal.SIGINT, signal.default_int_handler)

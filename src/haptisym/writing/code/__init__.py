@@ -1,1 +1,0 @@
-"""Formulas as code in other languages."""
