@@ -143,7 +143,7 @@ def _keep_response(result: Evaluation, file: Path, points: int) -> None:
 
 def _keep_figures(result: Evaluation, directory: Path) -> None:
     """The figures of one environment."""
-    from haptisym.figures.files import save_figures
+    from haptisym.figures.sheet import save_figures
 
     keep_figures(directory, lambda: save_figures(result, directory))
 
@@ -165,9 +165,9 @@ def _evaluate_measured(scene: MeasuredScene, figures: Path | None, as_json: bool
     not_over(scene.files, context.meta[PAGES])
     result = judge(scene)
     if figures is not None:
-        from haptisym.figures.measured import save_measured_figures
+        from haptisym.figures.sheet import save_figures
 
-        keep_figures(figures, lambda: save_measured_figures(result, figures))
+        keep_figures(figures, lambda: save_figures(result, figures))
     show(result, as_json=as_json)
 
 
@@ -186,7 +186,7 @@ def _evaluate_all(
     with progress() as told, limited(limit, told):
         result = evaluate_all(family, digits, regions=regions, proportion=proportion, limit=None)
     if figures is not None:
-        from haptisym.figures.family import save_family_figures
+        from haptisym.figures.sheet import save_figures
 
-        keep_figures(figures, lambda: save_family_figures(result, figures))
+        keep_figures(figures, lambda: save_figures(result, figures))
     hand_over(result, as_json=as_json)

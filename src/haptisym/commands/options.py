@@ -39,7 +39,7 @@ from unicodedata import combining, name, normalize
 import click
 from click.core import ParameterSource
 
-from haptisym.figures.kinds import checked, checked_report
+from haptisym.figures.pen import checked, checked_report
 from haptisym.judge.answers import Answer
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import HaptisymError, NothingToDrawError, SceneError

@@ -88,9 +88,9 @@ def simulate(
     if force is not None:
         keep("force", force, lambda: force.write_text(runs[0].to_csv(), encoding="utf-8"))
     if figures is not None:
-        from haptisym.figures.simulate import save_simulation_figures
+        from haptisym.figures.sheet import save_figures
 
-        keep_figures(figures, lambda: save_simulation_figures(runs, figures))
+        keep_figures(figures, lambda: save_figures(runs, figures))
     show(runs, as_json=as_json)
     if runs.agrees is False:
         sys.exit(3)
@@ -118,9 +118,9 @@ def _let_go(
     if force is not None:
         keep("force", force, lambda: force.write_text(found.to_csv(), encoding="utf-8"))
     if figures is not None:
-        from haptisym.figures.simulate import save_release_figures
+        from haptisym.figures.sheet import save_figures
 
-        keep_figures(figures, lambda: save_release_figures(found, figures))
+        keep_figures(figures, lambda: save_figures(found, figures))
     show(found, as_json=as_json)
     if found.agrees is False or found.sign_agrees is False:
         sys.exit(3)

@@ -10,7 +10,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, ClassVar, Protocol
 
-from haptisym.kernel.errors import NothingToDrawError, SceneError
+from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import Shown, made, packed, state, unpacked
 
 
@@ -101,9 +101,7 @@ class Answer(Shown):
 
     def figure(self) -> Any:
         """The figure, of matplotlib. NothingToDrawError where there is nothing in the answer to draw."""
-        if not self._figure:
-            raise NothingToDrawError(f"{type(self).__name__} has no figure of its own")
-        return resolve_name("haptisym.figures.sheet:estimated")(resolve_name(self._figure)(self), self._about)
+        return resolve_name("haptisym.figures.sheet:draw_figure")(self)
 
     def save_figure(self, path: str | Path) -> Path:
         """Write the figure, as the name ends: .svg, .pdf or .png; the same file for the same answer."""
@@ -122,7 +120,7 @@ class Answer(Shown):
         >>> evaluate("undamped-resonance").plot(ax, label="no damper").get_xlabel()
         '$\\\\omega$ (rad/s)'
         """
-        return resolve_name("haptisym.figures.plots:plot")(self, ax, kind, color, label, style)
+        return resolve_name("haptisym.figures.sheet:plot")(self, ax, kind, color, label, style)
 
     def certificate(self) -> str:
         """The answer with a proof that ``python -m haptisym_check`` checks, as JSON. SceneError where there is none."""

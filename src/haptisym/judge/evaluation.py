@@ -166,6 +166,7 @@ class Evaluation(Answer):
     """
 
     _schema: ClassVar[str] = "haptisym.evaluation/1"
+    _figure: ClassVar[str] = "haptisym.figures.evaluation:EVALUATION"
     _page: ClassVar[str] = "haptisym.pages.evaluation:page"
     _certificate: ClassVar[str] = "haptisym.verbs.evaluate.certificate:certificate"
 

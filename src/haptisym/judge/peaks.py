@@ -195,6 +195,7 @@ class Peaks(Answer, tuple[Peak, ...]):
     """
 
     _schema: ClassVar[str] = "haptisym.peaks/1"
+    _figure: ClassVar[str] = "haptisym.figures.evaluation:PEAKS"
     _page: ClassVar[str] = "haptisym.pages.peaks:page"
 
     scene: Scene

@@ -369,7 +369,7 @@ def bandwidths(e: Evaluation) -> Iterator[Block]:
     yield Paragraph(("For ", _range(threshold), ": ", _between(found, threshold), _blocked(found, threshold)))
     if found.is_one_curve:
         caption = "The bandwidth over the range; a dot is attained, a ring is not."
-        yield drawing("bandwidths", caption, "files:draw_figure", e, "bandwidths")
+        yield drawing("bandwidths", caption, "sheet:draw_figure", e, "bandwidths")
 
 
 def _range(threshold: Threshold) -> Phrase:
@@ -498,7 +498,7 @@ def regions(e: Evaluation) -> Iterator[Block]:
         Column("first crossing", number=True, hertz=True), Column("what happens there"),
     )  # fmt: skip
     table = Table(columns, tuple(_row(e, x) for x in e.regions), "Bandwidth and first crossing by region, proven.")
-    figure = drawing("regions", _PLANE, "files:draw_figure", e, "regions")
+    figure = drawing("regions", _PLANE, "sheet:draw_figure", e, "regions")
     yield Section(_SURVIVES, (Paragraph(_spread(e.regions)), table, figure), "regions")
 
 
@@ -524,7 +524,7 @@ def family_regions(w: FamilyEvaluation) -> Iterator[Block]:
     rows = [(name, *(_width(w.chart, x.answers[name].bandwidth) for x in w.regions)) for name in w.family]
     rows.append(("all together", *(_width(w.chart, x.bandwidth) for x in w.regions)))
     each = Table(by_name, tuple(rows), ("Bandwidth of each environment by region, ", FREQUENCY_UNIT, ", proven."))
-    figure = drawing("regions", _WIDTHS, "regions:family_regions_figure", w)
+    figure = drawing("regions", _WIDTHS, "sheet:draw_figure", w, "regions")
     yield Section(_SURVIVES, (Paragraph(_spread(w.regions, "common bandwidth")), worst, each, figure), "regions")
 
 
@@ -618,7 +618,7 @@ def _step_2(e: Evaluation) -> Iterator[Block]:
 
 
 def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> Figure:
-    return drawing(name, caption, "files:draw_figure", e, name, wide=wide)
+    return drawing(name, caption, "sheet:draw_figure", e, name, wide=wide)
 
 
 def percepts(e: Evaluation) -> Block:

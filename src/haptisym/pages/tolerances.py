@@ -130,7 +130,7 @@ _LINE = " Line: the boundary for the nominal values, computed."
 
 def _hands_figure(a: Tolerances) -> Iterator[Block]:
     if a.held:
-        yield drawing("hands", _HANDS + ("" if clocks(a.box.scene) else _LINE), "stability:hands_figure", a)
+        yield drawing("hands", _HANDS + ("" if clocks(a.box.scene) else _LINE), "sheet:draw_figure", a, "hands")
 
 
 # Where crossings lie.
@@ -153,7 +153,7 @@ def _enclosures(a: Tolerances) -> Block:
     )
     dots = "Dots: crossings of the sets that were drawn at random." if a.samples else ""
     shown = f"Grey: where crossings may lie, proven for all values. {dots}".strip()
-    figure = drawing("enclosures", shown, "tolerances:enclosures_figure", a)
+    figure = drawing("enclosures", shown, "sheet:draw_figure", a, "enclosures")
     table = Table(columns, tuple(map(_row, a.enclosures)), "Where crossings lie, proven.")
     of = f"the distortion meets the border of the {region.kind}" if region else "the ratios cross their thresholds"
     return Section(f"Where {of}", (table, *([Paragraph(said)] if attained else []), figure))

@@ -382,6 +382,7 @@ class Derivation(Answer):
     """The quantities that its page shows; none for all that it says unasked."""
 
     _schema: ClassVar[str] = "haptisym.derivation/1"
+    _figure: ClassVar[str] = "haptisym.figures.evaluation:DERIVATION"
     _page: ClassVar[str] = "haptisym.pages.sections:page"
 
     def _line(self) -> str:

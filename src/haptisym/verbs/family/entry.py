@@ -160,7 +160,7 @@ class FamilyEvaluation(Answer):
 
     _schema: ClassVar[str] = "haptisym.evaluations/1"
     _page: ClassVar[str] = "haptisym.pages.family:page"
-    _figure: ClassVar[str] = "haptisym.figures.family:family_figure"
+    _figure: ClassVar[str] = "haptisym.figures.family:FAMILY"
 
     family: SceneFamily
     answers: Mapping[str, Evaluation]

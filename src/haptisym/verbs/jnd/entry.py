@@ -528,7 +528,7 @@ class Psychometric(Answer):
 
     _schema: ClassVar[str] = "haptisym.jnd/1"
     _page: ClassVar[str] = "haptisym.pages.jnd:page"
-    _figure: ClassVar[str] = "haptisym.figures.jnd:jnd_figure"
+    _figure: ClassVar[str] = "haptisym.figures.jnd:JND"
 
     answers: Answers
     asked: Asked
@@ -689,6 +689,7 @@ class PublishedThresholds(Answer, tuple[Published, ...]):
     """Published just-noticeable differences, each usable by its name: ``jnd = { like = "viscosity-forced-choice" }``."""
 
     _schema: ClassVar[str] = "haptisym.published/1"
+    _figure: ClassVar[str] = "haptisym.figures.jnd:PUBLISHED"
     _page: ClassVar[str] = "haptisym.pages.jnd:published_page"
 
     def __new__(cls, found: Iterable[Published]) -> PublishedThresholds:

@@ -465,7 +465,7 @@ class MeasuredEvaluation(Answer):
 
     _schema: ClassVar[str] = "haptisym.measured/1"
     _page: ClassVar[str] = "haptisym.pages.measured:page"
-    _figure: ClassVar[str] = "haptisym.figures.measured:measured_figure"
+    _figure: ClassVar[str] = "haptisym.figures.measured:MEASURED"
 
     scene: MeasuredScene
     lines: Lines

@@ -97,6 +97,7 @@ class _Runs(Answer):
 
     __slots__ = ()
     _schema: ClassVar[str] = "haptisym.simulation/1"
+    _figure: ClassVar[str] = "haptisym.figures.simulate:SIMULATION"
     _page: ClassVar[str] = "haptisym.pages.simulate:page"
 
     @property

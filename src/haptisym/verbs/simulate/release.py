@@ -186,7 +186,7 @@ class Release(Answer):
 
     _schema: ClassVar[str] = "haptisym.release/1"
     _page: ClassVar[str] = "haptisym.pages.release:page"
-    _figure: ClassVar[str] = "haptisym.figures.simulate:release_figure"
+    _figure: ClassVar[str] = "haptisym.figures.simulate:RELEASE"
 
     scene: Scene
     hand: Hand
