@@ -119,6 +119,8 @@ assert is_zero(tilted.subs({u: u / r, v: v / r}, simultaneous=True) - tilted / r
 # %%
 import haptisym as hs
 from haptisym import effects, environments
+from haptisym.figures import evaluation as evaluation_charts
+from haptisym.figures.layers import draw
 
 
 def widths(environment: hs.Environment, speed: int, half: Rational, high: int) -> dict[str, hs.RealNumber]:
@@ -172,13 +174,11 @@ assert refused
 # %%
 from matplotlib.figure import Figure
 
-from haptisym.figures.regions import draw_regions
-
 output = Path(sys.argv[1] if len(sys.argv) > 1 else "derived")
 output.mkdir(parents=True, exist_ok=True)
 tex = rf"1 \leq \frac{{w_\mathrm{{box}}(c)}}{{w_\mathrm{{disc}}(c)}} \leq {hs.latex(most)}"
 (output / "17_regions.tex").write_text(f"\\begin{{align}}\n{tex}\n\\end{{align}}\n", encoding="utf-8")
 figure = Figure(figsize=(3.4, 3.8), layout="constrained")
 lagging = hs.Scene(environments.kelvin_voigt(3, 4), (effects.first_order_lag(7),), (0, 2), hs.Threshold.of(TENTH))
-draw_regions(figure.subplots(), hs.evaluate(lagging, regions=True))
+draw(figure.subplots(), evaluation_charts.regions(hs.evaluate(lagging, regions=True)))
 figure.savefig(output / "17_regions.pdf", metadata={"CreationDate": None})

@@ -11,9 +11,10 @@ import numpy as np
 from matplotlib import pyplot
 
 import haptisym as hs
-from haptisym.figures.measured import draw_measured_plane
-from haptisym.figures.square import draw_jnd_square
-from haptisym.figures.sweep import draw_curves, draw_map
+from haptisym.figures import evaluation as evaluation_charts
+from haptisym.figures import measured as measured_charts
+from haptisym.figures import sweep as sweep_charts
+from haptisym.figures.layers import draw
 from haptisym.verbs.sweep.entry import Swept
 
 paper = hs.load_scene("fu2019")
@@ -62,13 +63,13 @@ ax = hs.evaluate(ranged).plot(kind="bandwidths")
 
 # %%
 ax = pyplot.figure(layout="constrained").add_subplot()
-square = draw_jnd_square(ax, hs.evaluate(paper), 10)
+square = draw(ax, evaluation_charts.square(hs.evaluate(paper), 10))
 
 # %%
 tilted = {"shape": "ellipse", "real": "0.1", "imag": "0.2", "tilt": "30 deg"}
 felt = hs.Scene(paper.environment, paper.effects, paper.band, tilted)
 ax = pyplot.figure(layout="constrained").add_subplot()
-region = draw_jnd_square(ax, hs.evaluate(felt), 10)
+region = draw(ax, evaluation_charts.square(hs.evaluate(felt), 10))
 
 # %% [markdown]
 # ## Local maxima of the ratios
@@ -111,7 +112,7 @@ ax = hs.evaluate(hs.MeasuredScene(paper.environment, bounded)).plot()
 # %%
 joint = hs.evaluate(hs.MeasuredScene(felt.environment, lines, None, felt.threshold))
 ax = pyplot.figure(layout="constrained").add_subplot()
-dots = draw_measured_plane(ax, joint)
+dots = draw(ax, measured_charts.measured_plane(joint))
 
 # %% [markdown]
 # ## A fitted model
@@ -185,17 +186,19 @@ ax = Swept(paper, swept).plot()
 # %%
 grid = {"effects.filter.omega_n": np.linspace(50, 300, 41), "effects.filter.zeta": np.linspace(0.3, 0.8, 41)}
 ax = pyplot.figure(layout="constrained").add_subplot()
-chart = draw_map(ax, hs.sweep(paper, grid), hs.design_map(paper, *pairs, slices=9))
+chart = draw(ax, sweep_charts.plane(hs.sweep(paper, grid), hs.design_map(paper, *pairs, slices=9)))
 
 # %%
 stiff = hs.load_scene("delayed-spring").with_values({"k": "500 N/m"})
 ax = pyplot.figure(layout="constrained").add_subplot()
-curves = draw_curves(ax, hs.sweep(stiff, {"effects.delay.tau": np.linspace(0, 0.04, 41)}, hand="postural-arm"))
+curves = draw(
+    ax, sweep_charts.curves(hs.sweep(stiff, {"effects.delay.tau": np.linspace(0, 0.04, 41)}, hand="postural-arm"))
+)
 
 # %%
 springs = {"environment.k": np.linspace(50, 1000, 11), "effects.delay.tau": np.linspace(0, 0.06, 11)}
 ax = pyplot.figure(layout="constrained").add_subplot()
-chart = draw_map(ax, hs.sweep("delayed-spring", springs, hand="postural-arm"))
+chart = draw(ax, sweep_charts.plane(hs.sweep("delayed-spring", springs, hand="postural-arm")))
 
 # %% [markdown]
 # ## Other measures

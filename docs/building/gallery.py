@@ -11,8 +11,7 @@ import generated
 from generated import Page
 
 import haptisym as hs
-from haptisym.figures.files import draw_figure
-from haptisym.figures.sheet import save
+from haptisym.figures.sheet import draw_figure, save_as
 from haptisym.writing.html import fragment
 
 FIGURES = {
@@ -44,7 +43,7 @@ def _one(folder: Path, name: str) -> str:
     figures = {"worst-case": "The worst case along the band"} if family else FIGURES
     listed = []
     for kind, words in figures.items():
-        save(folder / "figures" / f"{name}-{kind}", found.figure() if family else draw_figure(found, kind), (".svg",))
+        save_as(draw_figure(found, kind), folder / "figures" / f"{name}-{kind}.svg")
         listed.append(f"![{words}](figures/{name}-{kind}.svg)\n")
     shown = fragment(found.document()).replace("<h2", "<h4").replace("</h2>", "</h4>")
     return "\n".join(

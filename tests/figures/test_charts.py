@@ -18,18 +18,17 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.effects import delay, first_order_lag, shunt
 from haptisym.environments import mass_spring_damper
+from haptisym.figures import effects as effect_charts
+from haptisym.figures import jnd as jnd_charts
+from haptisym.figures import measured as measured_charts
 from haptisym.figures import pen
+from haptisym.figures import requirement as requirement_charts
+from haptisym.figures import simulate as simulation_charts
+from haptisym.figures import stability as stability_charts
+from haptisym.figures import sweep as sweep_charts
 from haptisym.figures.cost import cost_figure, draw_cost, hard_costs_figure
-from haptisym.figures.designmap import draw_map as draw_slices
-from haptisym.figures.designmap import draw_wishes
-from haptisym.figures.identify import draw_magnitude, draw_phase, draw_residuals
-from haptisym.figures.jnd import draw_jnd, draw_published
-from haptisym.figures.require import draw_requirement
-from haptisym.figures.sensitivity import draw_elasticities, elasticities_figure
-from haptisym.figures.simulate import draw_loop, draw_recovered, draw_release, draw_time
-from haptisym.figures.stability import draw_held, draw_plane
-from haptisym.figures.sweep import draw_curves, draw_map, is_logarithmic
-from haptisym.figures.tolerances import draw_tolerances, tolerances_figure
+from haptisym.figures.layers import draw
+from haptisym.figures.sweep import is_logarithmic
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.verbs.cost.entry import Cost, Measurement
@@ -46,7 +45,7 @@ HEAVY = hs.Hand("heavy", m="600 kg", b="5 kN*s/m", k="20 kN/m")
 
 def test_a_requirement_is_drawn_with_its_worst_case_its_set_and_its_proven_ends() -> None:
     ax = axes()
-    real, imag = draw_requirement(ax, hs.require(DAMPED, "effects.shunt.b"))
+    real, imag = draw(ax, requirement_charts.requirement(hs.require(DAMPED, "effects.shunt.b")))
     b, worst = places(imag)
     assert worst == pytest.approx(np.abs(b) * 15 / 100 / 0.1)
     assert places(real)[1] == pytest.approx(0)
@@ -58,7 +57,7 @@ def test_a_requirement_is_drawn_with_its_worst_case_its_set_and_its_proven_ends(
 def test_the_worst_case_of_a_requirement_is_that_of_both_ratios_at_each_value() -> None:
     """Behind a delay of tau they are 1 - cos(tau w) and sin(tau w)."""
     late, ax = hs.Scene(mass_spring_damper(k=100), (delay("20 ms"),), (0, 15), "0.1"), axes()
-    real, imag = draw_requirement(ax, hs.require(late, "tau", (0, "0.1")))
+    real, imag = draw(ax, requirement_charts.requirement(hs.require(late, "tau", (0, "0.1"))))
     tau, worst = places(imag)
     omega = np.linspace(0, 15, 4001)[:, None]
     assert worst == pytest.approx(np.abs(np.sin(omega * tau)).max(axis=0) / 0.1, rel=1e-3)
@@ -71,7 +70,7 @@ def test_what_is_undecided_of_a_requirement_is_hatched_and_open_intervals_end_wi
     one, two = (ExactNumber(Rational(n)) for n in (1, 2))
     for undecided in (((None, two),), ((one, two), (two, None))):
         ax = axes()
-        draw_requirement(ax, replace(found, undecided=undecided))
+        draw(ax, requirement_charts.requirement(replace(found, undecided=undecided)))
         low, high = ax.get_xlim()
         ends = [(low if a is None else float(a), high if b is None else float(b)) for a, b in undecided]
         assert spans(x for x in ax.patches if x.get_hatch()) == [pytest.approx(x) for x in ends]
@@ -80,7 +79,10 @@ def test_what_is_undecided_of_a_requirement_is_hatched_and_open_intervals_end_wi
 
 def test_a_number_of_a_hand_is_drawn_though_it_has_no_course_along_the_band() -> None:
     ax = axes()
-    assert draw_requirement(ax, hs.require("satellite-contact", "hand.m", that=["stable"], hand=HEAVY)) == []
+    assert (
+        draw(ax, requirement_charts.requirement(hs.require("satellite-contact", "hand.m", that=["stable"], hand=HEAVY)))
+        == []
+    )
     assert [places(x)[0].tolist() for x in marked(ax, "o")] == [[500]]
 
 
@@ -95,7 +97,7 @@ def designed(low: float = 1, high: float = 3) -> hs.DesignMap:
 def test_a_map_has_strokes_marks_and_grounds_where_the_set_and_its_boundary_are() -> None:
     """k = 150 b: what is grey lies above it, what is left open holds it."""
     ax = axes()
-    strokes, *marks = draw_slices(ax, designed())
+    strokes, *marks = draw(ax, requirement_charts.slices(designed()))
     ways = [[tuple(map(float, p)) for p in x] for x in strokes.get_segments()]  # type: ignore[attr-defined]
     assert ways == [[(b, 150 * b), (b, 500)] for b in (1, 2, 3)]
     assert [(x.get_label(), points(x)) for x in marks] == [
@@ -116,7 +118,7 @@ def test_a_map_has_strokes_marks_and_grounds_where_the_set_and_its_boundary_are(
 
 def test_a_map_without_any_value_says_so() -> None:
     ax = axes()
-    draw_slices(ax, designed(10, 30))
+    draw(ax, requirement_charts.slices(designed(10, 30)))
     assert "transparent nowhere: on none of 3 exact slices" in words(ax)
     assert told(ax) == ["exact slices"]
 
@@ -126,7 +128,7 @@ def test_a_map_of_several_things_shows_each_set() -> None:
     found = hs.design_map(
         DAMPED, ["effects.shunt.b", "environment.k"], [(1, 3), (100, 500)], slices=3, that=["transparent", "passive"]
     )
-    draw_wishes(ax, found)
+    draw(ax, requirement_charts.wishes(found))
     assert [points(x) for x in ax.lines] == [
         [(1, 150), (2, 300)], [(2, 300), (3, 450)], [(1, 150), (2, 300), (3, 450)],
     ]  # fmt: skip
@@ -137,7 +139,12 @@ def test_between_slices_of_different_kind_a_map_is_hatched_and_shows_no_boundary
     """It drew one halfway, at 550 kg, where it is at 500 kg."""
     ranges, free = [(400, 800), (0, 6000)], ["hand.m", "hand.b"]
     ax = axes()
-    draw_wishes(ax, hs.design_map("satellite-contact", free, ranges, that=["stable"], hand=HEAVY, slices=5))
+    draw(
+        ax,
+        requirement_charts.wishes(
+            hs.design_map("satellite-contact", free, ranges, that=["stable"], hand=HEAVY, slices=5)
+        ),
+    )
     assert not [x for x in ax.lines if len(x.get_xdata())]
     assert {"undecided", "stable: ends on no slice"} <= set(told(ax))
     [(left, _, right, _)] = hatched(ax)
@@ -171,7 +178,7 @@ def test_curves_of_a_sweep_go_through_its_table_and_break_where_crossings_come_o
     some[:3], open_[7] = 2, UNKNOWN
     data, ax = swept(x, one=some, other=open_), axes()
     names = ["bandwidth", "first_crossing_real", "first_crossing_imag"]
-    for line, name, gaps in zip(draw_curves(ax, data), names, ([4], [4], []), strict=True):
+    for line, name, gaps in zip(draw(ax, sweep_charts.curves(data)), names, ([4], [4], []), strict=True):
         own = points(line)
         assert [i for i, p in enumerate(own) if np.isnan(p[0])] == gaps
         assert [p for p in own if not np.isnan(p[0])] == list(zip(x, data[name].values, strict=True))
@@ -204,7 +211,9 @@ def test_a_map_of_a_sweep_shows_its_table_its_jumps_and_what_contours_do_not_tel
     data["unstable_mine"] = ((MASS, NATURAL), np.where(z > 13, 2, 0), {"hand": "mine"})
     data[NATURAL].attrs["units"], data[MASS].attrs["units"] = "rad/s", "kg"
     ax = axes()
-    mesh, lines = draw_map(ax, data.isel({NATURAL: slice(None, None, -1)}))  # whatever the order of the table is
+    mesh, lines = draw(
+        ax, sweep_charts.plane(data.isel({NATURAL: slice(None, None, -1)}))
+    )  # whatever the order of the table is
     assert isinstance(mesh, QuadMesh)
     shown = np.ma.filled(mesh.get_array().astype(float), np.nan).reshape(z.shape)
     assert np.array_equal(shown, z, equal_nan=True)
@@ -242,8 +251,9 @@ def rows_of(bars: Any) -> list[tuple[float, float, float]]:
 @pytest.mark.parametrize("hertz", [False, True])
 def test_bars_hold_the_crossings_of_all_values_dots_those_drawn_and_strokes_the_nominal_ones(*, hertz: bool) -> None:
     ax, turn = axes(), 2 * np.pi if hertz else 1
-    bars = draw_tolerances(ax, found(), hertz=hertz)
-    cutoffs = np.array([float(next(iter(x.values.values()))) for x in found().samples])
+    own_found = found(band=("0 Hz", f"{20 / turn:.17g} Hz")) if hertz else found()
+    bars = draw(ax, stability_charts.enclosures(own_found))
+    cutoffs = np.array([float(next(iter(x.values.values()))) for x in own_found.samples])
     strokes = [x for x in ax.collections if isinstance(x, LineCollection)]
     for row, (own, at) in enumerate(zip(rows_of(bars), (REAL, IMAG), strict=True)):
         assert own == pytest.approx((36 * at / turn, 44 * at / turn, row), rel=1e-6, abs=1e-9)
@@ -261,22 +271,22 @@ def test_bars_hold_the_crossings_of_all_values_dots_those_drawn_and_strokes_the_
 
 def test_what_is_met_for_some_values_alone_has_a_bar_to_the_end_of_the_band_and_no_stroke() -> None:
     ax = axes()
-    [own] = rows_of(draw_tolerances(ax, found("92 rad/s +- 10 %", (0, 9), samples=0)))
+    [own] = rows_of(draw(ax, stability_charts.enclosures(found("92 rad/s +- 10 %", (0, 9), samples=0))))
     assert own == pytest.approx((82.8 * IMAG, 9, 1), rel=1e-6)
     assert told(ax) == ["for all values"]
-    for draw in (lambda x: draw_tolerances(axes(), x), tolerances_figure):
+    for made in (stability_charts.enclosures, stability_charts.tolerances):
         with pytest.raises(NothingToDrawError, match="nothing is met on the band"):
-            draw(found("400 rad/s +- 10 %", samples=2))
+            made(found("400 rad/s +- 10 %", samples=2))
 
 
 def test_what_a_further_scene_meets_stands_in_the_row_of_that_or_in_one_of_its_own() -> None:
     """``|jω/(a + jω)|`` is a tenth at a/√99."""
     ax = axes()
-    draw_tolerances(ax, found())
-    [own] = rows_of(draw_tolerances(ax, found(disc=True, samples=1)))
+    draw(ax, stability_charts.enclosures(found()))
+    [own] = rows_of(draw(ax, stability_charts.enclosures(found(disc=True, samples=1))))
     assert own == pytest.approx((36 / 99**0.5, 44 / 99**0.5, 2), rel=1e-6)
     assert [x.get_text() for x in ax.get_yticklabels()][2:] == ["ellipse"]
-    assert [row for *_, row in rows_of(draw_tolerances(ax, found()))] == pytest.approx([0, 1])
+    assert [row for *_, row in rows_of(draw(ax, stability_charts.enclosures(found())))] == pytest.approx([0, 1])
 
 
 # Hands.
@@ -289,7 +299,7 @@ def test_grounds_of_a_held_display_are_what_is_counted_at_single_values_of_hand_
     """A spring of 100 N/m with a damper of -6 to -4 N s/m: stable above the one, unstable below the other, for k > -100."""
     ax = axes()
     scene = hs.Scene(mass_spring_damper(k=100), (shunt(b=["-6", "-4"]),), (0, 15), "0.1")
-    draw_held(ax, hs.tolerances(scene, samples=0, hand=MINE))
+    draw(ax, stability_charts.held(hs.tolerances(scene, samples=0, hand=MINE)))
     white, tinted, open_ = (np.array(filled(ax, x)) for x in ("#ffffff", pen.UNSTABLE, pen.SHADE))
     assert (white[:, 1] >= 6 - 1e-9).all()
     assert (tinted[:, 3] <= 4 + 1e-9).all()
@@ -314,7 +324,10 @@ def test_the_plane_of_a_hand_has_its_boundary_where_roots_lie_on_the_axis() -> N
     """With -5 N s/m and 100 - 150 N/m at its side a mass is stable for b > 5 and k > 50; to the left a root is at 0."""
     ax, other = axes(), hs.Hand("other", m="2 kg", b="8 N*s/m", k=["70 N/m", "90 N/m"])
     scene = hs.Scene(mass_spring_damper(k=100), (shunt(b=-5, k=-150),), (0, 15), "0.1")
-    draw_plane(ax, hs.stability(scene, [hs.Hand("mine", m="0.5 kg", b="8 N*s/m", k="60 N/m"), other]))
+    draw(
+        ax,
+        stability_charts.hand_plane(hs.stability(scene, [hs.Hand("mine", m="0.5 kg", b="8 N*s/m", k="60 N/m"), other])),
+    )
     [boundary] = [x for x in ax.lines if to_hex(x.get_color()) == pen.BLUE]
     assert places(boundary)[1] == pytest.approx(5)
     assert places(boundary)[0].min() == pytest.approx(50, abs=1e-3)
@@ -343,7 +356,12 @@ def test_the_plane_of_a_hand_has_its_boundary_where_roots_lie_on_the_axis() -> N
 def test_behind_a_delay_the_boundary_is_that_of_the_loop() -> None:
     """Held by a hand of 0.5 kg a spring of 100 N/m 36 ms late: m w^2 - k_h = 100 cos(0.036 w), b_h w = 100 sin(0.036 w)."""
     ax = axes()
-    draw_plane(ax, hs.stability("delayed-spring", [hs.Hand("mine", m="0.5 kg", b="4 N*s/m", k="60 N/m")]))
+    draw(
+        ax,
+        stability_charts.hand_plane(
+            hs.stability("delayed-spring", [hs.Hand("mine", m="0.5 kg", b="4 N*s/m", k="60 N/m")])
+        ),
+    )
     [boundary] = [x for x in ax.lines if to_hex(x.get_color()) == pen.BLUE]
     (k, b), (low, high), (least, most) = places(boundary), ax.get_xlim(), ax.get_ylim()
     inside = (k > low) & (k < high) & (b > least) & (b < most)
@@ -375,14 +393,14 @@ def run() -> hs.Simulation:
 def test_a_loop_is_the_ellipse_of_either_dynamics_and_time_is_in_seconds() -> None:
     """x = 0.05 sin(10 t), in mm; f = Im(H 0.05 exp(10 j t)), so (f - Re H x)/Im H is the motion a quarter of a turn on."""
     ax = axes()
-    for line, H in zip(draw_loop(ax, run()), (env(10), perc(10)), strict=True):
+    for line, H in zip(draw(ax, simulation_charts.loop(run())), (env(10), perc(10)), strict=True):
         x, force = places(line)
         assert np.abs(x).max() == pytest.approx(50, rel=1e-3)
         assert np.hypot(x / 1e3, (force - H.real * x / 1e3) / H.imag) == pytest.approx(0.05, rel=2e-3)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("displacement (mm)", "force (N)")
     assert told(ax) == ["environment alone", "at the hand"]
     time = axes()
-    t, f = places(draw_time(time, run())[0])
+    t, f = places(draw(time, simulation_charts.in_time(run()))[0])
     assert f == pytest.approx((0.05 * perc(10) * np.exp(10j * t)).imag, abs=2e-3 * np.abs(f).max())
     assert (time.get_xlabel(), time.get_ylabel()) == ("time (s)", "force (N)")
     assert [x.get_ylabel() for x in time.child_axes] == ["motion (mm)"]
@@ -391,7 +409,7 @@ def test_a_loop_is_the_ellipse_of_either_dynamics_and_time_is_in_seconds() -> No
 @pytest.mark.parametrize(("part", "of"), [(hs.Part.REAL, np.real), (hs.Part.IMAG, np.imag)])
 def test_what_is_recovered_are_rings_on_the_closed_form(part: hs.Part, of: Any) -> None:
     ax = axes()
-    curve, rings = draw_recovered(ax, [run()], part)
+    curve, rings = draw(ax, simulation_charts.recovered(run(), part))
     omega, values = places(curve)
     assert values == pytest.approx(of(perc(omega)))
     assert points(rings) == [(10.0, pytest.approx(of(perc(10)), rel=1e-3))]
@@ -402,7 +420,7 @@ def test_a_hand_that_is_let_go_moves_within_its_envelope_in_millimetres() -> Non
     """1 kg on 100 N/m with 2 N s/m: e^-t, at √99 rad/s."""
     ax = axes()
     released = hs.release(hs.Scene(mass_spring_damper(k=100)), "1 cm", hs.Hand("own", m="1 kg", b="2 N*s/m"))
-    motion, envelope, *_ = draw_release(ax, released)
+    motion, envelope, *_ = draw(ax, simulation_charts.release(released))
     t, x = places(motion)
     assert x == pytest.approx(1e3 * np.interp(t, released.time, released.hand_motion), abs=0.05)
     assert x[0] == pytest.approx(10)
@@ -423,29 +441,29 @@ def test_an_identified_model_is_drawn_through_its_lines_with_residuals_in_their_
     H = 100 - 2 * w**2 + 15j * w + error
     a = hs.identify(hs.measured(w, H, radius=[20.0] * 5), "mass-spring-damper")
     m, b, k = (float(x.value) for x in a.estimates)
-    (line, dots), ax = draw_magnitude(axes(), a), axes()
+    (line, dots), ax = draw(axes(), measured_charts.magnitude(a)), axes()
     model = lambda x: k - m * x**2 + 1j * b * x  # noqa: E731
     assert places(line)[1] == pytest.approx(np.abs(model(places(line)[0])), rel=1e-9)
     assert places(dots)[1] == pytest.approx(np.abs(H))
-    line, dots = draw_phase(ax, a)
+    line, dots = draw(ax, measured_charts.phase(a))
     assert np.exp(1j * np.radians(places(line)[1])) == pytest.approx(np.exp(1j * np.angle(model(places(line)[0]))))
     assert np.exp(1j * np.radians(places(dots)[1])) == pytest.approx(H / np.abs(H))
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\omega$ (rad/s)", "phase (deg)")
-    real, imag = draw_residuals(ax, a)
+    real, imag = draw(ax, measured_charts.residuals(a))
     assert places(real)[1] + 1j * places(imag)[1] == pytest.approx(a.fit.residuals)
 
 
 def test_bars_of_elasticities_are_as_long_as_they_are_and_named_with_their_values() -> None:
     found = hs.sensitivity(hs.Scene(hs.environments.kelvin_voigt(100, 3), (first_order_lag(20),), (0, 15), "0.1"))
     ax, first = axes(), found.crossings[0]
-    bars = draw_elasticities(ax, first, "first")
+    bars = draw(ax, effect_charts.elasticities(found, 0))
     known = {x.name: float(x.elasticity) for x in first.parameters if x.elasticity is not None and float(x.elasticity)}
     values = sorted(known.values(), key=abs, reverse=True)
     assert [x.get_width() for x in bars] == pytest.approx(values)
     assert [float(x.get_text().replace("−", "-")) for x in ax.texts] == pytest.approx(values, rel=5e-3)
     assert f"{first.omega.digits(5)} rad/s" in ax.get_title(loc="left")
     listed = [*found.crossings, *found.changeovers_environment, *found.changeovers_perceived]
-    titles = [x.get_title(loc="left") for x in elasticities_figure(found).axes]
+    titles = [x.get_title(loc="left") for x in found.figure().axes]
     assert all(f"{x.omega.digits(5)} rad/s" in title for x, title in zip(listed, titles, strict=True))
 
 
@@ -515,7 +533,7 @@ def test_a_table_of_hard_cases_counts_right_answers_and_tells_the_worst() -> Non
 def test_a_measured_jnd_is_drawn_with_its_shares_its_curve_and_where_it_is_taken() -> None:
     rows = tuple(Row(4.4 + 0.3 * i, k, 40 - 5 * (i % 2)) for i, k in enumerate((3, 9, 14, 20, 25, 30)))
     p, ax = hs.jnd(Answers("answers", rows)), axes()
-    curve, *dots = draw_jnd(ax, p)
+    curve, *dots = draw(ax, jnd_charts.answers(p))
     assert [points(x)[0] for x in dots] == [(x.level, x.share) for x in rows]
     assert places(curve)[1] == pytest.approx(p.fit.curve(places(curve)[0]))
     at = p.middle.value + p.jnd.value
@@ -529,7 +547,7 @@ def test_a_measured_jnd_is_drawn_with_its_shares_its_curve_and_where_it_is_taken
 
 def test_published_thresholds_are_bars_from_their_least_to_their_largest() -> None:
     ax, rows = axes(), [x for x in hs.published() if not x.apart]
-    bars = draw_published(ax, hs.published())
+    bars = draw(ax, jnd_charts.published(hs.published()))
     assert [places(x)[0].tolist() for x in bars] == [
         [pytest.approx(100 * float(y)) for y in (x.low, x.high)] for x in rows
     ]

@@ -14,29 +14,15 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from drawn import overlaps, texts
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.text import Annotation
 
 import haptisym as hs
+from haptisym.figures import evaluation as evaluation_charts
 from haptisym.figures import pen
-from haptisym.figures.designmap import map_figure
-from haptisym.figures.effects import influences_figure
-from haptisym.figures.family import family_figure, save_family_figures
-from haptisym.figures.files import draw_figure, save_figures
-from haptisym.figures.jnd import jnd_figure
-from haptisym.figures.kinds import checked_report
-from haptisym.figures.measured import measured_figure
-from haptisym.figures.metrics import metrics_figure
-from haptisym.figures.ratios import draw_ratios
-from haptisym.figures.regions import family_regions_figure
-from haptisym.figures.require import requirement_figure
-from haptisym.figures.sensitivity import elasticities_figure
-from haptisym.figures.sheet import one_column, save, save_all, save_as, stacked
-from haptisym.figures.stability import stability_figure
-from haptisym.figures.sweep import swept_figure
-from haptisym.figures.tolerances import tolerances_figure
+from haptisym.figures.layers import Axis, Chart, Curve, draw
+from haptisym.figures.pen import checked_report
+from haptisym.figures.sheet import draw_figure, save_as, save_figures, sheet
 from haptisym.verbs.jnd.tables import Answers, Row
 from haptisym.verbs.sweep.entry import Swept
 
@@ -56,13 +42,13 @@ def sheets(scene: str, *names: str, **more: Any) -> list[Figure]:
 
 def swept(**values: Any) -> list[Figure]:
     scene = hs.load_scene("fu2019")
-    return [swept_figure(Swept(scene, hs.sweep(scene, values)))]
+    return [Swept(scene, hs.sweep(scene, values)).figure()]
 
 
 def answered(alternatives: int | None) -> list[Figure]:
     base = 20 if alternatives else 3
     rows = tuple(Row(4.4 + 0.3 * i, base + (i * (30 - base)) // 5, 40) for i in range(6))
-    return [jnd_figure(hs.jnd(Answers("answers", rows), alternatives=alternatives))]
+    return [hs.jnd(Answers("answers", rows), alternatives=alternatives).figure()]
 
 
 def loose() -> hs.Scene:
@@ -82,22 +68,22 @@ FIGURES: dict[str, Callable[[], list[Figure]]] = {
     "in Hz": lambda: sheets("steering-wheel"),
     "resonance": lambda: sheets("two-mass-resonance"),
     "thresholds": lambda: sheets("two-mass-resonance", "bandwidths", c=["0.02", "0.1", "0.4"]),
-    "family": lambda: [family_figure(hs.evaluate_all(hs.load_scenes("palpation-device")))],
-    "family, regions": lambda: [family_regions_figure(hs.evaluate_all(hs.load_scenes("palpation-device"), regions=True))],
+    "family": lambda: [hs.evaluate_all(hs.load_scenes("palpation-device")).figure()],
+    "family, regions": lambda: [draw_figure(hs.evaluate_all(hs.load_scenes("palpation-device"), regions=True), "regions")],
     "jnd": lambda: answered(None),
     "forced choice": lambda: answered(2),
-    "requirement": lambda: [requirement_figure(hs.require("fu2019", "omega_n"))],
-    "requirement on a JND": lambda: [requirement_figure(hs.require("fu2019", "evaluation.jnd"))],
-    "requirement, in vain": lambda: [requirement_figure(hs.require("fu2019", "omega_n", (5, 20)))],
-    "map": lambda: [map_figure(hs.design_map("fu2019", ["omega_n", "zeta"], [(60, 200), ("0.1", 1)], slices=5))],
-    "map, in vain": lambda: [map_figure(hs.design_map("fu2019", ["omega_n", "zeta"], [(10, 20), ("0.1", 1)], slices=5))],
+    "requirement": lambda: [hs.require("fu2019", "omega_n").figure()],
+    "requirement on a JND": lambda: [hs.require("fu2019", "evaluation.jnd").figure()],
+    "requirement, in vain": lambda: [hs.require("fu2019", "omega_n", (5, 20)).figure()],
+    "map": lambda: [hs.design_map("fu2019", ["omega_n", "zeta"], [(60, 200), ("0.1", 1)], slices=5).figure()],
+    "map, in vain": lambda: [hs.design_map("fu2019", ["omega_n", "zeta"], [(10, 20), ("0.1", 1)], slices=5).figure()],
     "sweep": lambda: swept(m=np.linspace(0.5, 5, 30)),
     "sweep in the plane": lambda: swept(omega_n=np.linspace(20, 200, 12), m=np.linspace(0.5, 5, 12)),
-    "sensitivity": lambda: [elasticities_figure(hs.sensitivity("two-mass-resonance"))],
-    "tolerances": lambda: [tolerances_figure(hs.tolerances(loose(), samples=20))],
-    "effects": lambda: [influences_figure(hs.relevance("sidestick"))],
-    "metrics": lambda: [metrics_figure(hs.metrics("fu2019"))],
-    "measured": lambda: [measured_figure(measured())],
+    "sensitivity": lambda: [hs.sensitivity("two-mass-resonance").figure()],
+    "tolerances": lambda: [hs.tolerances(loose(), samples=20).figure()],
+    "effects": lambda: [hs.relevance("sidestick").figure()],
+    "metrics": lambda: [hs.metrics("fu2019").figure()],
+    "measured": lambda: [measured().figure()],
 }  # fmt: skip
 
 
@@ -129,8 +115,8 @@ def test_no_text_lies_on_another_in_any_shipped_scene(name: str) -> None:
     e = hs.evaluate(name)
     drawings: list[Callable[[], Figure]] = [
         *(lambda own=own: draw_figure(e, own) for own in SHEETS),  # type: ignore[misc]
-        lambda: elasticities_figure(hs.sensitivity(name)), lambda: influences_figure(hs.relevance(name)),
-        lambda: metrics_figure(hs.metrics(name)),
+        lambda: hs.sensitivity(name).figure(), lambda: hs.relevance(name).figure(),
+        lambda: hs.metrics(name).figure(),
     ]  # fmt: skip
     for draw in drawings:
         try:
@@ -162,7 +148,7 @@ def test_environments_of_long_names_leave_room_for_what_is_drawn() -> None:
         "of so many words that no figure of one column has the room for them all",
     )
     found = hs.evaluate_all(hs.SceneFamily(dict.fromkeys(names, hs.load_scene("fu2019"))), regions=True)
-    for figure in (family_figure(found), family_regions_figure(found)):
+    for figure in (found.figure(), draw_figure(found, "regions")):
         figure.draw_without_rendering()
         assert overlaps(figure) == []
         assert all(ax.get_window_extent().width > 0.4 * figure.bbox.width for ax in figure.axes)
@@ -172,7 +158,7 @@ def test_environments_of_long_names_leave_room_for_what_is_drawn() -> None:
 @pytest.mark.parametrize("name", ["fu2019", "delayed-spring"])
 def test_names_of_hands_stand_free(name: str) -> None:
     """At fu2019 one lay on the line of the root at 0; behind a delay two left the axes or met the number."""
-    figure = stability_figure(hs.stability(name, "postural-arm"))
+    figure = hs.stability(name, "postural-arm").figure()
     figure.draw_without_rendering()
     [ax] = figure.axes
     boxes = [x.get_window_extent() for x in ax.texts if isinstance(x, Annotation)]
@@ -190,7 +176,7 @@ def test_names_of_hands_stand_free(name: str) -> None:
 @pytest.mark.slow
 def test_hands_whose_marks_cover_each_other_have_one_name() -> None:
     """Beside a hand of 20 kN/m all published ones lie in one mark; their names lay on each other."""
-    [ax] = stability_figure(hs.stability("satellite-contact", HEAVY)).axes
+    [ax] = hs.stability("satellite-contact", HEAVY).figure().axes
     names = [x.get_text() for x in ax.texts if isinstance(x, Annotation) and not x.get_text().isdigit()]
     assert sorted(names) == [f"{len(hs.hands)} published hands", "heavy"]
 
@@ -198,38 +184,31 @@ def test_hands_whose_marks_cover_each_other_have_one_name() -> None:
 # Sheets.
 
 
-def legended(count: int) -> Callable[[Axes], None]:
+def legended(count: int, height: float = 2.2) -> Chart:
     """A drawing with a legend of so many rows above it."""
-
-    def draw(ax: Axes) -> None:
-        ax.plot([0, 1], [0, 1])
-        handles = [Line2D([], [], label=f"entry {n}") for n in range(count)]
-        ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0, borderpad=0)
-
-    return draw
+    return Chart(
+        [Curve([0, 1], [0, 1], label=f"a long entry that has a row of its own, {n}") for n in range(count)],
+        height=height,
+    )
 
 
 def test_a_legend_has_room_above_a_drawing_that_keeps_its_height() -> None:
-    few, many = one_column(2.2, legended(1)), one_column(2.2, legended(4))
+    few, many = sheet(legended(1)), sheet(legended(4))
     assert few.get_figwidth() == many.get_figwidth() == pytest.approx(pen.WIDTH)
     heights = [ax.get_window_extent().height / figure.dpi for figure in (few, many) for ax in figure.axes]
-    assert heights[0] == pytest.approx(heights[1], abs=0.02)
+    assert heights[0] == pytest.approx(heights[1], abs=0.03)
     assert all(x.axes[0].get_legend().get_window_extent().y1 <= x.bbox.y1 + 1 for x in (few, many))
 
 
 def test_a_drawing_at_equal_scales_is_as_high_as_it_needs() -> None:
-    def equal(ax: Axes) -> None:
-        ax.set(xlim=(0, 4), ylim=(0, 2))
-        ax.set_aspect("equal", adjustable="box")
-
-    figure = one_column(2.6, equal)
+    figure = sheet(Chart([], Axis(ends=(0, 4)), Axis(ends=(0, 2)), 2.6, equal=True))
     box = figure.axes[0].get_window_extent()
     assert box.width / box.height == pytest.approx(2, rel=0.02)
     assert figure.get_figheight() < 2.6
 
 
 def test_drawings_above_each_other_share_their_frequencies_whose_numbers_stand_below_the_last() -> None:
-    figure = stacked(3.0, (1, legended(1)), (2, legended(1)))
+    figure = sheet(legended(1, 1), legended(1, 2))
     first, last = figure.axes
     first.set_xlim(3, 5)
     assert last.get_xlim() == (3, 5)
@@ -240,15 +219,16 @@ def test_drawings_above_each_other_share_their_frequencies_whose_numbers_stand_b
 # Files.
 
 
-def test_figures_are_written_in_all_kinds_into_a_folder_that_is_made(tmp_path: Path) -> None:
+def test_figures_are_written_in_some_kinds_into_a_folder_that_is_made(tmp_path: Path) -> None:
     folder = tmp_path / "not" / "there"
-    figures = {name: Figure(figsize=(0.5, 0.25)) for name in ("one", "two.b")}
-    paths = save_all(figures, folder, (".svg", ".png"))
-    assert [x.relative_to(folder).as_posix() for x in paths] == ["one.svg", "one.png", "two.b.svg", "two.b.png"]
-    data = paths[1].read_bytes()
-    assert data[:4] == b"\x89PNG"
+    paths = save_figures(paper(), folder, (".svg", ".png"))
+    assert [x.relative_to(folder).as_posix() for x in paths] == [
+        f"{name}{kind}" for name in SHEETS for kind in (".svg", ".png")
+    ]
+    assert paths[1].read_bytes()[:4] == b"\x89PNG"
+    assert save_as(Figure(figsize=(0.5, 0.25)), folder / "a.b.png").name == "a.b.png"
+    data = (folder / "a.b.png").read_bytes()
     assert (int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")) == (200, 100)  # 400 per inch
-    assert [x.name for x in save(folder / "a.b", Figure(figsize=(0.5, 0.5)))] == ["a.b.svg", "a.b.pdf", "a.b.png"]
 
 
 def test_an_ending_is_read_in_any_case_and_another_one_is_told(tmp_path: Path) -> None:
@@ -284,7 +264,7 @@ def test_a_family_saves_its_worst_case_and_its_regions_where_they_were_asked_for
 ) -> None:
     found = hs.evaluate_all(hs.load_scenes("fu2019", ["fu2019"]), regions=regions)
     names = ["worst-case", *(["regions"] if regions else [])]
-    assert sorted({x.stem for x in save_family_figures(found, tmp_path)}) == sorted(names)
+    assert sorted({x.stem for x in save_figures(found, tmp_path)}) == sorted(names)
 
 
 def test_the_square_drawn_is_of_the_middle_of_the_first_percept() -> None:
@@ -296,7 +276,7 @@ def test_the_square_drawn_is_of_the_middle_of_the_first_percept() -> None:
 def test_drawing_touches_only_the_axes_given() -> None:
     before, figure = dict(mpl.rcParams), Figure()
     first, second = figure.subplots(1, 2)
-    draw_ratios(first, paper())
+    draw(first, evaluation_charts.ratios(paper()))
     assert dict(mpl.rcParams) == before
     assert figure.axes == [first, second]
     assert [*second.lines, *second.patches, *second.texts, *figure.texts, *figure.legends] == []
@@ -309,9 +289,8 @@ import sys, matplotlib
 matplotlib.use("agg")
 import haptisym as hs
 from matplotlib.figure import Figure
-from haptisym.figures.ratios import draw_ratios
 e, before = hs.evaluate("fu2019"), dict(matplotlib.rcParams)
-draw_ratios(Figure().add_subplot(), e)
+draw(Figure().add_subplot(), ratios(e))
 assert "matplotlib.pyplot" not in sys.modules
 ax = e.plot()
 from matplotlib import pyplot

@@ -20,18 +20,16 @@ import haptisym as hs
 from haptisym import Part
 from haptisym.effects import first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import mass_spring_damper
+from haptisym.figures import effects as effect_charts
+from haptisym.figures import evaluation as evaluation_charts
+from haptisym.figures import family as family_charts
+from haptisym.figures import measured as measured_charts
 from haptisym.figures import pen
-from haptisym.figures.bandwidths import draw_bandwidths
-from haptisym.figures.effects import draw_dominance, draw_influences, influences_figure
-from haptisym.figures.family import draw_worst, family_figure
-from haptisym.figures.measured import draw_measured_nyquist, draw_measured_plane, draw_measured_ratios
-from haptisym.figures.metrics import draw_measures, draw_verdicts, verdict_bands
-from haptisym.figures.nyquist import draw_nyquist
-from haptisym.figures.projections import draw_projections
-from haptisym.figures.ratios import draw_formulas, draw_peaks, draw_ratios
-from haptisym.figures.regions import draw_family_regions, draw_regions
-from haptisym.figures.square import draw_jnd_square, outline
-from haptisym.figures.style import floats_scale
+from haptisym.figures.effects import verdict_bands
+from haptisym.figures.evaluation import outline
+from haptisym.figures.family import worst_case
+from haptisym.figures.layers import draw
+from haptisym.figures.measured import unit_of
 from haptisym.judge.crossings import noticed
 from haptisym.judge.percepts import felt
 
@@ -62,9 +60,9 @@ def evaluated(scene: hs.Scene) -> hs.Evaluation:
     return hs.evaluate(scene)
 
 
-def drawn(scene: hs.Scene, draw: Any, *more: Any) -> Axes:
+def drawn(scene: hs.Scene, chart: Any, *more: Any) -> Axes:
     ax = axes()
-    draw(ax, evaluated(scene), *more)
+    draw(ax, chart(evaluated(scene), *more))
     return ax
 
 
@@ -88,7 +86,7 @@ def paper_perc(omega: Any) -> Any:
 
 
 def test_the_ratios_drawn_are_those_of_eq_10() -> None:
-    ax = drawn(PAPER, draw_ratios)
+    ax = drawn(PAPER, evaluation_charts.ratios)
     for line, part in zip(curves(ax), (np.real, np.imag), strict=True):
         omega, ratio = places(line)
         change = part(paper_perc(omega) - paper_env(omega))
@@ -98,14 +96,14 @@ def test_the_ratios_drawn_are_those_of_eq_10() -> None:
 
 
 def test_crossings_are_marked_on_the_threshold_and_labelled_and_each_is_a_sample() -> None:
-    ax, e = drawn(PAPER, draw_ratios), evaluated(PAPER)
+    ax, e = drawn(PAPER, evaluation_charts.ratios), evaluated(PAPER)
     assert [points(x) for x in marked(ax, "o")] == [[(float(c.omega), 0.1)] for c in e.crossings]
     assert {"7.979", "11.94"} <= set(words(ax))
     assert {float(c.omega) for c in e.crossings} <= set(places(curves(ax)[0])[0])
 
 
 def test_many_crossings_are_counted_instead_of_labelled() -> None:
-    ax, e = drawn(NOTCH, draw_ratios), evaluated(NOTCH)
+    ax, e = drawn(NOTCH, evaluation_charts.ratios), evaluated(NOTCH)
     assert len(e.crossings) == 6
     assert "6 crossings" in words(ax)
     assert not {c.omega.digits(4) for c in e.crossings} & set(words(ax))
@@ -114,7 +112,7 @@ def test_many_crossings_are_counted_instead_of_labelled() -> None:
 
 @pytest.mark.parametrize("scene", [PAPER, NOTCH, ROTATION, IDENTITY, STIFFENED], ids=lambda x: str(x.band))
 def test_grey_bands_are_where_all_is_transparent_and_each_ratio_has_its_threshold(scene: hs.Scene) -> None:
-    ax, document = drawn(scene, draw_ratios), evaluated(scene).to_dict()
+    ax, document = drawn(scene, evaluation_charts.ratios), evaluated(scene).to_dict()
     assert np.array(spans(ax.patches)) == pytest.approx(np.array([tuple(x) for x in document["transparent"]]))
     assert ("nowhere transparent" in words(ax)) == (not document["transparent"])
     levels = {y[0] for x in ax.lines if len(y := places(x)[1]) == 2 and y[0] == y[1]}
@@ -123,7 +121,7 @@ def test_grey_bands_are_where_all_is_transparent_and_each_ratio_has_its_threshol
 
 def test_a_peak_of_500_that_is_a_thousandth_of_the_band_wide_is_drawn_to_its_top() -> None:
     """At omega = 10 exactly, H_env = 0.02 j and dH = -0.1 omega^2 = -10."""
-    ax = drawn(LIGHTLY_DAMPED, draw_ratios)
+    ax = drawn(LIGHTLY_DAMPED, evaluation_charts.ratios)
     omega, ratio = places(curves(ax)[0])
     assert ratio[omega == 10] == pytest.approx([500])
     assert ratio.max() < 500.1
@@ -134,7 +132,7 @@ def test_a_peak_of_500_that_is_a_thousandth_of_the_band_wide_is_drawn_to_its_top
     "scene", [PAPER, LIGHTLY_DAMPED, pytest.param(NOTCH, marks=pytest.mark.slow)], ids=["paper", "peak", "notch"]
 )
 def test_straight_lines_between_samples_are_the_curve_to_the_eye(scene: hs.Scene) -> None:
-    ax = drawn(scene, draw_ratios)
+    ax = drawn(scene, evaluation_charts.ratios)
     top, f, near = ax.get_ylim()[1], evaluated(scene).distortion.compile(), np.geomspace(1e-7, 3, 20_001)
     omega = np.concatenate([np.linspace(0, 15, 50_001), 7 - near, 7 + near, 10 - near, 10 + near])
     for line, exact in zip(curves(ax), (f(omega).ratio_real, f(omega).ratio_imag), strict=True):
@@ -143,7 +141,7 @@ def test_straight_lines_between_samples_are_the_curve_to_the_eye(scene: hs.Scene
 
 
 def test_an_unbounded_ratio_leaves_the_axes_and_says_where() -> None:
-    ax = drawn(UNDAMPED, draw_ratios)
+    ax = drawn(UNDAMPED, evaluation_charts.ratios)
     omega, ratio = places(curves(ax)[0])
     assert np.isnan(ratio[omega == 10]).all()
     assert ratio[np.isfinite(ratio)].max() > 1e6
@@ -152,9 +150,9 @@ def test_an_unbounded_ratio_leaves_the_axes_and_says_where() -> None:
 
 
 def test_closed_forms_and_peaks_are_drawn_on_the_same_curves() -> None:
-    for found, draw in ((hs.derive(PAPER), draw_formulas), (hs.peaks(PAPER), draw_peaks)):
+    for found, chart in ((hs.derive(PAPER), evaluation_charts.formulas), (hs.peaks(PAPER), evaluation_charts.peaks)):
         ax = axes()
-        draw(ax, found)
+        draw(ax, chart(found))
         omega, ratio = places(curves(ax)[0])
         exact = np.abs((paper_perc(omega) - paper_env(omega)).real) / np.abs(paper_env(omega))
         assert ratio == pytest.approx(exact, rel=1e-9, abs=1e-12)
@@ -162,18 +160,18 @@ def test_closed_forms_and_peaks_are_drawn_on_the_same_curves() -> None:
 
 def test_an_axes_keeps_its_unit_of_frequency() -> None:
     ax = axes()
-    draw_ratios(ax, hs.evaluate("steering-wheel"))
-    [line, _] = draw_ratios(ax, evaluated(PAPER))
+    draw(ax, evaluation_charts.ratios(hs.evaluate("steering-wheel")))
+    [line, _] = draw(ax, evaluation_charts.ratios(evaluated(PAPER)))
     assert ax.get_xlabel() == "frequency (Hz)"
     assert np.max(line.get_xdata()) == pytest.approx(15 / (2 * np.pi))
 
 
 def test_frequencies_are_in_hz_where_they_are_short_there_and_not_in_rad_per_s() -> None:
     for hertz in ([0.5, 12.5], [-3.0, 7.25], [0.0, 100.0]):
-        assert floats_scale([2 * np.pi * x for x in hertz]).unit == "Hz"
-        assert floats_scale(hertz).unit == "rad/s"
-        assert floats_scale([2 * np.pi * hertz[0] or 0.0, 2 * np.pi * hertz[1] + 0.123456789]).unit == "rad/s"
-    assert floats_scale([-np.sqrt(2), -np.sqrt(3)]).unit == "rad/s"
+        assert unit_of(np.array([2 * np.pi * x for x in hertz])).name == "Hz"
+        assert unit_of(np.array(hertz)).name == "rad/s"
+        assert unit_of(np.array([2 * np.pi * hertz[0] or 0.0, 2 * np.pi * hertz[1] + 0.123456789])).name == "rad/s"
+    assert unit_of(np.array([-np.sqrt(2), -np.sqrt(3)])).name == "rad/s"
 
 
 # The curves in the complex plane.
@@ -187,7 +185,7 @@ def spots(ax: Axes) -> list[tuple[complex, str]]:
 @pytest.mark.parametrize("marks", [(5.0, 10.0, 15.0), (3.0, 7.0, 14.5)])
 def test_both_dynamics_are_traced_and_matched_frequencies_bear_the_same_marker(marks: tuple[float, ...]) -> None:
     """Thirds of the band, unless they are given."""
-    ax = drawn(PAPER, draw_nyquist, *([] if marks[0] == 5 else [marks]))
+    ax = drawn(PAPER, evaluation_charts.nyquist, *([] if marks[0] == 5 else [marks]))
     (x, y), (u, v) = map(places, curves(ax))
     omega = y / 15
     assert (omega.min(), omega.max(), ax.get_aspect()) == (0, 15, 1)
@@ -208,14 +206,14 @@ def test_both_dynamics_are_traced_and_matched_frequencies_bear_the_same_marker(m
 )  # fmt: skip
 def test_marks_are_thirds_of_the_band_as_short_numbers_in_its_unit(band: Any, marked_at: list[float]) -> None:
     """100 + 3 jω on both curves: upright lines along which the frequency is Im H/3."""
-    ax = drawn(hs.Scene(STIFF, (), band), draw_nyquist)
+    ax = drawn(hs.Scene(STIFF, (), band), evaluation_charts.nyquist)
     unit, factor = ("Hz", 2 * np.pi) if "Hz" in str(band[1]) else ("rad/s", 1)
     assert [x.imag / 3 / factor for x, _ in spots(ax)[::2]] == pytest.approx(marked_at)
     assert told(ax)[3:] == [f"{x:g} {unit}" for x in marked_at]
 
 
 def test_a_band_too_narrow_for_three_short_numbers_bears_no_mark_twice_and_none_below_it() -> None:
-    ax = drawn(hs.Scene(STIFF, (), ("19.9", 20)), draw_nyquist)
+    ax = drawn(hs.Scene(STIFF, (), ("19.9", 20)), evaluation_charts.nyquist)
     at = [x.imag / 3 for x, _ in spots(ax)[::2]]
     assert at == sorted(set(at))
     assert (min(at) >= 19.9, max(at) <= 20 + 1e-9) == (True, True)
@@ -224,14 +222,14 @@ def test_a_band_too_narrow_for_three_short_numbers_bears_no_mark_twice_and_none_
 
 def test_arrows_point_towards_higher_frequencies() -> None:
     """Of the paper's scene Im H grows and Re H falls throughout."""
-    arrows = [x for x in drawn(PAPER, draw_nyquist).texts if isinstance(x, Annotation)]
+    arrows = [x for x in drawn(PAPER, evaluation_charts.nyquist).texts if isinstance(x, Annotation)]
     assert len(arrows) == 4
     assert all(x.xy[1] > x.xyann[1] and x.xy[0] < x.xyann[0] for x in arrows)
 
 
 @pytest.mark.parametrize("scene", [RINGING, RINGING_AT_SQRT_50], ids=["a pole at 10", "a pole at no float"])
 def test_a_pole_of_the_dynamics_breaks_the_curve_and_spares_the_axes(scene: hs.Scene) -> None:
-    ax = drawn(scene, draw_nyquist)
+    ax = drawn(scene, evaluation_charts.nyquist)
     _, (real, imag) = map(places, curves(ax))
     [gap] = np.flatnonzero(np.isnan(imag))
     assert (imag[gap - 1] > 1e6, imag[gap + 1] < -1e6) == (True, True)
@@ -242,7 +240,7 @@ def test_a_pole_of_the_dynamics_breaks_the_curve_and_spares_the_axes(scene: hs.S
 
 
 def test_a_dynamics_that_stays_in_one_spot_is_still_marked_within_the_axes() -> None:
-    ax = drawn(STIFFENED, draw_nyquist)
+    ax = drawn(STIFFENED, evaluation_charts.nyquist)
     assert {x for x, _ in spots(ax)} == {100, 120}
     assert ax.get_xlim()[0] < 100 < 120 < ax.get_xlim()[1]
     assert not [x for x in ax.texts if isinstance(x, Annotation)]
@@ -250,9 +248,9 @@ def test_a_dynamics_that_stays_in_one_spot_is_still_marked_within_the_axes() -> 
 
 def test_a_frequency_marked_for_two_scenes_has_one_shape_and_one_entry() -> None:
     ax = axes()
-    draw_nyquist(ax, evaluated(hs.Scene(STIFF, (), (0, 20))), (5, 12), label="ideal")
+    draw(ax, evaluation_charts.nyquist(evaluated(hs.Scene(STIFF, (), (0, 20))), (5, 12)), label="ideal")
     limits = (*ax.get_xlim(), *ax.get_ylim())
-    draw_nyquist(ax, evaluated(hs.Scene(STIFF, LAGGED.effects, (0, 40))), (12, 30), label="slow")
+    draw(ax, evaluation_charts.nyquist(evaluated(hs.Scene(STIFF, LAGGED.effects, (0, 40))), (12, 30)), label="slow")
     at = [(round(x.imag / 3, 9), mark) for x, mark in spots(ax)[::2]]
     assert [x for x, _ in at] == [5, 12, 12, 30]
     assert (at[1][1] == at[2][1], len({mark for _, mark in at})) == (True, 3)
@@ -270,7 +268,7 @@ def test_a_frequency_marked_for_two_scenes_has_one_shape_and_one_entry() -> None
 def test_curves_are_bold_where_a_part_is_told_alone_or_both_are_together(part: Part, scene: hs.Scene) -> None:
     """Of the disc a part has its share where it alone leaves it, and where neither alone does."""
     ax = axes()
-    lines = draw_projections(ax, evaluated(scene), part)
+    lines = draw(ax, evaluation_charts.projections(evaluated(scene), part))
     for bold, thin, dynamics in ((*lines[:2], env), (*lines[2:], perc)):
         assert bold.get_linewidth() > thin.get_linewidth()
         for line in (bold, thin):
@@ -291,7 +289,7 @@ def test_curves_are_bold_where_a_part_is_told_alone_or_both_are_together(part: P
 
 @pytest.mark.parametrize("part", Part)
 def test_the_ground_is_grey_where_nothing_is_noticed_and_what_is_felt_is_said(part: Part) -> None:
-    ax, e = drawn(PAPER, draw_projections, part), evaluated(PAPER)
+    ax, e = drawn(PAPER, evaluation_charts.projections, part), evaluated(PAPER)
     [percept] = [x for x in e.percepts if x.part is part]
     assert spans(ax.patches) == [(0, pytest.approx(float(percept.band.low.omega)))]
     assert felt(percept) in words(ax)
@@ -300,7 +298,7 @@ def test_the_ground_is_grey_where_nothing_is_noticed_and_what_is_felt_is_said(pa
 
 
 def test_words_stand_in_the_middle_of_their_band_or_are_numbered_there() -> None:
-    ax = drawn(UNDAMPED, draw_projections, Part.REAL)
+    ax = drawn(UNDAMPED, evaluation_charts.projections, Part.REAL)
     below, between, over = np.sqrt([50, 1000 / 11, 200 / 2.1])
     assert spans(ax.patches) == [(0, pytest.approx(below))]
     assert [places(x)[0][0] for x in ax.lines if len(x.get_xdata()) == 2] == pytest.approx([below, between, over, 10])
@@ -324,7 +322,7 @@ def test_words_stand_in_the_middle_of_their_band_or_are_numbered_there() -> None
     ids=["identity", "no damping", "just the threshold", "active", "active in a disc", "taken away"],
 )  # fmt: skip
 def test_what_is_never_noticed_or_has_no_name_is_said_to_be_so(scene: hs.Scene, part: Part, word: str) -> None:
-    ax = drawn(scene, draw_projections, part)
+    ax = drawn(scene, evaluation_charts.projections, part)
     said = {x.get_text().replace("\n", " ") for x in ax.texts}
     assert said == {word}
     assert (spans(ax.patches) == [(0, 15)]) == ("never" in word)
@@ -332,7 +330,8 @@ def test_what_is_never_noticed_or_has_no_name_is_said_to_be_so(scene: hs.Scene, 
 
 def test_in_hertz_curves_bands_and_words_are_in_hertz() -> None:
     ax, turn = axes(), 2 * np.pi
-    lines = draw_projections(ax, evaluated(UNDAMPED), Part.REAL, hertz=True)
+    scene = replace(UNDAMPED, band=("0 Hz", f"{15 / turn:.17g} Hz"))
+    lines = draw(ax, evaluation_charts.projections(evaluated(scene), Part.REAL))
     assert spans(ax.patches) == [(0, pytest.approx(np.sqrt(50) / turn))]
     assert (ax.get_xlim(), ax.get_xlabel()) == ((0, pytest.approx(15 / turn)), "frequency (Hz)")
     at, values = shown(lines[2])
@@ -340,9 +339,9 @@ def test_in_hertz_curves_bands_and_words_are_in_hertz() -> None:
 
 
 def test_a_further_scene_has_bars_for_its_bands_and_no_words_of_its_own() -> None:
-    ax = drawn(PAPER, draw_projections, Part.REAL)
+    ax = drawn(PAPER, evaluation_charts.projections, Part.REAL)
     before = [x.get_text() for x in ax.texts]
-    draw_projections(ax, evaluated(UNDAMPED), Part.REAL, label="stiff")
+    draw(ax, evaluation_charts.projections(evaluated(UNDAMPED), Part.REAL), label="stiff")
     assert [x.get_text() for x in ax.texts] == before
     [bar] = [x for x in ax.lines if x.get_label() == "not noticed, stiff"]
     assert places(bar)[0].tolist() == [0, pytest.approx(np.sqrt(50))]
@@ -356,14 +355,13 @@ MASS = hs.Scene(mass_spring_damper(m=1, k=100, b=4), (shunt(m="0.5"),), (0, 30),
 
 def test_the_square_reaches_from_the_tip_as_far_as_each_threshold_lets_and_arrows_end_at_both_tips() -> None:
     ax = axes()
-    region, *arrows = draw_jnd_square(ax, evaluated(MASS), 8)
+    [region] = draw(ax, evaluation_charts.square(evaluated(MASS), 8))
     size = np.hypot(36, 32)
     assert isinstance(region, Rectangle)
     assert region.get_center() == pytest.approx((36, 32))
     assert (region.get_width(), region.get_height()) == pytest.approx((0.2 * size, 0.6 * size))
-    assert [(x.xy, x.xyann) for x in arrows if isinstance(x, Annotation)] == [
-        (pytest.approx((36, 32)), (0, 0)), (pytest.approx((4, 32)), (0, 0)),
-    ]  # fmt: skip
+    shafts = [x for x in ax.texts if isinstance(x, Annotation) and x.xyann == (0, 0)]
+    assert [x.xy for x in shafts] == [pytest.approx((36, 32)), pytest.approx((4, 32))]
     across, up = (points(x) for x in ax.lines if x.get_label() == "not noticed in one part" or x.get_linewidth() == 3)
     assert np.array(across) == pytest.approx(np.array([(36 - 0.1 * size, 0), (36 + 0.1 * size, 0)]))
     assert np.array(up) == pytest.approx(np.array([(0, 32 - 0.3 * size), (0, 32 + 0.3 * size)]))
@@ -373,12 +371,12 @@ def test_the_square_reaches_from_the_tip_as_far_as_each_threshold_lets_and_arrow
 
 def test_a_disc_is_drawn_as_one_and_limits_for_each_way_as_a_patch_for_each_stretch() -> None:
     ax = axes()
-    region, *_ = draw_jnd_square(ax, evaluated(DISC), 5)
+    region, *_ = draw(ax, evaluation_charts.square(evaluated(DISC), 5))
     assert isinstance(region, Polygon)
     border: Any = region.get_xy()
     assert np.abs(border @ [1, 1j] - env(5)) == pytest.approx(np.full(len(border), 0.1 * abs(env(5))))
     jnd = {"real": {"higher": "1.2", "lower": "0.1"}, "imag": "0.1"}
-    ax = drawn(hs.Scene(mass_spring_damper(1, 4, 100), (), (0, 30), jnd), draw_jnd_square, 9)
+    ax = drawn(hs.Scene(mass_spring_damper(1, 4, 100), (), (0, 30), jnd), evaluation_charts.square, 9)
     size = np.hypot(19, 36)
     expected = [(19 - 1.2 * size, -19), (19 - 0.1 * size, 19 + 1.2 * size)]
     assert np.array(spans(x for x in ax.patches if isinstance(x, Rectangle))) == pytest.approx(np.array(expected))
@@ -394,32 +392,36 @@ def test_a_disc_is_drawn_as_one_and_limits_for_each_way_as_a_patch_for_each_stre
     ],
 )  # fmt: skip
 def test_the_title_says_the_frequency_and_what_is_noticed(scene: hs.Scene, omega: float, said: str) -> None:
-    assert drawn(scene, draw_jnd_square, omega).get_title() == rf"$\omega$ = {omega:g} rad/s: {said}"
+    assert drawn(scene, evaluation_charts.square, omega).get_title() == rf"$\omega$ = {omega:g} rad/s: {said}"
 
 
 def test_at_the_very_crossing_nothing_is_noticed_yet() -> None:
     first = float(evaluated(PAPER).crossings[0].omega)
-    assert drawn(PAPER, draw_jnd_square, first).get_title().endswith(": not noticed")
+    assert drawn(PAPER, evaluation_charts.square, first).get_title().endswith(": not noticed")
 
 
 def test_where_nothing_is_felt_there_is_a_spot_at_the_origin() -> None:
     damper = hs.Scene(mass_spring_damper(b=2), (first_order_lag(20),), (0, 15), "0.1")
-    _, *tips = draw_jnd_square(axes(), evaluated(damper), 0)
-    assert [points(x) for x in tips] == [[(0, 0)], [(0, 0)]]
+    ax = drawn(damper, evaluation_charts.square, 0)
+    assert [points(x) for x in marked(ax, "o")] == [[(0, 0)], [(0, 0)]]
 
 
 def test_a_frequency_off_the_band_or_at_a_pole_has_no_square() -> None:
     with pytest.raises(hs.SceneError, match=r"15\.1 rad/s is not on the band, 0 to 15"):
-        draw_jnd_square(axes(), evaluated(PAPER), 15.1)
+        draw(axes(), evaluation_charts.square(evaluated(PAPER), 15.1))
     with pytest.raises(hs.SceneError, match="infinite at 10 rad/s"):
-        draw_jnd_square(axes(), evaluated(RINGING), 10.0)
+        draw(axes(), evaluation_charts.square(evaluated(RINGING), 10.0))
 
 
 def test_units_are_those_of_the_motion_and_large_numbers_are_told_in_thousands() -> None:
     for scene, unit in ((ROTATION, "(N·m/rad)"), (PAPER, "(N/m)"), (PAPER.with_band(1000, 5000), "(kN/m)")):
-        for draw, *more in ((draw_nyquist,), (draw_projections, Part.REAL), (draw_jnd_square, float(scene.band[1]))):
+        for draw, *more in (
+            (evaluation_charts.nyquist,),
+            (evaluation_charts.projections, Part.REAL),
+            (evaluation_charts.square, float(scene.band[1])),
+        ):
             assert any(unit in x for x in words(drawn(scene, draw, *more))), (unit, draw)
-    ax = drawn(PAPER.with_band(1000, 5000), draw_projections, Part.REAL)
+    ax = drawn(PAPER.with_band(1000, 5000), evaluation_charts.projections, Part.REAL)
     assert ax.yaxis.get_major_formatter()(2.0e7) == "20000"
     assert ax.get_ylim()[1] > 1.8 * 5000**2
 
@@ -439,7 +441,7 @@ def test_units_are_those_of_the_motion_and_large_numbers_are_told_in_thousands()
 def test_the_outline_of_a_region_is_where_a_change_is_just_noticed(jnd: Any, reach: Any) -> None:
     """About the tip of H_env, of size 5; an ellipse reaches a and b whatever its tilt is."""
     tip = np.array([3.0, 4.0])
-    found = outline(noticed(hs.Scene(STIFF, (), (0, 15), jnd).threshold), tip, 2.0, {})
+    found = outline(noticed(hs.Scene(STIFF, (), (0, 15), jnd).threshold), tip, 2.0)
     [patch] = found.patches
     vertices = patch.get_path().vertices if isinstance(patch, Polygon) else patch.get_corners()  # type: ignore[attr-defined]
     assert np.abs((np.asarray(vertices) - tip) / 5).max(axis=0) == pytest.approx(reach, rel=1e-4)
@@ -452,7 +454,7 @@ def test_the_outline_of_a_polygon_goes_through_its_corners() -> None:
     corners = ((0.1, 0), (0, 0.3), (-0.2, 0), (0, -0.1))
     jnd = {"shape": "polygon", "corners": [[str(x) for x in c] for c in corners]}
     tip = np.array([3.0, 4.0])
-    found = outline(noticed(hs.Scene(STIFF, (), (0, 15), jnd).threshold), tip, 2.0, {})
+    found = outline(noticed(hs.Scene(STIFF, (), (0, 15), jnd).threshold), tip, 2.0)
     offset = (found.patches[0].get_path().vertices - tip) / 5
     assert all(np.hypot(*(offset - c).T).min() < 1e-9 for c in corners)
     assert found.stretches == (((pytest.approx(2.0), pytest.approx(3.5)),), ((pytest.approx(3.5), pytest.approx(5.5)),))
@@ -463,7 +465,7 @@ def test_limits_for_each_way_bound_what_grows_and_what_shrinks() -> None:
         for higher, lower in ((0.4, 0.1), (0.1, 0.4), (1.9, 1.5)):
             way = {"higher": str(higher), "lower": str(lower)}
             criteria = noticed(hs.Scene(STIFF, (), (0, 15), {"real": way, "imag": way}).threshold)
-            for own, stretches in zip(tip, outline(criteria, np.array(tip), 1.0, {}).stretches, strict=True):
+            for own, stretches in zip(tip, outline(criteria, np.array(tip), 1.0).stretches, strict=True):
                 values = np.linspace(-200, 200, 4001) + 1e-3  # no end lies on one
                 limit = np.where(np.abs(values) > abs(own), higher, lower) * np.hypot(*tip)
                 inside = np.any([(values > low) & (values < high) for low, high in stretches], axis=0)
@@ -473,7 +475,7 @@ def test_limits_for_each_way_bound_what_grows_and_what_shrinks() -> None:
 def test_regions_are_drawn_about_the_origin_as_large_as_they_are_and_crossings_on_the_way() -> None:
     found = hs.evaluate(replace(LAGGED, threshold=hs.Threshold.of("0.1", "0.2")), regions=True)
     ax = axes()
-    [line] = draw_regions(ax, found)
+    [line] = draw(ax, evaluation_charts.regions(found))
     w = np.linspace(0, 15, 200)
     way = (perc(w) - env(w)) / np.abs(env(w))
     seen = places(line)[0] + 1j * places(line)[1]
@@ -491,8 +493,11 @@ def test_regions_are_drawn_about_the_origin_as_large_as_they_are_and_crossings_o
 def test_a_bandwidth_grows_with_its_threshold_as_the_larger_ratio_does() -> None:
     """A spring of 100 N/m felt with 2 N s/m beside it: r_i = 2 w/100, without a jump."""
     ax = axes()
-    [line] = draw_bandwidths(
-        ax, hs.evaluate(hs.Scene(mass_spring_damper(k=100), (shunt(b=2),), (0, 15), "0.1 +- 50 %"))
+    [line] = draw(
+        ax,
+        evaluation_charts.bandwidths(
+            hs.evaluate(hs.Scene(mass_spring_damper(k=100), (shunt(b=2),), (0, 15), "0.1 +- 50 %"))
+        ),
     )
     c, omega = places(line)
     assert omega == pytest.approx(c / 2)
@@ -528,7 +533,7 @@ def ratio(name: str, omega: Any) -> Any:
 def test_each_environment_has_its_ratio_and_one_line_is_the_largest_of_them() -> None:
     """The heavy one rings at √50 rad/s: its line has a gap there, and the largest is infinite."""
     ax = axes()
-    lines = [x for x in draw_worst(ax, family()) if x.get_marker() != "o"]
+    lines = [x for x in draw(ax, family_charts.worst(family())) if x.get_marker() != "o"]
     omega = places(lines[0])[0]
     exact = np.stack([ratio(name, omega) for name in SPRINGS])
     for line, values in zip(lines, exact, strict=True):
@@ -546,12 +551,12 @@ def test_each_environment_has_its_ratio_and_one_line_is_the_largest_of_them() ->
 
 def test_dots_stand_where_one_binds_and_the_ground_is_grey_where_none_is_noticed() -> None:
     ax = axes()
-    draw_worst(ax, family())
+    draw(ax, family_charts.worst(family()))
     assert [points(x)[0] for x in marked(ax, "o")] == [(pytest.approx(x), 0.1) for x in ENDS]
     assert np.array(spans(ax.patches)) == pytest.approx(np.array([(0, ENDS[0]), (10, 20)]))
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\omega$ (rad/s)", r"$r_\mathrm{r}$")
     other = axes()
-    imag = draw_worst(other, family(), 1)  # without damping r_i is 0
+    imag = draw(other, family_charts.worst(family(), 1))  # without damping r_i is 0
     assert (marked(other, "o"), other.get_ylabel()) == ([], r"$r_\mathrm{i}$")
     assert all(np.nanmax(places(x)[1]) == 0 for x in imag)
     [level] = [x for x in other.lines if len(x.get_xdata()) == 2]
@@ -560,7 +565,7 @@ def test_dots_stand_where_one_binds_and_the_ground_is_grey_where_none_is_noticed
 
 def test_where_none_is_transparent_the_legend_tells_of_no_ground() -> None:
     ax, springs = axes(), family("stiff", "wall", k=5000, band=(1, 9))
-    draw_worst(ax, springs)
+    draw(ax, family_charts.worst(springs))
     assert springs.transparent == ()
     assert "all transparent" not in told(ax)
     assert not ax.patches
@@ -574,13 +579,13 @@ def test_where_none_is_transparent_the_legend_tells_of_no_ground() -> None:
     ],
 )
 def test_the_ends_of_several_environments_stand_above_their_sheet_in_its_unit(names: Any, band: Any, ends: Any) -> None:
-    top = family_figure(family(*names, band=band)).axes[0]
+    top = worst_case(family(*names, band=band)).axes[0]
     assert [x.get_text() for x in top.texts] == ends
 
 
 def test_bandwidths_of_several_environments_by_each_region_stand_in_rows() -> None:
     found, ax = family("stiff", "wall", regions=True), axes()
-    marks = draw_family_regions(ax, found)
+    marks = draw(ax, family_charts.regions(found))
     assert [x.get_text() for x in ax.get_yticklabels()] == ["stiff", "wall", "all together"]
     for mark, x in zip(marks, found.regions, strict=True):
         widths = [x.answers["stiff"].bandwidth, x.answers["wall"].bandwidth, x.bandwidth]
@@ -604,7 +609,7 @@ def lines(threshold: Any, **more: Any) -> hs.MeasuredEvaluation:
 @pytest.mark.parametrize("slope", [None, "20 N*s/m"])
 def test_measured_ratios_have_bars_as_far_as_their_discs_reach(slope: str | None) -> None:
     ax = axes()
-    dots = draw_measured_ratios(ax, lines(hs.Threshold.of("0.1", "0.2"), **({"slope": slope} if slope else {})))
+    dots = draw(ax, measured_charts.ratios(lines(hs.Threshold.of("0.1", "0.2"), **({"slope": slope} if slope else {}))))
     bars = [c for c in ax.collections if isinstance(c, LineCollection)]
     for part, c, mark, bar in ((CHANGE.real, 0.1, "o", bars[0]), (CHANGE.imag, 0.2, "s", bars[1])):
         own, resolved = np.abs(part), np.abs(np.abs(part) - c) > RADIUS
@@ -622,14 +627,17 @@ def test_measured_ratios_have_bars_as_far_as_their_discs_reach(slope: str | None
 
 def test_measured_lines_stand_in_the_plane_by_what_they_tell() -> None:
     e, ax = lines(hs.Threshold.of("0.1", "0.2")), axes()
-    curve, *dots = draw_measured_nyquist(ax, e)
+    curve, *dots = draw(ax, measured_charts.nyquist(e))
     x, y = places(curve)
     assert x + 1j * y == pytest.approx(env(y / 3))
     excess = np.stack([np.abs(CHANGE.real) - 0.1, np.abs(CHANGE.imag) - 0.2])
     above, below = (excess > RADIUS).any(axis=0), (excess < -RADIUS).all(axis=0)
     kinds = {"exceeds in a part": above, "unresolved": ~above & ~below, "below in both parts": below}
     wanted = {k: v for k, v in kinds.items() if v.any()}
-    assert told(ax) == [r"$H_\mathrm{env}$", *wanted]
+    names = told(ax)
+    assert names[: 2 + len(wanted)] == [r"$H_\mathrm{env}$", *wanted, "95 % disc"]
+    at = [float(x.partition(" ")[0]) for x in names[2 + len(wanted) :]]  # bear the same mark on both curves
+    assert (len(at), set(at) <= set(OMEGA.tolist())) == (3, True)
     discs = [c for c in ax.collections if isinstance(c, PatchCollection)]
     for line, disc, which in zip(dots, discs, wanted.values(), strict=True):
         own = perc(OMEGA[which])
@@ -642,7 +650,7 @@ def test_measured_lines_stand_in_the_plane_by_what_they_tell() -> None:
 def test_changes_of_measured_lines_stand_about_the_border_of_a_region() -> None:
     jnd = {"shape": "ellipse", "real": "0.2", "imag": "0.3"}
     ax = axes()
-    dots = draw_measured_plane(ax, lines(hs.Scene(STIFF, (), (0, 15), jnd).threshold))
+    dots = draw(ax, measured_charts.measured_plane(lines(hs.Scene(STIFF, (), (0, 15), jnd).threshold)))
     seen = np.concatenate([places(x)[0] + 1j * places(x)[1] for x in dots])
     assert np.sort_complex(seen) == pytest.approx(np.sort_complex(CHANGE))
     for line in dots:
@@ -657,7 +665,7 @@ def test_changes_of_measured_lines_stand_about_the_border_of_a_region() -> None:
 
 def test_measures_are_the_two_ratios_the_whole_change_and_that_of_the_size() -> None:
     ax = axes()
-    four = draw_measures(ax, hs.metrics(LAGGED))
+    four = draw(ax, effect_charts.measures(hs.metrics(LAGGED)))
     omega = places(four[0])[0]
     change = (perc(omega) - env(omega)) / np.abs(env(omega))
     expected = (np.abs(change.real), np.abs(change.imag), np.abs(change), np.abs(np.abs(perc(omega) / env(omega)) - 1))
@@ -668,7 +676,7 @@ def test_measures_are_the_two_ratios_the_whole_change_and_that_of_the_size() -> 
 
 def test_verdicts_are_bars_where_they_hold_one_row_for_each() -> None:
     m, ax = hs.metrics("fu2019"), axes()
-    made, rows = draw_verdicts(ax, m), [*reversed(verdict_bands(m))]
+    made, rows = draw(ax, effect_charts.verdicts(m)), [*reversed(verdict_bands(m))]
     assert [x.get_text() for x in ax.get_yticklabels()] == [name for name, _ in rows]
     ends = [[(float(x.low.omega), i), (float(x.high.omega), i)] for i, (_, found) in enumerate(rows) for x in found]
     assert [points(x) for x in made] == [[pytest.approx(a), pytest.approx(b)] for a, b in ends]
@@ -694,7 +702,7 @@ def part_of(omega: Any, part: Part, *, lag: bool = True, m: float = 0.1, k: floa
 def test_each_curve_is_how_far_a_ratio_moves_when_that_effect_is_left_out(part: Part) -> None:
     ax = axes()
     without: tuple[dict[str, Any], ...] = ({"lag": False}, {"m": 0.0}, {"k": 0.0})
-    for line, own in zip(draw_influences(ax, effects(), part), without, strict=True):
+    for line, own in zip(draw(ax, effect_charts.influences(effects(), part)), without, strict=True):
         omega, values = places(line)
         exact, seen = np.abs(part_of(omega, part) - part_of(omega, part, **own)), np.isfinite(values)
         assert values[seen] == pytest.approx(exact[seen], rel=1e-9, abs=1e-14)
@@ -707,7 +715,7 @@ def test_each_curve_is_how_far_a_ratio_moves_when_that_effect_is_left_out(part: 
 
 def test_names_stand_beside_the_ends_of_their_curves_and_what_matters_is_dark() -> None:
     ax = axes()
-    made = draw_influences(ax, effects(), Part.REAL)
+    made = draw(ax, effect_charts.influences(effects(), Part.REAL))
     assert [x.kept for x in effects().effects] == [True, True, False]
     assert [to_hex(x.get_color()) for x in made] == [pen.INK, pen.INK, pen.GREY]
     names = {x.get_text(): x for x in ax.texts if isinstance(x, Annotation)}
@@ -721,18 +729,18 @@ def test_names_stand_beside_the_ends_of_their_curves_and_what_matters_is_dark() 
 def test_a_part_that_nothing_changes_is_an_empty_chart() -> None:
     """A spring alone leaves the imaginary part as it is; with a tolerance of 0 nothing at all is above 0."""
     alone = hs.relevance(hs.Scene(mass_spring_damper(k=100), (shunt(k=1),), (0, 15), "0.1"), 0)
-    [line] = draw_influences(axes(), alone, Part.IMAG)
+    [line] = draw(axes(), effect_charts.influences(alone, Part.IMAG))
     assert not len(shown(line)[0])
     bare = hs.relevance(hs.Scene(mass_spring_damper(k=100), (), (0, 15), "0.1"))
-    assert draw_influences(axes(), bare, Part.REAL) == []
+    assert draw(axes(), effect_charts.influences(bare, Part.REAL)) == []
     with pytest.raises(hs.SceneError, match="no effects to draw"):
-        influences_figure(bare)
+        effect_charts.relevance(bare)
 
 
 def test_the_strip_has_each_piece_under_the_effect_that_changes_most_there() -> None:
     """The lag against a mass of 0.4 kg: by the changes of both ratios."""
     ax, e = axes(), effects(first_order_lag(20), shunt(m="0.4"))
-    ends = spans(draw_dominance(ax, e))
+    ends = spans(draw(ax, effect_charts.dominance(e)))
     assert ends == [(float(x.low), float(x.high)) for x in e.dominance]
     assert len({x.effect.name for x in e.dominance}) == 2
     for (low, high), x in zip(ends, e.dominance, strict=True):
@@ -747,7 +755,7 @@ def test_the_strip_has_each_piece_under_the_effect_that_changes_most_there() -> 
 def test_over_each_piece_of_the_band_stands_the_effect_that_dominates_it() -> None:
     """By its name where there is room, else by a number that the title explains."""
     found, ax = hs.relevance("control-stick-in-detail"), axes()
-    assert len(draw_dominance(ax, found)) == len(found.dominance)
+    assert len(draw(ax, effect_charts.dominance(found))) == len(found.dominance)
     for x in found.dominance:
         [name] = [t.get_text() for t in ax.texts if float(x.low) < t.get_position()[0] < float(x.high)]
         assert name in ("", x.effect.name) or f"{name} {x.effect.name}" in ax.get_title(loc="left")

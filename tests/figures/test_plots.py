@@ -15,9 +15,7 @@ from matplotlib.colors import to_hex
 
 import haptisym as hs
 from haptisym.figures import pen
-from haptisym.figures.pen import SCENES
-from haptisym.figures.plots import KINDS
-from haptisym.figures.style import CURVES
+from haptisym.figures.sheet import drawings_of
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.cost.hardcosts import HardCosts, HardRow
 from haptisym.verbs.jnd.tables import Answers, Row
@@ -67,15 +65,15 @@ def evaluated(omega_n: int = 80) -> hs.Evaluation:
 
 
 def test_every_kind_of_answer_can_be_drawn() -> None:
-    assert set(KINDS) - {"hardcosts"} == set(schema_names()) - {"scenes", "schemas"}
-    assert set(ANSWERS) == set(KINDS) - {"sweep"}
+    assert set(ANSWERS) - {"hardcosts"} == set(schema_names()) - {"scenes", "schemas", "sweep"}
 
 
 @pytest.mark.few("published", "hardcosts", "derivation", "requirement")
 @pytest.mark.parametrize("name", ANSWERS)
 def test_two_scenes_are_drawn_on_one_axes_of_the_caller(name: str) -> None:
     one, other = ANSWERS[name](PAPER), ANSWERS[name](SLOW)
-    for kind in KINDS[name]:
+    kinds = drawings_of(one).kinds
+    for kind in kinds:
         if (name, kind) == ("evaluation", "bandwidths"):
             continue
         ax = axes()
@@ -89,7 +87,7 @@ def test_two_scenes_are_drawn_on_one_axes_of_the_caller(name: str) -> None:
         if (name, kind) not in NOTHING:
             assert not told(ax) or any(x.endswith("first") for x in told(ax)), kind
             assert len(told(ax)) == len(set(told(ax)))
-    with pytest.raises(NothingToDrawError, match=rf"these are {next(iter(KINDS[name]))}"):
+    with pytest.raises(NothingToDrawError, match=rf"these are {next(iter(kinds))}"):
         one.plot(axes(), kind="what")
 
 
@@ -135,7 +133,7 @@ def test_further_scenes_without_a_label_are_numbered_and_have_the_next_colour() 
     assert len(told(ax)) == len(set(told(ax)))
     assert [sum(x.endswith(end) for x in told(ax)) > 0 for end in ("(2)", "(3)", "(4)")] == [True, True, False]
     own = [to_hex(x.get_color()) for x in ax.lines if str(x.get_label()).startswith("$r_") and len(x.get_xdata()) > 100]
-    assert own[2:] == [SCENES[1]] * 2 + [SCENES[2]] * 2
+    assert own[2:] == [pen.SCENES[1]] * 2 + [pen.SCENES[2]] * 2
     other = p.plot(p.plot(axes(), label="one"), label="two", color="#009900")
     assert any(x.endswith("two") for x in told(other))
     assert "#009900" in {to_hex(x.get_color()) for x in other.lines}
@@ -160,9 +158,9 @@ def test_curves_of_a_further_family_have_entries_in_the_legend_that_look_like_th
             found.plot(ax, kind="imag", label=label)
         entries = dict(zip(told(ax), ax.get_legend().legend_handles, strict=True))
         old, new = (f", {labels[0]}", f", {labels[1]}") if labels[0] else ("", " (2)")
-        names = ["largest", "soft binds", "others", "threshold", "all transparent"]
+        names = ["largest", "soft limits", "others", "threshold", "all transparent"]
         assert list(entries) == [f"{x}{end}" for end in (old, new) for x in names]
-        assert [to_hex(entries[f"soft binds{end}"].get_color()) for end in (old, new)] == [pen.BLUE, SCENES[1]]
+        assert [to_hex(entries[f"soft limits{end}"].get_color()) for end in (old, new)] == [pen.BLUE, pen.SCENES[1]]
 
 
 def test_what_the_caller_drew_stays_and_a_drawing_that_fails_leaves_the_legend_as_it_was() -> None:
@@ -205,10 +203,10 @@ def test_eyes_without_some_cones_confuse_what_they_are_known_to() -> None:
 
 @pytest.mark.parametrize("eye", EYES)
 def test_colours_of_scenes_and_curves_are_told_apart_by_every_eye(eye: str) -> None:
-    pairs = [*combinations(SCENES, 2), (CURVES[0][0], CURVES[1][0])]
+    pairs = [*combinations(pen.SCENES, 2), (pen.CURVES[0][0], pen.CURVES[1][0])]
     assert min(difference(one, other, eye) for one, other in pairs) > 20
 
 
 def test_scenes_are_told_apart_in_print_and_curves_by_their_strokes() -> None:
-    assert min(abs(lightness(x) - lightness(y)) for x, y in combinations(SCENES, 2)) > 10
-    assert CURVES[0][1] != CURVES[1][1]
+    assert min(abs(lightness(x) - lightness(y)) for x, y in combinations(pen.SCENES, 2)) > 10
+    assert pen.CURVES[0][1] != pen.CURVES[1][1]

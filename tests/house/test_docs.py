@@ -23,9 +23,9 @@ from click.testing import CliRunner
 
 import haptisym as hs
 import haptisym_check
-from haptisym.cli import app
-from haptisym.commands.verbs import VERBS
-from haptisym.figures.plots import KINDS
+from haptisym import figures
+from haptisym.cli import VERBS, app
+from haptisym.figures.sheet import Drawings
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Model
 
 ROOT = Path(__file__).parents[2]
@@ -181,9 +181,10 @@ def test_what_a_page_loads_from_outside_is_found(tmp_path: Path) -> None:
 def test_the_page_of_figures_asks_for_every_kind() -> None:
     tree = ast.parse((ROOT / "docs" / "plots.py").read_text(encoding="utf-8"))
     asked = {x.value.value for x in ast.walk(tree) if isinstance(x, ast.keyword) and isinstance(x.value, ast.Constant)}
-    assert {kind for kinds in KINDS.values() for kind in list(kinds)[1:]} <= asked | {
-        "wishes"
-    }  # drawn unasked of several
+    modules = [importlib.import_module(f"haptisym.figures.{x.name}") for x in pkgutil.iter_modules(figures.__path__)]
+    every = {id(x): x for module in modules for x in vars(module).values() if isinstance(x, Drawings)}
+    kinds = {kind for x in every.values() for kind in list(x.kinds)[1:]}
+    assert kinds <= asked | {"wishes", "plane", "jnd-square"}  # drawn unasked of several, and by their own functions
 
 
 def test_the_notebook_has_the_scripts_cells(tmp_path: Path) -> None:

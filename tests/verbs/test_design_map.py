@@ -17,7 +17,8 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym.cli import app
-from haptisym.figures.designmap import draw_wishes
+from haptisym.figures import requirement as requirement_charts
+from haptisym.figures.layers import draw
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.budget import timed_by
 from haptisym.verbs.require.classical import Encoder, lines
@@ -243,7 +244,7 @@ def test_no_line_of_the_figure_closes_a_set_between_slices_and_what_lies_between
 
     def drawn(x: hs.DesignMap) -> tuple[int, set[tuple[float, float]]]:
         ax = Figure().add_subplot()
-        draw_wishes(ax, x)
+        draw(ax, requirement_charts.wishes(x))
         boxes = [y.get_paths()[0].get_extents() for y in ax.collections if y.get_hatch()]
         upright = sum(len(set(map(float, y.get_xdata()))) == 1 < len(y.get_xdata()) for y in ax.lines)
         return upright, {(float(y.x0), float(y.x1)) for y in boxes}

@@ -20,7 +20,8 @@ from sympy import Rational, lambdify, symbols
 from valuesets import ends
 
 import haptisym as hs
-from haptisym.figures.require import draw_requirement
+from haptisym.figures import requirement as requirement_charts
+from haptisym.figures.layers import draw
 from haptisym.kernel.rings import omega
 from haptisym.pages.derive import when_of_region
 from haptisym.verbs.require.feasible import End, Kind
@@ -164,7 +165,7 @@ def test_the_curve_over_a_free_limit_meets_1_where_the_set_ends(name: str) -> No
     jnd = {**REQUIRED, "formula": FORMULA, "ellipse": {**ELLIPSE, "imag": 0.1}}[name]
     found = hs.require(with_jnd(jnd), "jnd")
     [end] = [float(x.value) for x in found.ends]  # type: ignore[arg-type]
-    lines = draw_requirement(Figure().add_subplot(), found)
+    lines = draw(Figure().add_subplot(), requirement_charts.requirement(found))
     at = [np.interp(end, line.get_xdata(), line.get_ydata()) for line in lines]
     assert max(at) == pytest.approx(1, abs=2e-3)
 

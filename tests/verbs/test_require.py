@@ -22,7 +22,8 @@ from valuesets import closed_sets, contradictions, ends, is_transparent, shown, 
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.figures.require import draw_requirement
+from haptisym.figures import requirement as requirement_charts
+from haptisym.figures.layers import draw
 from haptisym.kernel.budget import timed_by
 from haptisym.model.parameters import values
 from haptisym.model.scene import THRESHOLD
@@ -897,7 +898,7 @@ def test_enclosures_of_tolerances_after_a_limit_hold_all_crossings(ticks: int) -
 def test_where_a_formula_is_divided_by_zero_the_curve_has_a_gap_and_only_there(formula: str, *, gap: bool) -> None:
     lag = effects.series(formula, parameters={"w": 75})
     found = hs.require(hs.Scene(PAPER.environment, (lag,), (0, 15)), "w")
-    for line in draw_requirement(Figure().add_subplot(), found):
+    for line in draw(Figure().add_subplot(), requirement_charts.requirement(found)):
         w, worst = (np.asarray(x, float) for x in line.get_data())
         assert (w == 0).any()
         assert [*np.isnan(worst)] == [*((w == 0) & gap)]
@@ -906,7 +907,7 @@ def test_where_a_formula_is_divided_by_zero_the_curve_has_a_gap_and_only_there(f
 def test_a_range_in_hz_is_drawn_in_hz() -> None:
     ax = Figure().add_subplot()
     found = hs.require(PAPER, "omega_n", ("5 Hz", "50 Hz"))
-    draw_requirement(ax, found)
+    draw(ax, requirement_charts.requirement(found))
     assert (ax.get_xlabel(), ax.get_xlim()) == (r"$\omega_n$ (Hz)", (5, 50))
     [dots] = [line for line in ax.lines if line.get_marker() == "o"]
     assert float(dots.get_xdata()[0]) == pytest.approx(ends(found)[0][0] / (2 * np.pi))  # type: ignore[operator]

@@ -30,6 +30,8 @@ from strategies import Seeded, case, cases, scene
 from sympy import Integer, Rational, Symbol, pi, sympify
 
 import haptisym as hs
+from haptisym.figures import sweep as sweep_charts
+from haptisym.figures.layers import draw
 from haptisym.kernel.errors import UndecidedError
 from haptisym.verbs.sweep.axes import INFINITE, axes, spaced
 from haptisym.verbs.sweep.batch import (
@@ -906,22 +908,20 @@ def test_a_wrong_command_line_is_one_message_and_status_2(call: Any, words: tupl
 def test_charts_show_the_numbers_of_the_sweep_in_the_units_of_the_scene(few: Any) -> None:
     from matplotlib.figure import Figure
 
-    from haptisym.figures.sweep import draw_curves, draw_map
-
     ax = Figure().add_subplot()
-    draw_map(ax, few)
+    draw(ax, sweep_charts.plane(few))
     assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_xlim()) == ("$m$ (kg)", r"$\omega_n$ (rad/s)", (0.5, 2.0))
     with pytest.raises(hs.SceneError, match="one or two parameters"):
-        draw_map(ax, few.isel({MASS: 2}, drop=True))
+        draw(ax, sweep_charts.plane(few.isel({MASS: 2}, drop=True)))
     stick = hs.load_scene("sidestick")
     ax = Figure().add_subplot()
-    line, *_ = draw_curves(ax, hs.sweep(stick, {"environment.k": [1.0, 3.0, 9.0]}))
+    line, *_ = draw(ax, sweep_charts.curves(hs.sweep(stick, {"environment.k": [1.0, 3.0, 9.0]})))
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("$k$ (N·m/rad)", "frequency (Hz)")
     exact = hs.evaluate(stick.with_values({"k": 3})).bandwidth
     assert exact is not None
     assert np.asarray(line.get_ydata())[1] == pytest.approx(float(exact) / (2 * np.pi))
     ax = Figure().add_subplot()
-    draw_curves(ax, hs.sweep(PAPER, {NATURAL: ["5 Hz", "20 Hz", "50 Hz"]}))
+    draw(ax, sweep_charts.curves(hs.sweep(PAPER, {NATURAL: ["5 Hz", "20 Hz", "50 Hz"]})))
     assert (ax.get_xlabel(), ax.get_xlim()) == (r"$\omega_n$ (Hz)", (5, 50))
 
 
@@ -930,15 +930,13 @@ def test_the_bandwidth_is_drawn_in_pieces_that_end_where_crossings_come_or_go() 
     """Witness: exact evaluations at both sides of each break, ever closer, and in the middle of every step that is drawn."""
     from matplotlib.figure import Figure
 
-    from haptisym.figures.sweep import draw_curves
-
     def exact(m: float) -> tuple[float, int]:
         found = hs.evaluate(PAPER.with_values({"m": m}))
         assert found.bandwidth is not None
         return float(found.bandwidth), len(found.crossings)
 
     ax = Figure().add_subplot()
-    [line, *_] = draw_curves(ax, hs.sweep(PAPER, {MASS: np.linspace(0.5, 5, 46)}))
+    [line, *_] = draw(ax, sweep_charts.curves(hs.sweep(PAPER, {MASS: np.linspace(0.5, 5, 46)})))
     x, y = (np.asarray(values, dtype=float) for values in line.get_data())
     jumps = []
     for i in np.flatnonzero(np.isnan(x)):
@@ -959,7 +957,6 @@ def test_the_bandwidth_is_drawn_in_pieces_that_end_where_crossings_come_or_go() 
 @pytest.mark.slow
 def test_the_exact_boundary_divides_the_sets_of_a_sweep_and_is_drawn_in_its_map() -> None:
     """Two engines on one plane: critical values slice by slice, and Bernstein coefficients set by set."""
-    from haptisym.figures.sweep import sweep_figure
 
     exact = hs.design_map(PAPER, [MASS, NATURAL], [(0.5, 5), (20, 200)], slices=5)
     masses = [float(x.at) for x in exact.slices]
@@ -970,7 +967,7 @@ def test_the_exact_boundary_divides_the_sets_of_a_sweep_and_is_drawn_in_its_map(
         assert ((column.values == 15) == (column[NATURAL].values >= float(span.low.value))).all()
     few = hs.sweep(PAPER, {NATURAL: [60, 100, 140, 180], MASS: [0.5, 1, 2, 4]})
     for of, is_drawn in ((PAPER, True), (None, False)):
-        [ax] = sweep_figure(few, of).axes
+        [ax] = sweep_charts.sweep_figure(few, of).axes
         assert any("band's edge" in text.get_text() for text in ax.get_legend().get_texts()) is is_drawn
 
 

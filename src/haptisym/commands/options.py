@@ -25,7 +25,7 @@ import click
 from click.core import ParameterSource
 
 from haptisym.commands.terminal import note, progress, quiet, say, say_document, to_file
-from haptisym.figures.kinds import checked, checked_report
+from haptisym.figures.pen import checked, checked_report
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import NothingToDrawError, SceneError
 

@@ -9,10 +9,12 @@ The hard cases are a table: families against methods, the darker a cell the more
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from textwrap import fill, wrap
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -21,7 +23,8 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from haptisym.figures import pen
-from haptisym.figures.style import Room, dots, number, raised, thin
+from haptisym.figures.layers import Chart, Layer, On, Room, dots, number, raised, thin
+from haptisym.figures.sheet import Drawings
 from haptisym.verbs.cost.entry import Cost, Measurement, duration, front
 from haptisym.verbs.cost.hardcosts import HardCosts, HardRow, worst_verdict
 
@@ -58,10 +61,21 @@ def draw_cost(ax: Axes, rows: Sequence[Measurement]) -> None:
     ax.set_ylabel("right digits", fontsize=pen.SMALL)
 
 
-def draw_task(ax: Axes, found: Cost, task: str = "") -> None:
+@dataclass(frozen=True)
+class _Panel(Layer):
+    """Methods of one task, or a table of hard cases."""
+
+    rows: Sequence[Measurement] | Sequence[HardRow]
+    put: Any
+
+    def draw(self, on: On) -> list[Artist]:
+        self.put(on.ax, self.rows)
+        return []
+
+
+def task(found: Cost, name: str = "") -> Chart:
     """Right digits over time for the methods of one task: the first, if none is named."""
-    names = list(dict.fromkeys(row.task for row in found.rows))
-    draw_cost(ax, found.task(task or names[0]))
+    return Chart([_Panel(found.task(name or found.rows[0].task), draw_cost)])
 
 
 def _place(row: Measurement) -> tuple[float, float]:
@@ -224,9 +238,9 @@ def draw_table(ax: Axes, rows: Sequence[HardRow]) -> None:
             _draw_cell(ax, (j, i), [row for row in rows if row.family == family and row.method == method])
 
 
-def draw_cases(ax: Axes, found: HardCosts) -> None:
+def cases(found: HardCosts) -> Chart:
     """How many of the hard cases each method answers, for the first task."""
-    draw_table(ax, [row for row in found.rows if row.task == found.rows[0].task])
+    return Chart([_Panel([row for row in found.rows if row.task == found.rows[0].task], draw_table)])
 
 
 def _draw_cell(ax: Axes, place: tuple[int, int], rows: Sequence[HardRow]) -> None:
@@ -273,3 +287,7 @@ def _table_handles() -> list[Any]:
         Patch(facecolor=_shade(1), edgecolor=pen.GREY, linewidth=0.4, label="no answer right"),
         Line2D([], [], linestyle="none", label="−  crossings missed   +  invented"),
     ]
+
+
+COST = Drawings[Cost]({"time": task}, {"cost": cost_figure})
+HARD = Drawings[HardCosts]({"cases": cases}, {"hard-cases": hard_costs_figure})

@@ -1,108 +1,175 @@
-"""The figure of a scene's influences: what each effect changes, along the band, and which one changes most."""
+"""Figures of what matters: influences of effects, sensitivities to parameters, and other measures beside the JND's.
+
+Influences: what each effect changes along the band, and which one changes most. Sensitivities: for each frequency bars of the
+elasticities, the parameter that moves it most on top. Measures: ``|Gamma|``, relative distortion and ratios, with the bands of each.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.text import Annotation
+from sympy import Symbol
 
 from haptisym.figures import pen
-from haptisym.figures.style import dress, limit, name_frequency, scale_of, spread, text_width
-from haptisym.kernel.errors import SceneError
+from haptisym.figures.curves import ends_of, is_share, limit_of, sampled, written
+from haptisym.figures.evaluation import along
+from haptisym.figures.layers import Axis, Chart, Curve, Layer, Limit, On, draw, frequency, number, spread, text_width
+from haptisym.figures.sheet import Drawings, sheet
+from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.model.jnd import Part
 from haptisym.programs.links import series_arithmetic
 from haptisym.programs.values import Array
 from haptisym.verbs.effects.differences import BandPiece
 from haptisym.verbs.effects.relevance import Relevance
+from haptisym.verbs.metrics.metric import Metrics
+from haptisym.verbs.sensitivity.entry import Sensitive, Sensitivities
+from haptisym.writing.latex import formula
+
+# Effects.
 
 _DEPTH = 8  # 2^8 samples along the band
 _DECADES = 3.5  # below the tolerance that are shown
 _STYLES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)))
 
 
-def draw_influences(
-    ax: Axes, found: Relevance, part: Part, *, color: str | None = None, label: str = "", hertz: bool | None = None
-) -> list[Line2D]:
+def influences(found: Relevance, part: Part) -> Chart:
     """``|r(full) - r(without it)|`` of each effect over the band: bold where it matters, thin grey where it is left out.
 
-    Each curve bears its name at its end. ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``; the
-    label stands behind the names. Returns the curves, in the order of the effects.
+    Each curve bears its name at its end.
 
     >>> from haptisym import load_scene, relevance
-    >>> ax = Figure().add_subplot()
-    >>> len(draw_influences(ax, relevance(load_scene("sidestick")), Part.REAL))
+    >>> chart = influences(relevance(load_scene("sidestick")), Part.REAL)
+    >>> len([layer for layer in chart.layers if isinstance(layer, Curve)])
     2
     """
-    levels = [float(np.ravel(line.get_ydata())[0]) for line in ax.lines if line.get_label() == _TOLERANCE]
-    number = len(levels)
-    ink, scale = color or pen.SCENES[number % len(pen.SCENES)], scale_of(ax, found.scene.band, hertz=hertz)
-    grid, curves = _sampled(found, part)
-    floor, top = _limits(found, curves)
-    tolerance = float(found.tolerance)
-    is_told = tolerance in levels
-    ax.axhline(tolerance, color=pen.GREY, linewidth=0.6, linestyle=pen.DOTTED, label=_TOLERANCE)
-    styles, lines = iter(_STYLES * len(curves)), list[Line2D]()
-    for influence, values in zip(found.effects, curves, strict=True):
-        look = (ink, 1.2, next(styles)) if influence.kept else (pen.GREY, 0.6, "-")
+    grid, curves = _changes(found, part)
+    tolerance, largest = float(found.tolerance), max((float(x.max()) for x in curves), default=0.0)
+    middle = tolerance or largest or 1.0
+    floor, top = middle * 10**-_DECADES, 2 * max(largest, middle)
+    styles, lines, ends = iter(_STYLES * len(curves)), list[Layer](), list[tuple[str, float, bool]]()
+    for x, values in zip(found.effects, curves, strict=True):
+        color, width, stroke = (pen.INK, 1.2, next(styles)) if x.kept else (pen.GREY, 0.6, "-")
         shown = np.where(values >= floor / 10, values, np.nan)
-        lines += ax.plot(scale.of(grid), shown, color=look[0], linewidth=look[1], linestyle=look[2])
-    dress(ax)
-    low, high = (scale.of(float(x)) for x in found.scene.band)
-    limit(ax, (low, high), (floor, top), number=number)
-    ax.set_yscale("log")  # after the limits, as perhaps nothing that is drawn is above 0
-    ax.tick_params(axis="y", which="minor", length=0)
+        kind = Curve if x.kept else _Quiet
+        lines.append(kind(grid, shown, color, stroke, width))
+        ends.append((x.effect.name, float(values[-1]), x.kept))
+    limit = Limit(tolerance, stroke=pen.DOTTED)
     symbol = r"r_\mathrm{r}" if part is Part.REAL else r"r_\mathrm{i}"
-    ax.set_ylabel(f"change of ${symbol}$", fontsize=pen.TEXT)
-    name_frequency(ax, scale)
-    told = f", {label}" if label else f" ({number + 1})" if number else ""
-    ends = [
-        (f"{x.effect.name}{told}", values[-1], ink if x.kept else pen.GREY)
-        for x, values in zip(found.effects, curves, strict=True)
-    ]
-    _name_ends(ax, ends if is_told else [*ends, (f"{_TOLERANCE}{told if number else ''}", tolerance, pen.GREY)])
-    return lines
+    low, high = (float(x) for x in found.scene.band)
+    upright = Axis(f"change of ${symbol}$", ends=(floor, top), log=True)
+    return Chart(
+        [limit, *lines, _Ends(ends, tolerance)], frequency(found.scene.frequency, (low, high)), upright, height=1.9
+    )
 
 
-_TOLERANCE = "tolerance"
+class _Quiet(Curve):
+    """A curve in its own colour, whatever the scene's."""
+
+    def draw(self, on: On) -> list[Artist]:
+        return super().draw(replace(on, number=0, given=False))
 
 
-def draw_dominance(ax: Axes, found: Relevance) -> list[Patch]:
-    """Which effect changes the ratios most, as a strip along the band; a name that has no room is a number, told above.
-
-    Returns the pieces.
-    """
-    names = list(dict.fromkeys(x.effect.name for x in found.dominance))
-    start, end = (float(x) for x in found.scene.band)
-    ax.set(xlim=(start, end), ylim=(0, 1))
-    pieces: list[Patch] = []
-    narrow: list[str] = []
-    slivers: list[str] = []
-    seen = set[str]()
-    for x in found.dominance:
-        low, high = float(x.low), float(x.high)
-        face = pen.SHADE if names.index(x.effect.name) % 2 == 0 else "#c4c4c4"
-        pieces.append(ax.axvspan(low, high, facecolor=face, linewidth=0))
-        room, name = (high - low) / (end - start), x.effect.name
-        if text_width(ax, name) >= room > text_width(ax, "1"):
-            narrow += [] if name in narrow else [name]
-            name = str(narrow.index(name) + 1)
-        elif text_width(ax, name) >= room:
-            slivers.append(name)
-            name = ""
-        else:
-            seen.add(name)
-        ax.text((low + high) / 2, 0.45, name, ha="center", va="center", fontsize=pen.SMALL, color=pen.INK)
-    ax.axis("off")
-    ax.set_title(_dominance_title(narrow, sorted(set(slivers) - seen - set(narrow))), **_QUIET)
-    return pieces
+def _changes(found: Relevance, part: Part) -> tuple[Array, list[Array]]:
+    """Frequencies, and each effect's change of a ratio there."""
+    pieces = [BandPiece(_DEPTH, i) for i in range(1 << _DEPTH)]
+    with series_arithmetic():
+        grid = np.array([float(found.balls.middle(piece)) for piece in pieces])
+        indices = range(len(found.effects))
+        curves = [np.array([found.without(i, part).at_middle(piece) for piece in pieces]) for i in indices]
+    return grid, curves
 
 
-_QUIET: dict[str, Any] = {"fontsize": pen.SMALL, "color": pen.GREY, "loc": "left", "pad": 2}
+_END = "_end"
+"""The mark of names beside the axes, by which those of a scene drawn before are found."""
+
+
+@dataclass(frozen=True)
+class _Ends(Layer):
+    """The name of each curve beside its end, those that would overlap moved apart, those that are there already, too."""
+
+    ends: Sequence[tuple[str, float, bool]]
+    tolerance: float
+
+    def draw(self, on: On) -> list[Artist]:
+        ax = on.ax
+        before = [x for x in ax.texts if isinstance(x, Annotation) and x.get_label() == _END]
+        rows = [(x.get_text(), float(x.xy[1]), str(x.get_color())) for x in before]
+        for old in before:
+            old.remove()
+        rows += [(f"{name}{on.suffix}", y, on.color if kept else pen.GREY) for name, y, kept in self.ends]
+        rows += [("tolerance", self.tolerance, pen.GREY)] if not any(name == "tolerance" for name, *_ in rows) else []
+        low, high = np.log10(ax.get_ylim())
+        seen = sorted(
+            (max((np.log10(value) - low) / (high - low), 0.0), name, max(value, 10**low), color)
+            for name, value, color in rows
+            if value
+        )
+        height = pen.SMALL * 1.15 * ax.figure.dpi / (72 * ax.bbox.height)
+        places = spread([share for share, *_ in seen], [height] * len(seen))
+        leader = {
+            "arrowstyle": "-",
+            "linewidth": 0.4,
+            "color": pen.GREY,
+            "shrinkA": 0,
+            "shrinkB": 0,
+            "relpos": (0, 0.5),
+        }
+        return [
+            ax.annotate(
+                name, xy=(1, value), xytext=(1.05, place), xycoords=ax.get_yaxis_transform(), textcoords="axes fraction",
+                va="center", fontsize=pen.SMALL, color=color, label=_END, arrowprops=leader,
+            )
+            for (_, name, value, color), place in zip(seen, places, strict=True)
+        ]  # fmt: skip
+
+
+def dominance(found: Relevance) -> Chart:
+    """Which effect changes the ratios most, as a strip along the band; a name that has no room is a number, told above."""
+    low, high = (float(x) for x in found.scene.band)
+    return Chart(
+        [_Strip(found, styled=True)], frequency(found.scene.frequency, (low, high)), Axis(ends=(0, 1)), height=0.25
+    )
+
+
+@dataclass(frozen=True)
+class _Strip(Layer):
+    """Pieces side by side, with names."""
+
+    found: Relevance
+
+    def draw(self, on: On) -> list[Artist]:
+        ax, found = on.ax, self.found
+        names = list(dict.fromkeys(x.effect.name for x in found.dominance))
+        start, end = (float(x) for x in found.scene.band)
+        made, narrow, slivers, seen = list[Artist](), list[str](), list[str](), set[str]()
+        for x in found.dominance:
+            low, high = float(x.low), float(x.high)
+            face = pen.SHADE if names.index(x.effect.name) % 2 == 0 else "#c4c4c4"
+            made.append(ax.axvspan(*on.x.of((low, high)), facecolor=face, linewidth=0))
+            room, name = (high - low) / (end - start), x.effect.name
+            if text_width(ax, name) >= room > text_width(ax, "1"):
+                narrow += [] if name in narrow else [name]
+                name = str(narrow.index(name) + 1)
+            elif text_width(ax, name) >= room:
+                slivers.append(name)
+                name = ""
+            else:
+                seen.add(name)
+            middle = float(on.x.of((low + high) / 2))
+            ax.text(middle, 0.45, name, ha="center", va="center", fontsize=pen.SMALL, color=pen.INK)
+        ax.axis("off")
+        title = _dominance_title(narrow, sorted(set(slivers) - seen - set(narrow)))
+        ax.set_title(title, fontsize=pen.SMALL, color=pen.GREY, loc="left", pad=2)
+        return made
 
 
 def _dominance_title(narrow: list[str], slivers: list[str]) -> str:
@@ -114,59 +181,196 @@ def _dominance_title(narrow: list[str], slivers: list[str]) -> str:
     return full if len(full) <= 70 else f"{title}: {len(narrow) + len(slivers)} more in narrow pieces"
 
 
-def influences_figure(found: Relevance) -> Figure:
+def relevance(found: Relevance) -> Figure:
     """The influences on both parts, below the strip of which effect changes them most; SceneError where there are no effects."""
     if not found.effects:
         raise SceneError("figure: the scene has no effects to draw")
-    figure = Figure(figsize=(1.3 * pen.WIDTH, 4.3))
-    figure.subplots_adjust(left=0.13, right=0.74, top=0.94, bottom=0.09, hspace=0.12)
-    strip, real, imag = figure.subplots(3, 1, height_ratios=(0.09, 1, 1))
-    draw_dominance(strip, found)
-    for ax, part in ((real, Part.REAL), (imag, Part.IMAG)):
-        draw_influences(ax, found, part)
-    real.tick_params(labelbottom=False)
-    real.set_xlabel("")
+    return sheet(dominance(found), *(influences(found, part) for part in Part), wide=True)
+
+
+EFFECTS = Drawings[Relevance](
+    {
+        **{name: partial(influences, part=part) for name, part in (("real", Part.REAL), ("imag", Part.IMAG))},
+        "dominance": dominance,
+    },
+    {"influences": relevance},
+)
+
+
+# Sensitivities.
+
+_MOST, _MOST_FREQUENCIES = 12, 12
+"""Bars of one frequency, and frequencies; the text has them all."""
+_ROW, _HEAD, _FOOT, _SIDE = 0.19, 0.46, 0.62, 0.45
+"""Inches: a bar with the space around it, a panel's title, the axis below, the names at the left, at least."""
+_NOTHING = "there is no crossing nor changeover on the band that parameters could move"
+
+
+def elasticities(found: Sensitivities, which: int = -1) -> Chart:
+    """A bar for each parameter: per cent by which the frequency moves when the parameter grows by 1 per cent.
+
+    ``which`` : of the crossings and changeovers; -1 is the bandwidth, or the first where there is none. The bars of a further
+    scene on the same axes are narrower, and lie on those of the first.
+
+    >>> from haptisym import load_scene, sensitivity
+    >>> len(elasticities(sensitivity(load_scene("fu2019")), 0).y.names)
+    6
+    """
+    listed = _panels(found)
+    if not listed:
+        raise NothingToDrawError(_NOTHING)
+    title, x = ("bandwidth", found.bandwidth) if which < 0 and found.bandwidth else listed[max(which, 0)]
+    rows = [(_symbol(p.name), float(p.elasticity)) for p in _moved(x)][:_MOST]
+    unit = found.evaluation.scene.frequency
+    where = f"{frequency(unit).digits(x.omega, 5)} {unit.text}{': undefined' if x.reason else ''}"
+    layers = [_Elastic(rows, f"{title}\n{where}", label="elasticity", styled=True)]
+    return Chart(layers, Axis(), Axis(names=[name for name, _ in rows]), height=_ROW * len(rows) + _HEAD)
+
+
+def _symbol(name: str) -> str:
+    return f"${formula(Symbol(name))}$"
+
+
+def _moved(x: Sensitive) -> list[Any]:
+    """The parameters that move a frequency, the one that does most first."""
+    return [p for p in x.ranked if p.elasticity is not None and float(p.elasticity)]
+
+
+def _panels(found: Sensitivities) -> Sequence[tuple[str, Sensitive]]:
+    """What is drawn, each with its title."""
+    crossings = [(f"{written(x.criterion)} crosses its threshold", x) for x in found.crossings if x.criterion]
+    env, perc = found.changeovers_environment, found.changeovers_perceived
+    systems = ((r"H_\mathrm{env}", env), (r"H_\mathrm{perc}", perc))
+    changeovers = [(rf"$\mathrm{{Re}}\,{name} = 0$", x) for name, listed in systems for x in listed]
+    return (crossings + changeovers)[:_MOST_FREQUENCIES]
+
+
+@dataclass(frozen=True)
+class _Elastic(Layer):
+    """Bars with their values at their ends, and a title."""
+
+    rows: Sequence[tuple[str, float]]
+    title: str
+
+    def draw(self, on: On) -> list[Artist]:
+        ax, values = on.ax, [v for _, v in self.rows]
+        places = [list(on.y.names).index(name) for name, _ in self.rows]
+        is_first, colors = not (on.number or on.given), [pen.BLUE if v > 0 else pen.RED for v in values]
+        bars = ax.barh(places, values, height=0.28 if on.number else 0.62, color=colors if is_first else on.color)
+        if not on.number:
+            ax.axvline(0, color=pen.INK, linewidth=0.6)
+            ax.set_title(self.title, fontsize=pen.TEXT, loc="left")
+            for i, v in zip(places, values, strict=True):
+                shown = f"+{number(v, 3)}" if v > 0 else number(v, 3)
+                ax.annotate(shown, (v, i), (3 if v > 0 else -3, 0), textcoords="offset points", va="center",
+                            ha="left" if v > 0 else "right", fontsize=pen.SMALL, color=pen.GREY)  # fmt: skip
+        ax.margins(x=0.28)
+        return list(bars)
+
+    def keys(self, on: On, _made: list[Artist]) -> list[tuple[str, Artist]]:
+        is_named = on.number or on.suffix
+        return [(self.label, Patch(color=on.ink(pen.BLUE)))] if is_named else []
+
+
+def sensitivities(found: Sensitivities) -> Figure:
+    """The bars of all crossings and changeovers, a panel each; NothingToDrawError where there are none."""
+    shown = _panels(found)
+    if not shown:
+        raise NothingToDrawError(_NOTHING)
+    rows = [max(1, min(len(_moved(x)), _MOST)) for _, x in shown]
+    figure = Figure(figsize=(pen.WIDTH, sum(_ROW * n + _HEAD for n in rows) + _FOOT))
+    axes = list[Axes]()
+    for i in range(len(shown)):
+        axes.append(figure.add_axes((0.1, 0.1, 0.8, 0.8), sharex=axes[0] if axes else None, label=str(i)))
+        draw(axes[-1], elasticities(found, i))
+        axes[-1].tick_params(labelbottom=False)
+    longest = max(
+        (0.52 * pen.SMALL * len(x.get_text().strip("$")) / 72 for ax in axes for x in ax.get_yticklabels()), default=0.0
+    )
+    (width, height), side, top = figure.get_size_inches(), min(max(_SIDE, longest), 1.2), 0.0
+    for ax, n in zip(axes, rows, strict=True):
+        top += _HEAD + _ROW * n
+        ax.set_position((side / width, 1 - top / height, 1 - (side + 0.12) / width, _ROW * n / height))
+    more = len(found.crossings) + len(found.changeovers_environment) + len(found.changeovers_perceived) - len(shown)
+    rest = f"\n({more} more frequencies in the text)" if more > 0 else ""
+    axes[-1].tick_params(labelbottom=True)
+    axes[-1].set_xlabel(rf"elasticity, $(p/\omega)\,\mathrm{{d}}\omega/\mathrm{{d}}p${rest}", fontsize=pen.TEXT)
     return figure
 
 
-def _sampled(found: Relevance, part: Part) -> tuple[Array, list[Array]]:
-    """Frequencies, and each effect's change of a ratio there."""
-    pieces = [BandPiece(_DEPTH, i) for i in range(1 << _DEPTH)]
-    with series_arithmetic():
-        grid = np.array([float(found.balls.middle(piece)) for piece in pieces])
-        indices = range(len(found.effects))
-        curves = [np.array([found.without(i, part).at_middle(piece) for piece in pieces]) for i in indices]
-    return grid, curves
+SENSITIVITY = Drawings[Sensitivities]({"elasticities": elasticities}, {"elasticities": sensitivities})
 
 
-def _limits(found: Relevance, curves: list[Array]) -> tuple[float, float]:
-    """From some decades below the tolerance, or the largest change, to a little above the largest change."""
-    largest = max((float(values.max()) for values in curves), default=0.0)
-    middle = float(found.tolerance) or largest or 1.0
-    return middle * 10**-_DECADES, 2 * max(largest, middle)
+# Other measures.
+
+_DOTS_AND_DASHES: Any = (0, (5, 1.5, 1, 1.5))
+_FINE: Any = (0, (1, 1))
+_BAR = 5.0
+"""Points: how thick the bars are."""
 
 
-_END = "_end"
-"""The mark of names beside the axes, by which those of a scene drawn before are found."""
+def measures(m: Metrics) -> Chart:
+    """r_r, r_i, |dH/H_env| and | |Gamma| - 1 | over the band, with the thresholds: all are fractions of |H_env|.
+
+    >>> from haptisym import load_scene, metrics
+    >>> [layer.label for layer in measures(metrics(load_scene("fu2019"))).layers][:2]
+    ['$r_\\mathrm{r}$', '$r_\\mathrm{i}$']
+    """
+    e = m.evaluation
+    omega = sampled(e)
+    v = e.distortion.compile()(omega)
+    env, perc = np.hypot(v.environment_real, v.environment_imag), np.hypot(v.perceived_real, v.perceived_imag)
+    relative = np.hypot(v.ratio_real, v.ratio_imag)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        size = np.abs(perc / env - 1)
+    rows = (
+        (v.ratio_real, pen.INK, pen.SOLID, r"$r_\mathrm{r}$"), (v.ratio_imag, pen.INK, pen.DASHED, r"$r_\mathrm{i}$"),
+        (relative, pen.RED, _DOTS_AND_DASHES, r"$|\Delta H/H_\mathrm{env}|$"), (size, pen.BLUE, _FINE, r"$||\Gamma| - 1|$"),
+    )  # fmt: skip
+    limits = sorted({limit_of(x) for x in e.criteria if not is_share(x)})
+    finite, most = relative[np.isfinite(relative)], max(limits, default=0.1)
+    top = max(1.06 * float(finite.max()) if finite.size else 0.0, 1.6 * most)
+    layers: list[Layer] = [Curve(omega, values, color, stroke, label=name) for values, color, stroke, name in rows]
+    layers += [Limit(c, label=f"$c = {c:.3g}$", shared=True) for c in limits]
+    return Chart(layers, along(e), Axis(r"fraction of $|H_\mathrm{env}|$", ends=(0, min(top, 8 * most))), height=2.0)
 
 
-def _name_ends(ax: Axes, ends: list[tuple[str, float, str]]) -> None:
-    """The name of each curve beside its end, those that would overlap moved apart, those that are there already, too."""
-    before = [x for x in ax.texts if isinstance(x, Annotation) and x.get_label() == _END]
-    rows = [(x.get_text(), float(x.xy[1]), str(x.get_color())) for x in before]
-    for old in before:
-        old.remove()
-    low, high = np.log10(ax.get_ylim())
-    seen = sorted(
-        (max((np.log10(value) - low) / (high - low), 0.0), name, max(value, 10**low), color)
-        for name, value, color in [*rows, *ends]
-        if value
-    )
-    height = pen.SMALL * 1.15 * ax.figure.dpi / (72 * ax.bbox.height)
-    places = spread([share for share, *_ in seen], [height] * len(seen))
-    for (_, name, value, color), place in zip(seen, places, strict=True):
-        ax.annotate(
-            name, xy=(1, value), xytext=(1.05, place), xycoords=ax.get_yaxis_transform(), textcoords="axes fraction",
-            va="center", fontsize=pen.SMALL, color=color, label=_END,
-            arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": pen.GREY, "shrinkA": 0, "shrinkB": 0, "relpos": (0, 0.5)},
-        )  # fmt: skip
+def verdicts(m: Metrics) -> Chart:
+    """A bar for each measure where it is content, the JND's at the top; those of a further scene below in its colour."""
+    rows, layers = verdict_bands(m), list[Layer]()
+    for i, (_, bands) in enumerate(rows):
+        layers += [_Verdict(ends, i, label="content") for ends in bands]
+    return Chart(layers, along(m.evaluation), Axis(names=[name for name, _ in rows]), height=1.1)
+
+
+@dataclass(frozen=True)
+class _Verdict(Layer):
+    """A bar in a row, named in the legend where there are several scenes; a stroke at a single frequency."""
+
+    ends: tuple[float, float]
+    row: int
+    styled: bool = field(default=True, kw_only=True)
+
+    def draw(self, on: On) -> list[Artist]:
+        (low, high), y = on.x.of(self.ends), [self.row + 0.24 * on.number] * 2
+        mark: dict[str, Any] = {"marker": "|", "markersize": 6, "clip_on": False} if low == high else {}
+        return list(on.ax.plot([low, high], y, color=on.color, linewidth=_BAR, solid_capstyle="butt", **mark))
+
+    def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
+        return [(self.label, made[0])] if on.suffix else []
+
+
+def verdict_bands(m: Metrics) -> list[tuple[str, list[tuple[float, float]]]]:
+    """Where each verdict is a good one, rad/s, where it depends on the frequency."""
+    own = m.measured
+    rows = [
+        ("JND", m.evaluation.transparent), (r"$|\Delta H/H_\mathrm{env}| \leq c$", own.within), ("within 3 dB", own.inside),
+        (r"$\mathrm{Im}\,H_\mathrm{perc} \geq 0$", own.passive),
+        *([("Llewellyn, axis", own.llewellyn)] if own.llewellyn is not None else []),
+    ]  # fmt: skip
+    return [(name, [ends_of(x) for x in bands]) for name, bands in rows]
+
+
+METRICS = Drawings[Metrics](
+    {"measures": measures, "verdicts": verdicts}, {"metrics": lambda m: sheet(measures(m), verdicts(m))}
+)

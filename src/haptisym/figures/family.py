@@ -1,148 +1,134 @@
-"""The figure of several environments: each one's ratios, their envelope, and the one that binds."""
+"""Figures of several environments: each one's ratios, the largest and the environments that limit it; bandwidths by JND region."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import dataclass, replace
+from functools import partial
 from textwrap import fill
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from haptisym.figures import pen
-from haptisym.figures.judged import columns, limit_of, name_of
-from haptisym.figures.regions import family_regions_figure
-from haptisym.figures.sampling import broken, sampled
-from haptisym.figures.sheet import laid_out, save_all
-from haptisym.figures.style import RADIANS, Scale, band_scale, dress, handle, label_above, legend, name_frequency, shade
+from haptisym.figures.curves import broken, columns, ends_of, limit_of, name_of, sampled
+from haptisym.figures.evaluation import REGIONS
+from haptisym.figures.layers import Above, Axis, Band, Chart, Curve, Layer, Limit, Mark, On, Words, frequency
+from haptisym.figures.sheet import Drawings, sheet
 from haptisym.judge.crossings import noticed
+from haptisym.kernel.errors import NothingToDrawError
 from haptisym.programs.values import Array
 from haptisym.verbs.family.entry import FamilyEvaluation
 
-_BINDING: tuple[tuple[str, Any], ...] = (
-    (pen.BLUE, pen.SOLID),
-    (pen.RED, pen.DASHED),
-    ("#7cc0c8", pen.SOLID),
-    ("#d0701f", pen.DASHED),
-)
-"""Colours and strokes of the environments that bind, in the order in which they do."""
+_LIMITING = ((pen.BLUE, pen.SOLID), (pen.RED, pen.DASHED), ("#7cc0c8", pen.SOLID), ("#d0701f", pen.DASHED))
+"""Colours and strokes of the environments that limit, in the order in which they do."""
+_BROAD = 16
+"""Letters of a name in a line of it: more leave the axes no room."""
 
 
-SampledCriteria: TypeAlias = dict[str, Array]
-"""What is judged, a column for each criterion, by the name of the environment."""
+def worst(w: FamilyEvaluation, which: int = 0, *, shared: tuple[Array, dict[str, Array]] | None = None) -> Chart:
+    """One ratio of each environment as a thin line, the largest as a thick one, the limiting environments in colour.
 
-
-def draw_envelope(
-    ax: Axes, evaluation: FamilyEvaluation, which: int, omega: Array, sampled: SampledCriteria, scale: Scale = RADIANS
-) -> list[Line2D]:
-    """One ratio of each environment as a thin line, the largest as a thick one, the binding environments in colour.
-
-    Grey: where every environment is transparent. A dot marks each end of that at which this criterion, the ``which``-th, binds.
-    ``omega`` : rad/s; drawn in the unit of ``scale``. Returns the line of each environment, then the dots.
+    Grey: where every environment is transparent. A dot marks each end of that at which this criterion, the ``which``-th, limits.
+    ``shared`` : frequencies, rad/s, and what is judged there of each environment, where that is at hand.
     """
-    ratios = {name: all_[:, which] for name, all_ in sampled.items()}
-    envelope = np.max(np.nan_to_num(np.stack(list(ratios.values())), nan=np.inf), axis=0)
-    criterion = noticed(evaluation.family.threshold)[which]
-    c, at = limit_of(criterion), scale.of(omega)
-    looks = binding_looks(evaluation)
-    shade(ax, evaluation.transparent, scale)
-    ax.axhline(c, color=pen.GREY, linewidth=0.6, linestyle=pen.DOTTED)
-    lines = []
-    for name, values in ratios.items():
-        color, style = looks.get(name, (pen.GREY, pen.SOLID))
-        width = 1.1 if name in looks else 0.6
-        lines += ax.plot(at, values, color=color, linestyle=style, linewidth=width, zorder=3)
-    ax.plot(at, envelope, color=pen.INK, linewidth=2.2, alpha=0.35, zorder=2, solid_capstyle="butt")
-    for x in (x for x in evaluation.binding if x.criterion == criterion):
-        color, place = looks[x.environment][0], scale.of(float(x.omega))
-        lines += ax.plot([place], [c], marker="o", markersize=3.8, color=color, zorder=4, clip_on=False)
-    ax.set(xlim=(at[0], at[-1]), ylim=(0, _height(envelope, c)))
-    dress(ax, y=name_of(criterion))
-    return lines
-
-
-def draw_worst(ax: Axes, found: FamilyEvaluation, which: int = 0) -> list[Line2D]:
-    """One ratio of each environment, and the largest of them: the ``which``-th criterion. Returns a line for each, and dots."""
-    scale, (omega, values) = band_scale(found.family.first.band), sampled_family(found)
-    lines = draw_envelope(ax, found, which, omega, values, scale)
-    name_frequency(ax, scale)
-    legend(ax, envelope_handles(found))
-    return lines
-
-
-def _height(envelope: Array, c: float) -> float:
-    """The top of the axes: all of the envelope where it is not far above the threshold."""
+    omega, every = shared or _sampled(w)
+    values = {name: all_[:, which] for name, all_ in every.items()}
+    envelope = np.max(np.nan_to_num(np.stack(list(values.values())), nan=np.inf), axis=0)
+    criterion = noticed(w.family.threshold)[which]
+    c, looks = limit_of(criterion), _looks(w)
+    lines, marks = list[Layer](), list[Layer]()
+    for name, ratio in sorted(values.items(), key=lambda x: list(looks).index(x[0]) if x[0] in looks else len(looks)):
+        color, stroke = looks.get(name, (pen.GREY, pen.SOLID))
+        label, width = (f"limited by {name}", 1.1) if name in looks else ("others", 0.6)
+        lines.append(Curve(omega, ratio, color, stroke, width, label=fill(label, 40), look={"zorder": 3}))
+    for x in (x for x in w.binding if x.criterion == criterion):
+        look = {"zorder": 4, "clip_on": False}
+        marks.append(Mark([float(x.omega)], [c], looks[x.environment][0], size=3.8, look=look, styled=True))
+    layers = [
+        Curve(omega, envelope, width=2.2, label="largest", styled=False, look={"alpha": 0.35, "zorder": 2, "solid_capstyle": "butt"}),
+        *lines, *marks, Limit(c, stroke=pen.DOTTED, label="threshold"),
+        Band([ends_of(x) for x in w.transparent], label="all transparent", firm=True),
+    ]  # fmt: skip
     finite = envelope[np.isfinite(envelope)]
-    highest = float(finite.max()) if finite.size else 0.0
-    return min(max(1.08 * highest, 1.6 * c), 4 * c)
+    top = min(max(1.08 * float(finite.max(initial=0.0)), 1.6 * c), 4 * c)
+    axis = frequency(w.family.frequency, (float(omega[0]), float(omega[-1])))
+    return Chart(layers, axis, Axis(name_of(criterion), ends=(0, top)), height=1.3)
 
 
-def sampled_family(evaluation: FamilyEvaluation) -> tuple[Array, SampledCriteria]:
-    """Frequencies, rad/s, and what is judged there of each environment."""
-    omega = _common_grid(evaluation)
-    return omega, _sampled(evaluation, omega)
-
-
-def _common_grid(evaluation: FamilyEvaluation) -> Array:
-    grids = [sampled(x) for x in evaluation.answers.values()]
-    ends = [float(point.omega) for point in evaluation.chart.points]
-    return np.unique(np.concatenate([*grids, ends]))
-
-
-def _sampled(evaluation: FamilyEvaluation, omega: Array) -> SampledCriteria:
+def _sampled(w: FamilyEvaluation) -> tuple[Array, dict[str, Array]]:
+    """Frequencies, rad/s, and what is judged there of each environment, a column for each criterion."""
+    grids = [sampled(x) for x in w.answers.values()]
+    omega = np.unique(np.concatenate([*grids, [float(point.omega) for point in w.chart.points]]))
     found = {}
-    for name, answers in evaluation.answers.items():
-        values = answers.distortion.compile()(omega)
-        found[name] = broken(columns(answers.criteria, values, omega), omega, answers.unbounded)
-    return found
+    for name, x in w.answers.items():
+        found[name] = broken(columns(x.criteria, x.distortion.compile()(omega), omega), omega, x.unbounded)
+    return omega, found
 
 
-def binding_looks(evaluation: FamilyEvaluation) -> dict[str, tuple[str, Any]]:
-    """The colour and stroke of each environment that binds somewhere."""
-    names = list(dict.fromkeys(x.environment for x in evaluation.binding))
-    return {name: _BINDING[i % len(_BINDING)] for i, name in enumerate(names)}
+def _looks(w: FamilyEvaluation) -> dict[str, tuple[str, Any]]:
+    """The colour and stroke of each environment that limits somewhere."""
+    names = list(dict.fromkeys(x.environment for x in w.binding))
+    return {name: _LIMITING[i % len(_LIMITING)] for i, name in enumerate(names)}
 
 
-def save_family_figures(evaluation: FamilyEvaluation, directory: str | Path) -> list[Path]:
-    """``worst-case``, and ``regions`` where they were asked for, as files one column wide."""
-    more = {"regions": family_regions_figure(evaluation)} if evaluation.regions else {}
-    return save_all({"worst-case": family_figure(evaluation), **more}, directory)
+def worst_case(w: FamilyEvaluation) -> Figure:
+    """A chart for each criterion, one above the other, with one legend."""
+    shared, count = _sampled(w), len(noticed(w.family.threshold))
+    first, *others = (worst(w, i, shared=shared) for i in range(count))
+    ends = dict.fromkeys(x.omega for x in w.binding)
+    above = Above([(float(x), first.x.digits(x, 4)) for x in ends])
+    quiet = [_unnamed(chart) for chart in others]
+    return sheet(Chart([*first.layers, above], first.x, first.y, first.height), *quiet)
 
 
-def family_figure(evaluation: FamilyEvaluation) -> Figure:
-    """A panel for each criterion, one above the other, with one legend."""
-    count = len(noticed(evaluation.family.threshold))
-    height = 0.7 + 1.3 * count
-    figure = Figure(figsize=(pen.WIDTH, height), layout="compressed")
-    panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
-    scale, (omega, sampled) = band_scale(evaluation.family.first.band), sampled_family(evaluation)
-    for which, ax in enumerate(panels):
-        draw_envelope(ax, evaluation, which, omega, sampled, scale)
-    for ax in panels[:-1]:
-        ax.tick_params(labelbottom=False)
-    name_frequency(panels[-1], scale)
-    ends = dict.fromkeys(x.omega for x in evaluation.binding)
-    label_above(panels[0], [(scale.of(float(x)), scale.digits(x, 4)) for x in ends])
-    legend(panels[0], envelope_handles(evaluation), lines=1)
-    return laid_out(figure, height, panels[0])
+def _unnamed(chart: Chart) -> Chart:
+    """The same without entries of the legend."""
+    return replace(chart, layers=[replace(x, label="") for x in chart.layers])
 
 
-def envelope_handles(evaluation: FamilyEvaluation) -> list[Any]:
-    """What the legend of an envelope says."""
-    looks = binding_looks(evaluation)
-    bound = [
-        handle(color, style, fill(f"limited by {name}", 40), 1.1, marker="o", markersize=3.8)
-        for name, (color, style) in looks.items()
-    ]
-    others = [] if len(looks) == len(evaluation.family) else [handle(pen.GREY, pen.SOLID, "others", 0.6)]
-    ground = [Patch(facecolor=pen.SHADE, label="all transparent")] if evaluation.transparent else []
-    return [
-        handle(pen.INK, pen.SOLID, "largest", 2.2, alpha=0.35),
-        *bound,
-        *others,
-        handle(pen.GREY, pen.DOTTED, "threshold", 0.6),
-        *ground,
-    ]
+def regions(w: FamilyEvaluation) -> Chart:
+    """A row for each environment and one for all together; a mark for the bandwidth that each region gives.
+
+    A region that gives no bandwidth has no mark in that row. NothingToDrawError where no regions were asked for.
+    """
+    if not w.regions:
+        raise NothingToDrawError("kind: no regions were compared: ask for them with evaluate_all(scenes, regions=True)")
+    names = [*w.family, "all together"]
+    low, high = (float(w.chart.points[i].omega) for i in (0, -1))
+    layers, empty = list[Layer](), np.ones(len(names), bool)
+    for i, (x, (color, _, shape)) in enumerate(zip(w.regions, REGIONS, strict=False)):
+        widths = [*(x.answers[name].bandwidth for name in w.family), x.bandwidth]
+        at = [(float(b), row + 0.2 * (i - 1.5)) for row, b in enumerate(widths) if b is not None]
+        empty &= np.array([b is None for b in widths])
+        look = {"zorder": 3, "clip_on": False}
+        marks = Mark([a for a, _ in at], [b for _, b in at], color, shape, 3.4, look=look, label=x.name, styled=True)
+        layers.append(marks if at else Words(label=f"{x.name}: none"))
+    layers += [_Said("no bandwidth", row) for row in np.flatnonzero(empty)]
+    layers.append(Limit(len(names) - 1.5, width=0.5))
+    rows = [fill(x, _BROAD, max_lines=3, placeholder="…") for x in names]
+    axis = frequency(w.family.frequency, (low, high))
+    axis = Axis("bandwidth", axis.unit, axis.ends, axis.dimension)
+    return Chart(layers, axis, Axis(names=rows), height=0.6 + 0.36 * len(names))
+
+
+@dataclass(frozen=True)
+class _Said(Layer):
+    """Words at the left of a row."""
+
+    text: str
+    row: int
+
+    def draw(self, on: On) -> list[Artist]:
+        return [
+            on.ax.text(
+                0.01, self.row, self.text, transform=on.ax.get_yaxis_transform(), fontsize=pen.SMALL, va="center"
+            )
+        ]
+
+
+FAMILY = Drawings[FamilyEvaluation](
+    {"real": worst, "imag": partial(worst, which=1), "regions": regions},
+    {"worst-case": worst_case, "regions": lambda w: sheet(regions(w))},
+)

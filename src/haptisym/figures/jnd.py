@@ -2,56 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
+from matplotlib.artist import Artist
 
 from haptisym.figures import pen
-from haptisym.figures.sheet import one_column
-from haptisym.figures.style import dots, dress, entries, legend, write_note
+from haptisym.figures.layers import Axis, Chart, Curve, Layer, Mark, Note, On, Words, dots
+from haptisym.figures.sheet import Drawings
 from haptisym.verbs.jnd.entry import Psychometric, PublishedThresholds
 
-_HEIGHT = 2.3
 _LEAST, _MOST = 3.0, 7.0
 """Points: the diameters of the dots of the fewest and of the most answers."""
 
 
-def draw_jnd(ax: Axes, p: Psychometric, *, color: str | None = None, label: str = "") -> list[Line2D]:
-    """Dots for the shares of the answers, larger where there are more, and the curve; for the first on the axes the JND, too.
-
-    ``color``, ``label`` : of this person or condition; a further one gets the next colour. Returns the curve and the dots.
-    """
-    before = sum(str(x.get_label()).startswith("fitted curve") for x in ax.lines)
-    own = color or (pen.BLUE if not before else pen.SCENES[before % len(pen.SCENES)])
-    suffix = f", {label}" if label else ""
+def answers(p: Psychometric) -> Chart:
+    """Dots for the shares of the answers, larger where there are more, and the curve; for the first on the axes the JND, too."""
     rows, (low, high) = p.answers.rows, _reach(p)
     level = np.linspace(low, high, 400)
-    [curve] = ax.plot(level, p.fit.curve(level), color=own, linewidth=1.1, label=f"fitted curve{suffix}", zorder=2)
+    curve = Curve(level, p.fit.curve(level), pen.BLUE, label="fitted curve", look={"zorder": 2})
     most = max(x.trials for x in rows)
-    rim: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5}
-    shares: list[Line2D] = []
-    for x in rows:
-        size = max(_LEAST, _MOST * (x.trials / most) ** 0.5)
-        shares += ax.plot([x.level], [x.share], color=own, zorder=3, **dots(size, **rim))
-    shares[0].set_label(f"answers{suffix}")
-    told = [curve, Line2D([], [], color=own, label=f"answers{suffix}", **dots(5))]
-    if not before:
-        told += _mark(ax, p)
-    ax.set_ylim(-0.03, 1.03)
-    ax.set_xlim(low, high)
-    dress(ax, "level", "share of right answers" if p.asked.alternatives else "share of “more”")
-    legend(ax, [*entries(ax).values(), *told])
-    if p.deviance.fits is False:
-        write_note(ax, "the curve does not fit these answers")
-    return [curve, *shares]
-
-
-def jnd_figure(p: Psychometric) -> Figure:
-    """One column of a journal."""
-    return one_column(_HEIGHT, lambda ax: draw_jnd(ax, p))
+    rim: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5, "zorder": 3}
+    shares = [
+        Mark([x.level], [x.share], pen.BLUE, size=max(_LEAST, _MOST * (x.trials / most) ** 0.5), look=rim, styled=True)
+        for x in rows
+    ]
+    told = Words(label="answers", look=dots(5, color=pen.BLUE))
+    note = [Note("the curve does not fit these answers")] if p.deviance.fits is False else []
+    upright = Axis("share of right answers" if p.asked.alternatives else "share of “more”", ends=(-0.03, 1.03))
+    return Chart([curve, *shares, told, *_jnd(p, low), *note], Axis("level", ends=(low, high)), upright, height=2.3)
 
 
 def _reach(p: Psychometric) -> tuple[float, float]:
@@ -65,42 +45,44 @@ def _reach(p: Psychometric) -> tuple[float, float]:
     return low - 0.06 * (high - low), high + 0.06 * (high - low)
 
 
-def _mark(ax: Axes, p: Psychometric) -> list[Line2D]:
+@dataclass(frozen=True)
+class _First(Curve):
+    """A line of the first answers on the axes alone."""
+
+    styled: bool = field(default=False, kw_only=True)
+
+    def draw(self, on: On) -> list[Artist]:
+        return [] if on.number else super().draw(on)
+
+
+def _jnd(p: Psychometric, low: float) -> list[Layer]:
     """The middle of the curve, and where the JND is taken, with its interval as a bar."""
     start = 0.0 if p.asked.alternatives else p.middle.value
     at = start + p.jnd.value
-    share = float(p.fit.curve(np.array([at]))[0])
-    made: list[Line2D] = []
+    share, made, under = float(p.fit.curve(np.array([at]))[0]), list[Layer](), {"zorder": 1}
     if not p.asked.alternatives:
         half = float(p.fit.curve(np.array([start]))[0])
-        ax.plot([start, start], [-0.03, half], color=pen.GREY, linewidth=0.6, linestyle=pen.DOTTED, zorder=1)
-        made.append(Line2D([], [], color=pen.GREY, linewidth=0.6, linestyle=pen.DOTTED, label="subjective equality"))
-    ax.plot([at, at], [-0.03, share], color=pen.RED, linewidth=0.8, linestyle=pen.DASHED, zorder=1)
-    ax.plot([ax.get_xlim()[0], at], [share, share], color=pen.RED, linewidth=0.8, linestyle=pen.DASHED, zorder=1)
-    made.append(
-        Line2D(
-            [], [], color=pen.RED, linewidth=0.8, linestyle=pen.DASHED, label=f"JND at {100 * p.asked.proportion:.4g} %"
+        made.append(
+            _First([start, start], [-0.03, half], pen.GREY, pen.DOTTED, 0.6, label="subjective equality", look=under)
         )
-    )
+    told = f"JND at {100 * p.asked.proportion:.4g} %"
+    made.append(_First([low, at, at], [share, share, -0.03], pen.RED, pen.DASHED, 0.8, label=told, look=under))
     if p.jnd.low is not None and p.jnd.high is not None:
-        ends = [start + p.jnd.low, start + p.jnd.high]
-        ax.plot(ends, [share, share], color=pen.RED, linewidth=3, alpha=0.35, solid_capstyle="butt", zorder=1)
-        told = f"{100 * p.confidence:.4g} % interval"
-        made.append(Line2D([], [], color=pen.RED, linewidth=3, alpha=0.35, label=told))
+        ends, look = [start + p.jnd.low, start + p.jnd.high], {"alpha": 0.35, "solid_capstyle": "butt", "zorder": 1}
+        made.append(
+            _First(ends, [share, share], pen.RED, width=3, label=f"{100 * p.confidence:.4g} % interval", look=look)
+        )
     return made
 
 
-def draw_published(ax: Axes, found: PublishedThresholds) -> list[Line2D]:
-    """A bar for each threshold that a scene can take, from its least to its largest fraction. Returns the bars."""
+def published(found: PublishedThresholds) -> Chart:
+    """A bar for each threshold that a scene can take, from its least to its largest fraction."""
     rows = [x for x in found if not x.apart]
-    made = [
-        ax.plot([100 * float(x.low), 100 * float(x.high)], [i, i], "o-", color=pen.INK, markersize=3.5, linewidth=1.1)[
-            0
-        ]
-        for i, x in enumerate(rows)
-    ]
-    dress(ax)
-    ax.set_yticks(range(len(rows)), [x.name for x in rows], fontsize=pen.SMALL)
-    ax.invert_yaxis()
-    ax.set_xlabel("just-noticeable difference (%)", fontsize=pen.TEXT)
-    return made
+    style = {"marker": "o", "markersize": 3.5}
+    bars = [Curve([100 * float(x.low), 100 * float(x.high)], [i, i], look=style) for i, x in enumerate(rows)]
+    return Chart(
+        bars, Axis("just-noticeable difference (%)"), Axis(names=[x.name for x in rows]), height=0.5 + 0.16 * len(rows)
+    )
+
+
+JND, PUBLISHED = Drawings[Psychometric]({"answers": answers}), Drawings[PublishedThresholds]({"fractions": published})

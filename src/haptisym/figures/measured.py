@@ -1,263 +1,318 @@
-"""The figures of a measured evaluation: ratios with their discs against the thresholds, and both responses in the plane.
+"""Figures of measurements: ratios with their discs against the thresholds, both responses in the plane, and fitted models.
 
-Not too many lines are drawn, each with its disc, over frequencies in a unit and on a scale that fit.
+Of very many lines every so many is drawn. Discs and bars that are smaller than the marks which they belong to are left out, and so
+is their entry.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.collections import PatchCollection
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Patch
+from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
-from sympy import Expr
 
 from haptisym.figures import pen
-from haptisym.figures.sheet import Drawings
-from haptisym.figures.style import (
-    Scale,
-    band_scale,
+from haptisym.figures.evaluation import Matched, changes, plane, short_thirds
+from haptisym.figures.layers import (
+    Axis,
+    Chart,
+    Curve,
+    Discs,
+    Layer,
+    Limit,
+    Mark,
+    On,
+    Origin,
+    Words,
     dots,
-    draw_origin,
-    dress,
-    dress_changes,
-    dress_plane,
-    entry,
-    floats_scale,
+    force_per_position,
+    frequency,
     handle,
-    keep_scales,
-    legend,
-    limit,
-    name_frequency,
-    wanted_scale,
 )
+from haptisym.figures.sheet import Drawings, sheet
+from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import SQUARE, Part
 from haptisym.model.measured import Measurement
+from haptisym.model.quantities import Dimension, Unit, quantity
+from haptisym.programs.values import Array
+from haptisym.verbs.identify.entry import Identification
+from haptisym.verbs.identify.fitting import Curve as Fitted
 from haptisym.verbs.measured.entry import Cells, MeasuredEvaluation, Swept
 from haptisym.verbs.measured.judging import joint_distance, limits_of, values_of
 
-_MOST_LINES = 800
-"""Drawn; of more, every so many."""
+_MOST_LINES, _MOST_POINTS = 800, 6000
+"""Frequency points drawn, and points of swept discs."""
+_SEEN = 0.012
+"""Of the height of the axes: what is no longer than that is hidden by its mark."""
+_PARTS = ((1, pen.RED, "exceeds in a part"), (0, pen.GREY, "unresolved"), (-1, pen.BLUE, "below in both parts"))
+_JOINT = ((1, pen.RED, "outside"), (0, pen.GREY, "unresolved"), (-1, pen.BLUE, "inside"))
+_COLORS = {Part.REAL: pen.BLUE, Part.IMAG: pen.RED}
+_APART = 1.3
+"""Points to the left and to the right of a frequency, so that the bars of both parts can be told apart."""
 
 
-def thinned(count: int) -> Any:
+def _thinned(count: int) -> Any:
     """Which of so many lines are drawn."""
     return np.arange(0, count, -(-count // _MOST_LINES))
 
 
-def codes_of(e: MeasuredEvaluation, part: Part) -> Any:
+def _left_out(drawn: int, count: int) -> list[Words]:
+    """What the legend says where not all lines are drawn."""
+    return [Words(label=f"{drawn} of {count} points are drawn")] if drawn < count else []
+
+
+def unit_of(omega: Array) -> Unit:
+    """Hz where the first frequencies are short decimals in Hz, and not all are in rad/s.
+
+    >>> unit_of(np.array([0.0, 31.41592653589793])).name, unit_of(np.array([20.0, 200.0])).name
+    ('Hz', 'rad/s')
+    """
+    hertz = quantity("1 Hz", Dimension.FREQUENCY).unit
+    assert hertz is not None
+    given, size = np.abs(np.asarray(omega, dtype=float)[:50]), float(hertz.size)
+
+    def is_short(x: float) -> bool:
+        return abs(x - float(f"{x:.6g}")) <= 1e-13 * x
+
+    return hertz if all(map(is_short, given / size)) and not all(map(is_short, given)) else Unit("rad/s")
+
+
+def _along(omega: Array, unit: Unit, margin: float = 0.03) -> Axis:
+    """The axis of measured frequencies, logarithmic where they span decades."""
+    low, high = float(omega[0]), float(omega[-1])
+    room = margin * (high - low) or 0.5 * high or 1.0
+    is_log = low > 0 and high > 30 * low
+    ends = (0.9 * low, 1.1 * high) if is_log else (max(low - room, 0.0 if low == 0 else 0.5 * low), high + room)
+    axis = frequency(unit, ends)
+    return Axis(axis.label, unit, ends, Dimension.FREQUENCY, log=is_log)
+
+
+def _codes_of(e: MeasuredEvaluation, part: Part) -> Any:
     """What is told of a part, or of both where the region judges them together."""
     return e.joint.verdict if e.joint else e.verdict[part]
 
 
-def left_out(drawn: int, count: int) -> list[Line2D]:
-    """What the legend says where not all lines are drawn."""
-    return [entry(f"{drawn} of {count} lines are drawn")] if drawn < count else []
+def _disc_words(confidence: float) -> str:
+    return f"{100 * confidence:.4g} % disc"
 
 
-def scale_of_lines(omega: Any, band: Sequence[Expr] | None = None, *, hertz: bool | None = None) -> Scale:
-    """The unit of their frequencies: what was asked for, else that of the band, else the one in which they are short."""
-    return wanted_scale(hertz=hertz) or (band_scale(band) if band else floats_scale(omega[:50]))
+# The plane of dynamics, and that of changes.
 
 
-def spread_out(ax: Axes, at: Any) -> None:
-    """A logarithmic axis where the lines span decades."""
-    if at[0] > 0 and at[-1] > 30 * at[0]:
-        ax.set_xscale("log")
-        ax.tick_params(which="minor", width=0.4, length=1.5, color=pen.GREY)
+def nyquist(e: MeasuredEvaluation) -> Chart:
+    """H_env and the measured H_perc in the complex plane, a disc around each point, in the colour of its verdict.
 
-
-def draw_discs(ax: Axes, centres: Any, radii: Any, color: str) -> None:
-    """A disc about each point of the plane whose radius is known."""
-    seen = np.isfinite(radii) & (radii > 0)
-    circles = [Circle((c.real, c.imag), r) for c, r in zip(centres[seen], radii[seen], strict=True)]
-    ax.add_collection(PatchCollection(circles, facecolor=color, edgecolor=color, alpha=0.22, linewidth=0.5, zorder=1))
-
-
-def disc_handle(confidence: float) -> Line2D:
-    """What the legend says of the bars that stand for discs."""
-    return handle(pen.GREY, "none", f"{100 * confidence:.4g} % disc", 0.7, marker="|", markersize=6)
-
-
-_PARTS = ((1, pen.RED, "exceeds in a part"), (0, pen.GREY, "unresolved"), (-1, pen.BLUE, "below in both parts"))
-_JOINT = ((1, pen.RED, "outside"), (0, pen.GREY, "unresolved"), (-1, pen.BLUE, "inside"))
-
-
-def draw_measured_nyquist(ax: Axes, e: MeasuredEvaluation) -> list[Line2D]:
-    """H_env and the measured H_perc in the complex plane, a disc around each line, in the colour of what it tells.
-
-    Returns the curve (or dots) of the environment and the dots of what is felt.
+    Three frequencies bear the same mark on both.
     """
-    drawn = thinned(len(e))
-    draw_origin(ax)
-    lines = _environment(ax, e, drawn)
-    real, imag = (codes_of(e, part) for part in Part)
+    drawn = _thinned(len(e))
+    real, imag = (_codes_of(e, part) for part in Part)
     codes = np.where((real == 1) | (imag == 1), 1, np.where((real == -1) & (imag == -1), -1, 0))[drawn]
-    felt, radius = e.lines.perceived[drawn], e.lines.perc_radius[drawn]
-    for code, colour, label in _PARTS:
+    env, felt, radius = e.lines.environment[drawn], e.lines.perceived[drawn], e.lines.perc_radius[drawn]
+    x, y = _frame(np.concatenate([env, felt]), radius)
+    least = _SEEN * max(x[1] - x[0], y[1] - y[0])
+    layers: list[Layer] = [Origin(), *_environment(e, drawn, least)]
+    for code, color, label in _PARTS:
         if (own := codes == code).any():
-            draw_discs(ax, felt[own], radius[own], colour)
-            lines += ax.plot(felt[own].real, felt[own].imag, color=colour, zorder=4, label=label, **dots(2.4))
-    _frame(ax, np.concatenate([e.lines.environment[drawn], felt]), radius)
-    dress_plane(ax, e.scene)
-    legend(ax, [*lines, *left_out(len(drawn), len(e))])
-    return lines
+            layers += [*_seen_discs(felt[own], radius[own], color, least)]
+            layers.append(Mark(felt[own].real, felt[own].imag, color, size=2.4, label=label, styled=True))
+    known = np.isfinite(radius) & (radius > least)
+    disc = (
+        [Words(label=_disc_words(e.scene.perceived.confidence), look=dots(7, alpha=0.3, color=pen.GREY))]
+        if known.any()
+        else []
+    )
+    layers += [*disc, _matched(e, env, felt, drawn), *_left_out(len(drawn), len(e))]
+    return Chart(layers, *plane(e.scene, x, y), height=2.6, equal=True)
 
 
-def _environment(ax: Axes, e: MeasuredEvaluation, drawn: Any) -> list[Line2D]:
+def _matched(e: MeasuredEvaluation, env: Array, felt: Array, drawn: Any) -> Matched:
+    """The measured frequencies that are nearest to thirds of the band."""
+    omega, unit = e.lines.omega[drawn], _unit(e)
+    axis = _along(omega, unit, 0.0)
+    at = dict.fromkeys(int(np.argmin(np.abs(omega - w))) for w in short_thirds(omega, axis))
+    rows = [
+        (axis.short(omega[i]), np.array([env[i].real, env[i].imag]), np.array([felt[i].real, felt[i].imag])) for i in at
+    ]
+    return Matched(rows, colors=(pen.INK, pen.INK), shared=True)
+
+
+def _unit(e: MeasuredEvaluation) -> Unit:
+    return e.scene.frequency if e.scene.band else unit_of(e.lines.omega)
+
+
+def _seen_discs(centres: Any, radii: Any, color: str, least: float) -> list[Discs]:
+    """Discs that are larger than their marks."""
+    seen = np.isfinite(radii) & (radii > least)
+    return [Discs(centres[seen], radii[seen], color)] if seen.any() else []
+
+
+def _environment(e: MeasuredEvaluation, drawn: Any, least: float) -> list[Layer]:
     """A curve of the model, or dots with discs where the environment is measured too."""
     x, label = e.lines, r"$H_\mathrm{env}$"
+    env = x.environment[drawn]
     if isinstance(e.scene.environment, Measurement):
-        draw_discs(ax, x.environment[drawn], x.env_radius[drawn], pen.INK)
-        env = x.environment[drawn]
-        return ax.plot(env.real, env.imag, color=pen.INK, zorder=3, label=label, **dots(3, "x"))
+        marks = Mark(env.real, env.imag, shape="x", size=3, label=label, styled=True, look={"zorder": 3})
+        return [*_seen_discs(env, x.env_radius[drawn], pen.INK, least), marks]
     omega = np.union1d(np.linspace(x.omega[0], x.omega[-1], 801), x.omega[drawn])
     values = e.scene.frame.distortion().compile(of=["environment_real", "environment_imag"])(omega)
-    made = ax.plot(
-        values.environment_real, values.environment_imag, color=pen.INK, linewidth=1.1, zorder=2, label=label
-    )
-    env = x.environment[drawn]
-    ax.plot(env.real, env.imag, color=pen.INK, zorder=3, **dots(4, "|"))
-    return made
+    return [Curve(values.environment_real, values.environment_imag, label=label, look={"zorder": 2})]
 
 
-def _frame(ax: Axes, points: Any, radius: Any) -> None:
-    """Limits that hold the points and most of their discs; equal scales where that leaves a drawing."""
+def _frame(points: Any, radius: Any) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Limits that hold the points and most of their discs."""
     known = radius[np.isfinite(radius)]
     reach = float(np.quantile(known, 0.9)) if len(known) else 0.0
     sides = [(float(x.min()) - reach, float(x.max()) + reach) for x in (points.real, points.imag)]
     margin = 0.05 * max(high - low for low, high in sides) or 1.0
-    limit(ax, *((low - margin, high + margin) for low, high in sides))
-    keep_scales(ax)
+    (a, b), (c, d) = ((low - margin, high + margin) for low, high in sides)
+    return (a, b), (c, d)
 
 
-def draw_measured_plane(ax: Axes, e: MeasuredEvaluation) -> list[Line2D]:
-    """dH/|H_env| of each line with its disc, and the region, where that is the same at all. Returns the dots."""
-    assert e.joint is not None
-    drawn = thinned(len(e))
+def measured_plane(e: MeasuredEvaluation) -> Chart:
+    """dH/|H_env| of each point with its disc, and the region, where that is the same at all.
+
+    NothingToDrawError where the region judges each part by itself.
+    """
+    if e.joint is None:
+        raise NothingToDrawError("the JND judges each part by itself")
+    drawn = _thinned(len(e))
     at, codes = e.lines.change[drawn], e.joint.verdict[drawn]
     radius = np.zeros(len(at)) if e.lines.radius is None else e.lines.radius[drawn]
     reach = max(0.2, 1.15 * float(np.quantile(np.abs(at[np.isfinite(at)]), 0.9)))
-    limit(ax, (-reach, reach), (-reach, reach))
-    made: list[Line2D] = []
-    for code, colour, label in _JOINT:
+    layers: list[Layer] = []
+    for code, color, label in _JOINT:
         if (own := (codes == code) & np.isfinite(at)).any():
-            draw_discs(ax, at[own], radius[own], colour)
-            made += ax.plot(at[own].real, at[own].imag, color=colour, label=label, **dots(2.4))
-    entries = [*made]
-    if e.scene.threshold.is_constant:
-        side = np.linspace(-reach, reach, 401)
+            layers += _seen_discs(at[own], radius[own], color, 2 * _SEEN * reach)
+            layers.append(Mark(at[own].real, at[own].imag, color, size=2.4, label=label, styled=True))
+    threshold = e.scene.threshold
+    border = [_Border(threshold, reach, label=str(threshold.region.shape.value))] if threshold.is_constant else []
+    return Chart([*layers, *border], *changes(reach), height=2.8, equal=True)
+
+
+@dataclass(frozen=True)
+class _Border(Layer):
+    """The border of a region that judges both parts, where a distance is 0."""
+
+    threshold: Any
+    reach: float
+
+    def draw(self, on: On) -> list[Artist]:
+        side = np.linspace(-self.reach, self.reach, 401)
         x, y = np.meshgrid(side, side)
-        distance = joint_distance(e.scene.threshold, np.ones(x.size), x.ravel(), y.ravel())
+        distance = joint_distance(self.threshold, np.ones(x.size), x.ravel(), y.ravel())
         assert distance is not None
-        ax.contour(x, y, distance.reshape(x.shape), levels=[0], colors=pen.INK, linewidths=0.9)
-        entries.append(handle(pen.INK, "-", str(e.scene.threshold.region.shape.value), 0.9))
-    dress_changes(ax)
-    ax.set_aspect("equal")
-    legend(ax, entries)
-    return made
+        on.ax.contour(x, y, distance.reshape(x.shape), levels=[0], colors=pen.INK, linewidths=0.9)
+        return [handle(pen.INK, "-", "", 0.9)]
 
 
-_COLOURS = {Part.REAL: pen.BLUE, Part.IMAG: pen.RED}
+# The ratios.
+
+
+@dataclass(frozen=True)
+class _Bars(Layer):
+    """Upright bars at places, a little to one side; ``aside`` : points."""
+
+    x: Any
+    low: Any
+    high: Any
+    color: str
+    aside: float = 0.0
+
+    def draw(self, on: On) -> list[Artist]:
+        place = _beside(on, self.aside)
+        style: dict[str, Any] = {"color": on.ink(self.color), "linewidth": 0.8, "alpha": 0.6, "zorder": 2}
+        return [on.ax.vlines(on.x.of(self.x), on.y.of(self.low), on.y.of(self.high), transform=place, **style)]
+
+    def keys(self, _on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
+        key = handle(pen.GREY, "none", "", 0.7, marker="|", markersize=6)
+        return [(self.label, key)] if self.label and made else []
+
+
+def _beside(on: On, aside: float) -> Any:
+    return on.ax.transData + ScaledTranslation(aside / 72, 0, on.ax.figure.dpi_scale_trans)
+
+
+@dataclass(frozen=True)
+class _Dots(Layer):
+    """The ratios of one part: filled where the whole disc is on one side of the threshold, open where it is not."""
+
+    x: Any
+    y: Any
+    open: Any
+    part: Part
+
+    def draw(self, on: On) -> list[Artist]:
+        made: list[Artist] = []
+        is_cut = bool((self.y > on.ax.get_ylim()[1]).any())
+        color, shape = on.ink(_COLORS[self.part]), "os"[self.part is Part.IMAG]
+        place = _beside(on, -_APART if self.part is Part.REAL else _APART)
+        for where, face in ((~self.open, color), (self.open, "white")):
+            if where.any():
+                look = {"transform": place, "clip_on": is_cut, "markeredgewidth": 0.7, "zorder": 3}
+                made += Mark(self.x[where], self.y[where], color, shape, 3.2, face, look=look).draw(on)
+        return made
+
+    def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
+        key = handle(on.ink(_COLORS[self.part]), "none", "", **dots(3.2, "os"[self.part is Part.IMAG]))
+        return [(self.label, key)] if made else []
+
+
 _SYMBOLS = {Part.REAL: r"$r_\mathrm{r}$", Part.IMAG: r"$r_\mathrm{i}$"}
-_STYLES = {Part.REAL: pen.SOLID, Part.IMAG: pen.DASHED}
-_APART = 1.3
-"""Points to the left and to the right of a line's frequency, so that the bars of both parts can be told apart."""
 
 
-def draw_measured_ratios(ax: Axes, e: MeasuredEvaluation, *, hertz: bool | None = None) -> list[Line2D]:
-    """r_r and r_i at the measured lines, a bar as far as each disc reaches, and the thresholds. Returns the dots.
+def ratios(e: MeasuredEvaluation) -> Chart:
+    """r_r and r_i at the measured frequencies, a bar as far as each disc reaches, and the thresholds.
 
     Filled where the whole disc exceeds the threshold or is below it, open where it does not tell. Nothing joins the
-    lines but what discs leave possible that a bound on the slope sweeps.
+    points but what discs leave possible that a bound on the slope sweeps.
     """
-    drawn, scale = thinned(len(e)), scale_of_lines(e.lines.omega, e.scene.band, hertz=hertz)
-    omega = scale.of(e.lines.omega[drawn])
+    drawn = _thinned(len(e))
+    omega = e.lines.omega[drawn]
     radius = np.zeros(len(omega)) if e.lines.radius is None else e.lines.radius[drawn]
-    top = _top(e, radius)
-    limit(ax, _span(omega), (0, top))
-    dots: list[Line2D] = []
+    top, bars, marks = _top(e, radius), list[Layer](), list[Layer]()
+    is_seen = bool((radius[np.isfinite(radius)] > _SEEN * top).any())
+    opened = False
     for part, change, side in zip(Part, (e.lines.change.real, e.lines.change.imag), (-1, 1), strict=True):
-        ratio, place = np.abs(change[drawn]), _beside(ax, side)
-        ends = np.clip(ratio - radius, 0, None), np.minimum(ratio + radius, 2 * top)
-        ax.vlines(omega, *ends, transform=place, color=_COLOURS[part], linewidth=0.7, alpha=0.55, zorder=2)
-        dots += _dots(ax, omega, ratio, codes_of(e, part)[drawn], part, place)
-    thresholds = _thresholds(ax, e, scale)
-    swept = _draw_swept(ax, e, scale) if e.scene.slopes else []
-    dress(ax)
-    spread_out(ax, omega)
-    name_frequency(ax, scale)
-    ax.set_ylabel(r"ratio to $|H_\mathrm{env}|$", fontsize=pen.TEXT)
-    legend(ax, [*_told(e), *swept, *thresholds, *left_out(len(drawn), len(e))])
-    return dots
+        ratio, is_open = np.abs(change[drawn]), _codes_of(e, part)[drawn] == 0
+        marks.append(_Dots(omega, ratio, is_open, part, label=_SYMBOLS[part], styled=True))
+        opened |= bool(is_open.any())
+        if is_seen:
+            ends = np.clip(ratio - radius, 0, None), np.minimum(ratio + radius, 2 * top)
+            label = _disc_words(e.scene.perceived.confidence)
+            bars.append(_Bars(omega, *ends, _COLORS[part], side * _APART, label=label, shared=True))
+    unresolved = (
+        [Words(label="unresolved", look=dots(3.2, markerfacecolor="white", markeredgewidth=0.7))] if opened else []
+    )
+    swept = _swept(e) if e.scene.slopes else []
+    layers = [*marks, *unresolved, *bars, *swept, *_thresholds(e), *_left_out(len(drawn), len(e))]
+    return Chart(layers, _along(omega, _unit(e)), Axis(r"ratio to $|H_\mathrm{env}|$", ends=(0, top)))
 
 
-def _dots(ax: Axes, at: Any, ratio: Any, codes: Any, part: Part, place: Any) -> list[Line2D]:
-    made: list[Line2D] = []
-    is_cut = bool((ratio > ax.get_ylim()[1]).any())
-    for told, face in ((codes != 0, _COLOURS[part]), (codes == 0, "white")):
-        if told.any():
-            made += ax.plot(
-                at[told], ratio[told], color=_COLOURS[part], zorder=3, transform=place, clip_on=is_cut,
-                **dots(3.2, "os"[part is Part.IMAG], markerfacecolor=face, markeredgewidth=0.7),
-            )  # fmt: skip
-    return made
-
-
-def _told(e: MeasuredEvaluation) -> list[Line2D]:
-    """Entries of the legend: the parts, what a disc does not tell, and its bar."""
-    rows: list[tuple[str, str, str, dict[str, Any]]] = [
-        (_COLOURS[x], "os"[x is Part.IMAG], _SYMBOLS[x], {}) for x in Part
-    ]
-    if any((codes_of(e, part) == 0).any() for part in Part):
-        rows.append((pen.INK, "o", "unresolved", {"markerfacecolor": "white"}))
-    parts = [
-        Line2D([], [], color=color, label=label, **dots(3.2, shape, markeredgewidth=0.7, **face))
-        for color, shape, label, face in rows
-    ]
-    if e.lines.radius is not None:
-        parts.append(disc_handle(e.scene.perceived.confidence))
-    return parts
-
-
-def _thresholds(ax: Axes, e: MeasuredEvaluation, scale: Scale) -> list[Line2D]:
+def _thresholds(e: MeasuredEvaluation) -> list[Layer]:
     """Lines, or curves where a threshold is a formula in omega."""
     threshold = e.scene.threshold
     if e.joint or threshold.region != SQUARE:
         return []  # a limit that depends on the other part, or on the way, is no line
     parts = [Part.REAL] if threshold.real == threshold.imag else list(Part)
-    omega = np.linspace(e.lines.omega[0], e.lines.omega[-1], 400)
-    made = []
-    for x in parts:
-        name = "c" if len(parts) == 1 else rf"c_\mathrm{{{x.value[0]}}}"
-        style: dict[str, Any] = {"color": pen.GREY, "linewidth": 0.6, "linestyle": _STYLES[x]}
-        if threshold[x].is_number:
-            made.append(ax.axhline(float(threshold[x]), label=f"${name} = {float(threshold[x]):.3g}$", **style))
+    omega, made = np.linspace(e.lines.omega[0], e.lines.omega[-1], 400), list[Layer]()
+    for x, stroke in zip(parts, (pen.SOLID, pen.DASHED), strict=False):
+        name, c = "c" if len(parts) == 1 else rf"c_\mathrm{{{x.value[0]}}}", threshold[x]
+        if c.is_number:
+            made.append(Limit(float(c), stroke=stroke, label=f"${name} = {float(c):.3g}$", shared=True))
         else:
-            made += ax.plot(scale.of(omega), values_of(threshold[x], omega), label=rf"${name}(\omega)$", **style)
+            curve = Curve(
+                omega, values_of(c, omega), pen.GREY, stroke, 0.6, label=rf"${name}(\omega)$", shared=True, styled=False
+            )
+            made.append(curve)
     return made
-
-
-def _beside(ax: Axes, side: int) -> Any:
-    """The place of data, a little to the one side."""
-    return ax.transData + ScaledTranslation(side * _APART / 72, 0, ax.figure.dpi_scale_trans)
-
-
-def _span(omega: Any) -> tuple[float, float]:
-    low, high = float(omega[0]), float(omega[-1])
-    margin = 0.03 * (high - low) or 0.5 * high or 1.0
-    return max(low - margin, 0.0 if low == 0 else 0.5 * low), high + margin
 
 
 def _top(e: MeasuredEvaluation, radius: Any) -> float:
     """The upper end of the ratios: nearly all dots with their bars, and twice the thresholds."""
-    drawn = thinned(len(e))
+    drawn = _thinned(len(e))
     least = 2 * max(float(x.max()) for x in limits_of(e.scene, e.lines.omega).values())
     reach = np.maximum(np.abs(e.lines.change.real), np.abs(e.lines.change.imag))[drawn]
     reach = reach[np.isfinite(reach)]
@@ -267,16 +322,8 @@ def _top(e: MeasuredEvaluation, radius: Any) -> float:
     return 1.08 * max(least, *highest, most if most < 3 * max(highest, default=0.0) else 0.0)
 
 
-def measured_figure(e: MeasuredEvaluation) -> Figure:
-    """The ratios, one column of a journal."""
-    return draw_measured_figure(e, "ratios")
-
-
-_MOST_POINTS = 6000
-
-
-def _draw_swept(ax: Axes, e: MeasuredEvaluation, scale: Scale) -> list[Artist]:
-    """The ratios that swept discs leave possible, as a band for each part. Returns the entry of the legend."""
+def _swept(e: MeasuredEvaluation) -> list[Layer]:
+    """The ratios that swept discs leave possible, as a band for each part."""
     swept = Swept(e.scene, e.lines)
     gaps = np.flatnonzero(~swept.contradicted)
     steps = min(25, _MOST_POINTS // max(1, len(gaps)))
@@ -287,23 +334,116 @@ def _draw_swept(ax: Axes, e: MeasuredEvaluation, scale: Scale) -> list[Artist]:
     omega = (low + (high - low) * share).ravel()
     found = list(swept.lines(Cells(np.repeat(gaps, len(share)), omega, omega)))
     drawn = np.tile(np.append(np.ones(steps, bool), False), len(gaps))  # a break after each gap
+    made: list[Layer] = []
     for part in Part:
         with np.errstate(invalid="ignore"):
             ratios = [np.abs(x.change.real if part is Part.REAL else x.change.imag) for x in found]
             least = np.max([np.maximum(r - x.radius, 0) for r, x in zip(ratios, found, strict=True)], axis=0)
             most = np.min([r + x.radius for r, x in zip(ratios, found, strict=True)], axis=0)
         known = drawn & np.isfinite(least) & np.isfinite(most)
-        style: dict[str, Any] = {"color": _COLOURS[part], "alpha": 0.16, "linewidth": 0, "zorder": 1}
-        ax.fill_between(scale.of(omega), least, np.maximum(least, most), where=known, **style)
-    return [Patch(facecolor=pen.GREY, alpha=0.3, linewidth=0, label="swept discs")]
+        made.append(
+            _Possible(omega, least, np.maximum(least, most), known, _COLORS[part], label="swept discs", shared=True)
+        )
+    return made
 
 
-_DRAWINGS = Drawings[MeasuredEvaluation](
-    {
-        "ratios": (2.1, draw_measured_ratios),
-        "nyquist": (2.6, draw_measured_nyquist),
-        "plane": (2.8, draw_measured_plane),
-    },
-    lambda e: () if e.joint else ("plane",),
+@dataclass(frozen=True)
+class _Possible(Layer):
+    """A band between two curves, where it is known."""
+
+    x: Any
+    low: Any
+    high: Any
+    known: Any
+    color: str
+
+    def draw(self, on: On) -> list[Artist]:
+        style: dict[str, Any] = {"color": on.ink(self.color), "alpha": 0.16, "linewidth": 0, "zorder": 1}
+        return [on.ax.fill_between(on.x.of(self.x), self.low, self.high, where=self.known, **style)]
+
+    def keys(self, _on: On, _made: list[Artist]) -> list[tuple[str, Artist]]:
+        return [(self.label, Patch(facecolor=pen.GREY, alpha=0.3, linewidth=0))]
+
+
+MEASURED = Drawings[MeasuredEvaluation]({"ratios": ratios, "nyquist": nyquist, "plane": measured_plane})
+
+
+# A fitted model.
+
+_MANY = 8000
+"""Lines that show the course of the model by themselves."""
+
+
+def magnitude(a: Identification) -> Chart:
+    """``|H|`` of the model as a curve, and of the points with the reach of their discs."""
+    drawn, (omega, model) = _thinned(len(a.fit.lines)), _model(a)
+    at, H, reach = a.fit.lines.omega[drawn], a.fit.lines.H[drawn], _reach(a)[drawn]
+    size = np.abs(H)
+    is_log = bool(size.min() > 0 and size.max() > 8 * size.min())
+    least, most = float(min(size.min(), np.abs(model).min())), float(max(size.max(), np.abs(model).max()))
+    ends = (0.8 * least, 1.25 * most) if is_log else (least - 0.06 * (most - least), most + 0.06 * (most - least))
+    share = reach / (size if is_log else ends[1] - ends[0])
+    bars = [
+        _Bars(
+            at, np.maximum(size - reach, 1e-3 * size), size + reach, pen.BLUE, label=_disc_words(a.fit.lines.confidence)
+        )
+    ]
+    upright = force_per_position("|H|", a, ends)
+    layers = [
+        Curve(omega, np.abs(model), pen.RED, label="model", look={"zorder": 3}), *(bars if share.max() > 2 * _SEEN else []),
+        Mark(at, size, pen.BLUE, size=2.4, label="measured", styled=True, look={"zorder": 2}),
+    ]  # fmt: skip
+    return Chart(
+        layers, _along(at, unit_of(at)), Axis(upright.label, upright.unit, ends, log=is_log, large=True), height=1.5
+    )
+
+
+def phase(a: Identification) -> Chart:
+    """The phase of both, degrees, without jumps."""
+    drawn, (omega, model) = _thinned(len(a.fit.lines)), _model(a)
+    at, H, reach = a.fit.lines.omega[drawn], a.fit.lines.H[drawn], _reach(a)[drawn]
+    angle = np.unwrap(np.angle(model))
+    own = np.degrees(np.interp(at, omega, angle) + np.angle(H / a.fit.model[drawn]))
+    half = np.degrees(np.arcsin(np.minimum(reach / np.maximum(np.abs(H), 1e-300), 1)))
+    least, most = float(min(own.min(), np.degrees(angle).min())), float(max(own.max(), np.degrees(angle).max()))
+    room = 0.06 * (most - least) or 1.0
+    bars = [_Bars(at, own - half, own + half, pen.BLUE)] if half.max() > 2 * _SEEN * (most - least) else []
+    layers = [
+        Curve(omega, np.degrees(angle), pen.RED, look={"zorder": 3}), *bars,
+        Mark(at, own, pen.BLUE, size=2.4, styled=True, look={"zorder": 2}),
+    ]  # fmt: skip
+    return Chart(layers, _along(at, unit_of(at)), Axis("phase (deg)", ends=(least - room, most + room)), height=1.1)
+
+
+def residuals(a: Identification) -> Chart:
+    """Measured less model, real and imaginary part, in units of their standard error, between lines at plus and minus 2."""
+    drawn = _thinned(len(a.fit.lines))
+    at, found = a.fit.lines.omega[drawn], a.fit.residuals[drawn]
+    if a.fit.lines.discs is None:
+        found = found / (np.sqrt(np.square(np.abs(found)).mean() / 2) or 1.0)
+    top = max(3.0, 1.1 * float(np.abs(np.concatenate([found.real, found.imag])).max()))
+    lines = [Limit(y, stroke=pen.DASHED if y else pen.SOLID, width=0.5, look={"zorder": 0}) for y in (-2, 0, 2)]
+    look = {"markeredgewidth": 0.6}
+    layers = [
+        *lines, Mark(at, found.real, size=2.4, label=r"$\mathrm{Re}$", styled=True, look=look),
+        Mark(at, found.imag, shape="s", size=2.4, face="white", label=r"$\mathrm{Im}$", styled=True, look=look),
+    ]  # fmt: skip
+    return Chart(layers, _along(at, unit_of(at)), Axis("residual / error", ends=(-top, top)), height=1.0)
+
+
+def _model(a: Identification) -> tuple[Any, Any]:
+    omega = a.fit.lines.omega
+    spread = np.geomspace if omega[-1] > 30 * omega[0] else np.linspace
+    at = np.union1d(omega, spread(omega[0], omega[-1], 800)) if len(omega) < _MANY else omega
+    return at, Fitted(a.wanted, at).at(a.fit.values)
+
+
+def _reach(a: Identification) -> Any:
+    discs = a.fit.lines.discs
+    return np.zeros(len(a.fit.lines)) if discs is None else discs
+
+
+IDENTIFICATION = Drawings[Identification](
+    {"magnitude": magnitude, "phase": phase, "residuals": residuals},
+    {"model": lambda a: sheet(magnitude(a), phase(a), residuals(a))},
 )
-draw_measured_figure, save_measured_figures = _DRAWINGS.figure, _DRAWINGS.save

@@ -1,49 +1,156 @@
-"""A figure as a sheet: one column of a journal, with room for its legend; and all figures of an answer as files."""
+"""Charts as sheets and files: one column of a journal wide, with room for legends; what every answer draws on axes of the caller.
+
+A sheet is laid out twice: framed, so that words are fitted to axes of their final width, and filled, with room for the legends.
+Files of one run share the fonts: of each font the glyphs that figures use are taken once, and PDF files take theirs from that.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from types import MappingProxyType
-from typing import Generic, TypeVar
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from haptisym.figures import pen
-from haptisym.figures.kinds import UNDATED, checked
+from haptisym.figures.layers import Chart, draw, fill, frame
+from haptisym.figures.pen import UNDATED, checked
+from haptisym.kernel.errors import NothingToDrawError, meant
+
+if TYPE_CHECKING:
+    from haptisym.judge.answers import Answer
 
 A = TypeVar("A")
 
 
 class Drawings(Generic[A]):
-    """The figures of a kind of answer by their names: how high each is, in inches, and what draws it.
+    """What can be drawn of a kind of answer.
 
-    ``without`` : the names of those for which an answer has nothing.
+    ``kinds`` : of each name the chart, the first drawn unasked. ``sheets`` : of each name of a file the figure; the kinds if not
+    given. Either raises NothingToDrawError where an answer has nothing of the kind.
     """
 
     def __init__(
-        self, rows: Mapping[str, tuple[float, Callable[[Axes, A], object]]], without: Callable[[A], Collection[str]]
+        self, kinds: Mapping[str, Callable[[A], Chart]], sheets: Mapping[str, Callable[[A], Figure]] | None = None
     ) -> None:
-        self._rows = MappingProxyType(dict(rows))
-        self._without = without
+        self.kinds = dict(kinds)
+        self._sheets = {} if sheets is None else dict(sheets)
+        self._own = sheets is not None
 
-    def figure(self, answer: A, name: str, *, wide: bool = False) -> Figure:
-        """One of them, one column wide, or one and a half."""
-        height, draw = self._rows[name]
-        found = one_column(height, lambda ax: draw(ax, answer), 1.5 * pen.WIDTH if wide else pen.WIDTH)
-        return estimated(found, getattr(answer, "scene", None))
+    def figure(self, answer: A, name: str = "", *, wide: bool = False) -> Figure:
+        """One of the sheets, the first if none is named; one column wide, or one and a half."""
+        if self._own:
+            made = self._sheets[name or next(iter(self._sheets))](answer)
+        else:
+            made = sheet(self.kinds[name or next(iter(self.kinds))](answer), wide=wide)
+        return _estimated(made, getattr(answer, "_about", None))
 
     def save(self, answer: A, directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
-        """All of them as files, as of ``save_all``."""
-        without = self._without(answer)
-        return save_all(
-            {name: self.figure(answer, name) for name in self._rows if name not in without}, directory, kinds
+        """All of them as files, SVG, PDF and PNG or some of these, in a directory that is made if need be."""
+        folder, paths = Path(directory), list[Path]()
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in self._sheets if self._own else self.kinds:
+            try:
+                figure = self.figure(answer, name)
+            except NothingToDrawError:
+                continue
+            paths += [save_as(figure, folder / f"{name}{kind}") for kind in kinds]
+        return paths
+
+
+def drawings_of(found: Answer) -> Drawings[Any]:
+    """What can be drawn of an answer. NothingToDrawError where that is nothing."""
+    if not found._figure:
+        raise NothingToDrawError(f"{type(found).__name__} has no figure")
+    drawings: Drawings[Any] = resolve_name(found._figure)
+    return drawings
+
+
+def draw_figure(found: Answer, name: str = "", *, wide: bool = False) -> Figure:
+    """A figure of an answer by its name."""
+    return drawings_of(found).figure(found, name, wide=wide)
+
+
+def save_figures(found: Answer, directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
+    """All figures of an answer as files. The same answer gives the same files, byte for byte."""
+    return drawings_of(found).save(found, directory, kinds)
+
+
+def plot(found: Answer, ax: Axes | None, kind: str, color: str | None, label: str, style: Mapping[str, Any]) -> Axes:
+    """Draw an answer; the axes. ``kind`` : of its drawings, the first if empty. Raises NothingToDrawError for any other."""
+    kinds = drawings_of(found).kinds
+    if kind and kind not in kinds:
+        raise NothingToDrawError(
+            f'kind: "{kind}" is none of this answer: {meant(kind, kinds)}these are {", ".join(kinds)}'
         )
+    chart = kinds[kind or next(iter(kinds))](found)
+    axes = _axes() if ax is None else ax
+    draw(axes, chart, color=color, label=label, **style)
+    return axes
 
 
-def estimated(figure: Figure, about: object) -> Figure:
+def _axes() -> Axes:
+    """New ones, of pyplot: notebooks show them by themselves, and ``plt.show()`` does in a script."""
+    from matplotlib import pyplot
+
+    figure = pyplot.figure(figsize=(1.5 * pen.WIDTH, pen.WIDTH), layout="constrained")
+    return figure.add_subplot()
+
+
+# Sheets.
+
+
+def sheet(*charts: Chart, wide: bool = False, joined: bool = True) -> Figure:
+    """Charts above each other, each of its height without its legend; one with equal scales takes the height that it needs.
+
+    ``joined`` : whether all have the lower axis of the last one.
+    """
+    heights = [chart.height for chart in charts]
+    width = 1.5 * pen.WIDTH if wide else pen.WIDTH
+    figure = Figure(figsize=(width, sum(heights)), layout="compressed")
+    axes: Sequence[Axes] = figure.subplots(
+        len(charts), 1, sharex="all" if joined else "none", squeeze=False, height_ratios=heights
+    )[:, 0]
+    frames = [frame(ax, chart) for ax, chart in zip(axes, charts, strict=True)]
+    for ax in axes[:-1] if joined else ():
+        ax.tick_params(labelbottom=False)
+        ax.set_xlabel("")
+    if len(charts) > 1:
+        figure.align_ylabels()
+    _arrange(figure)
+    for on, chart in zip(frames, charts, strict=True):
+        fill(on, chart)
+        if joined and on.ax is not axes[-1]:
+            on.ax.set_xlabel("")
+    height = sum(heights)
+    if len(axes) == 1 and axes[0].get_aspect() == 1:
+        height = min(0.7 + 2.8 * axes[0].get_data_ratio(), 3.6)
+    figure.set_figheight(height + sum(map(_legend_height, axes)))
+    _arrange(figure)
+    figure.set_layout_engine("none")
+    return figure
+
+
+def _arrange(figure: Figure) -> None:
+    """Texts and axes are measured; nothing is drawn, which takes longer."""
+    engine = figure.get_layout_engine()
+    assert engine is not None
+    engine.execute(figure)
+
+
+def _legend_height(ax: Axes) -> float:
+    """The height of the legend, in inches; 0 without one."""
+    legend = ax.get_legend()
+    return legend.get_window_extent().height / ax.figure.dpi if legend else 0.0
+
+
+_LINE = 0.2  # inches
+
+
+def _estimated(figure: Figure, about: object) -> Figure:
     """The same, with a line above it that says so where the numbers of a scene were estimated."""
     level = getattr(about, "level", None)
     if level is None:
@@ -59,22 +166,7 @@ def estimated(figure: Figure, about: object) -> Figure:
     return figure
 
 
-_LINE = 0.2  # inches
-
-
-def save_all(figures: Mapping[str, Figure], directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
-    """Figures by their names as SVG, PDF and PNG, or as some of them, in a directory that is made if need be.
-
-    The same figures give the same files, byte for byte.
-    """
-    folder = Path(directory)
-    folder.mkdir(parents=True, exist_ok=True)
-    return [path for name, figure in figures.items() for path in save(folder / name, figure, kinds)]
-
-
-def save(stem: Path, figure: Figure, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
-    """The figure as SVG, PDF and PNG, or as some of them."""
-    return [save_as(figure, stem.with_name(f"{stem.name}{kind}")) for kind in kinds]
+# Files.
 
 
 def save_as(figure: Figure, path: str | Path) -> Path:
@@ -83,52 +175,3 @@ def save_as(figure: Figure, path: str | Path) -> Path:
     with mpl.rc_context({"svg.hashsalt": "haptisym", "pdf.fonttype": 42}):
         figure.savefig(target, metadata=dict(UNDATED[target.suffix.lower()]), dpi=400)
     return target
-
-
-def one_column(height: float, draw: Callable[[Axes], object], width: float = pen.WIDTH) -> Figure:
-    """A drawing of that height, in inches, without its legend; one with equal scales takes the height that it needs."""
-    figure = Figure(figsize=(width, height), layout="compressed")
-    ax = figure.add_subplot()
-    draw(ax)
-    return laid_out(figure, height, ax)
-
-
-def stacked(height: float, *panels: tuple[float, Callable[[Axes], object]], aligned: bool = False) -> Figure:
-    """Drawings above each other over one axis of frequencies: the share of that height that each has, and what draws it.
-
-    ``aligned`` : whether the labels of the upright axes stand below each other.
-    """
-    figure = Figure(figsize=(pen.WIDTH, height), layout="compressed")
-    shares = [share for share, _ in panels]
-    axes = list(figure.subplots(len(panels), 1, sharex=True, squeeze=False, height_ratios=shares)[:, 0])
-    for ax, (_, draw) in zip(axes, panels, strict=True):
-        draw(ax)
-    for ax in axes[:-1]:
-        ax.tick_params(labelbottom=False)
-        ax.set_xlabel("")
-    if aligned:
-        figure.align_ylabels()
-    return laid_out(figure, height, *axes)
-
-
-def laid_out(figure: Figure, height: float, *axes: Axes) -> Figure:
-    """The same figure, with room for the legends of its axes above that height; laid out once, so that all files look the same.
-
-    Texts and axes are measured; nothing is drawn, which takes longer.
-    """
-    engine = figure.get_layout_engine()
-    assert engine is not None
-    engine.execute(figure)
-    [first, *others] = axes
-    if not others and first.get_aspect() == 1:
-        height = min(0.7 + 2.8 * first.get_data_ratio(), 3.6)
-    figure.set_figheight(height + sum(map(_legend_height, axes)))
-    engine.execute(figure)
-    figure.set_layout_engine("none")
-    return figure
-
-
-def _legend_height(ax: Axes) -> float:
-    """The height of the legend, in inches; 0 without one."""
-    legend = ax.get_legend()
-    return legend.get_window_extent().height / ax.figure.dpi if legend else 0.0

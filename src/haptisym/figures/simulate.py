@@ -1,149 +1,144 @@
-"""Figures of a simulation and of a release.
-
-Figures of a simulation: force and motion in time, force-displacement loops, recovered against closed-form H_perc.
-
-Each ``draw_`` function draws on the axes that it is given; ``save_simulation_figures`` writes them all to files.
-
-The figure of a release: the motion after the hand lets go, and the envelope that the closed form gives it.
-"""
+"""Figures of simulations: force and motion in time, force-displacement loops, recovered against closed-form H_perc, and a release."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
+from matplotlib.artist import Artist
 
 from haptisym.figures import pen
-from haptisym.figures.sheet import Drawings, one_column, save_all
-from haptisym.figures.style import Look, dots, draw_origin, dress, legend, limit, scale_of, shown_length
+from haptisym.figures.layers import Axis, Chart, Curve, Layer, Limit, Mark, On, Origin, force_per_position, frequency
+from haptisym.figures.sheet import Drawings, sheet
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import MotionKind as Kind
+from haptisym.model.quantities import Dimension, MotionKind, Unit, quantity
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.entry import Simulation
+from haptisym.verbs.simulate.entry import ForceSaturation, Simulation, Simulations
 from haptisym.verbs.simulate.release import Release
 from haptisym.verbs.simulate.statespace import POINTS, finer
 
 _IN_TIME, _IN_LOOPS = 3, 1
 """Periods that are shown."""
+_PERIODS, _FOLDS = 12, 5.0
+"""Of a release: periods, and powers of e, that are shown."""
+
+Runs = Simulations | Simulation
 
 
-def draw_time(ax: Axes, run: Simulation, *, color: str | None = None, label: str = "") -> list[Line2D]:
-    """Force at the hand over the last periods of a run, and the motion of the hand with an axis of its own at the right.
+def _middle(found: Runs) -> Simulation:
+    """Of several runs the middle one."""
+    return found.runs[len(found.runs) // 2]
 
-    ``color``, ``label`` : of the run; of a further one on the same axes the force alone is drawn. Returns the lines.
 
-    >>> from matplotlib.figure import Figure
+def in_time(runs: Runs) -> Chart:
+    """Force at the hand over the last periods of a run, the motion of the hand with an axis of its own at the right, limits of the force.
+
+    Of a further run on the same axes the force alone is drawn.
+
     >>> from haptisym import load_scene, simulate, sine
-    >>> run = simulate(load_scene("fu2019"), sine("5 cm", "10 rad/s"))
-    >>> ax = Figure().add_subplot()
-    >>> [line.get_label() for line in draw_time(ax, run)], ax.get_ylabel()
+    >>> chart = in_time(simulate(load_scene("fu2019"), sine("5 cm", "10 rad/s")))
+    >>> [layer.label for layer in chart.layers if layer.label], chart.y.text
     (['force', 'motion'], 'force (N)')
     """
-    look = Look.on(ax, "force", color, label)
+    run = _middle(runs)
     part = _last(run, _IN_TIME)
     time, motion, force = (_smooth(x[part]) for x in (run.time, run.displacement, run.force))
-    length, newton = _units(run)
     most, reach = (float(np.abs(x).max()) or 1.0 for x in (force, motion))
-    lines = ax.plot(time, force, color=look.color, linewidth=1.0, label=f"force{look.suffix}", zorder=3)
-    if not look.number:
-        ax.axhline(0, color=pen.GREY, linewidth=0.4, zorder=0)
-        factor, shown = shown_length(reach, length)
-        share = most / (reach * factor)  # the motion is drawn as high as the force
-        lines += ax.plot(
-            time,
-            motion * factor * share,
-            color=pen.BLUE,
-            linestyle=pen.DASHED,
-            linewidth=1.0,
-            label=f"motion{look.suffix}",
+    length = _length(reach, "rad" if run.scene.motion is MotionKind.ROTATION else "m")
+    limits = _saturated(run)
+    layers = [
+        Curve(time, force, width=1.0, label="force", look={"zorder": 3}), Origin(level=True),
+        _Motion(time, motion, most / reach, length, label="motion"), *limits,
+    ]  # fmt: skip
+    high = 1.08 * max([most, *(abs(x.at) for x in limits if abs(x.at) < 3 * most)])
+    upright = Axis("force", _newton(run), (-high, high))
+    return Chart(layers, Axis("time", Unit("s"), (time[0], time[-1])), upright, height=2.0)
+
+
+def _saturated(run: Simulation) -> list[Limit]:
+    """Where the force is limited."""
+    return [
+        Limit(
+            sign * float(quantity(extra.limit, Dimension.FORCE).value),
+            stroke=pen.DOTTED,
+            width=0.9,
+            color=pen.RED,
+            label="limit of the force",
+            shared=True,
         )
-        _right_axis(ax, share, f"motion ({shown})")
-    limit(ax, (time[0], time[-1]), (-1.08 * most, 1.08 * most), number=look.number)
-    dress(ax, "time (s)", f"force ({newton})")
-    legend(ax, lines)
-    return lines
+        for extra in run.extras
+        if isinstance(extra, ForceSaturation)
+        for sign in (1, -1)
+    ]
 
 
-def _right_axis(ax: Axes, share: float, label: str) -> None:
-    """An axis at the right, for what is drawn that many times as high."""
-    there: Any = (lambda y: y / share, lambda y: y * share)
-    right: Any = ax.secondary_yaxis("right", functions=there)
-    right.set_ylabel(label, fontsize=pen.TEXT, color=pen.BLUE)
-    right.tick_params(labelsize=pen.SMALL, width=0.5, length=2.5, color=pen.GREY, labelcolor=pen.BLUE)
-    right.spines["right"].set(linewidth=0.5, color=pen.GREY)
+@dataclass(frozen=True)
+class _Motion(Layer):
+    """A motion drawn as high as the force, with an axis at the right; ``share`` : force for each of its own, SI."""
+
+    x: Array
+    y: Array
+    share: float
+    unit: Unit
+    styled: bool = field(default=True, kw_only=True)
+
+    def draw(self, on: On) -> list[Artist]:
+        if on.number:
+            return []
+        share = self.share * float(self.unit.size)
+        there: Any = (lambda y: y / share, lambda y: y * share)
+        right: Any = on.ax.secondary_yaxis("right", functions=there)
+        right.set_ylabel(f"motion ({self.unit.text})", fontsize=pen.TEXT, color=pen.BLUE)
+        right.tick_params(labelsize=pen.SMALL, width=0.5, length=2.5, color=pen.GREY, labelcolor=pen.BLUE)
+        right.spines["right"].set(linewidth=0.5, color=pen.GREY)
+        return list(
+            on.ax.plot(self.x, self.y * self.share, color=on.ink(pen.BLUE), linestyle=pen.DASHED, linewidth=1.0)
+        )
 
 
-def draw_loop(ax: Axes, run: Simulation, *, color: str | None = None, label: str = "") -> list[Line2D]:
-    """Force over displacement: at the hand what the display gives, beside what the environment alone would give.
+def loop(runs: Runs) -> Chart:
+    """Force over displacement: at the hand, and what the environment alone would give.
 
-    The environment's loop is that of H_env under the same motion of the hand, as far as the motion is a sum of sines; otherwise
+    The environment's loop is that of H_env under the same motion of the hand, where the motion is a sum of sines; otherwise
     it is what the environment itself went through behind the effects.
-    ``color``, ``label`` : of the run. Returns the lines: environment, hand.
     """
+    run = _middle(runs)
     part = _last(run, _IN_LOOPS)
-    length, newton = _units(run)
-    factor, shown = shown_length(run.motion.amplitude, length)
-    look = Look.on(ax, "at the hand", color, label)
-    if not look.number:
-        draw_origin(ax)
     x, force, name = _environment_loop(run, part)
-    blue, red = (pen.BLUE, pen.RED) if look.plain else (look.color, look.color)
-    lines = ax.plot(_smooth(x) * factor, _smooth(force), color=blue, linewidth=1.1, label=f"{name}{look.suffix}")
-    lines += ax.plot(
-        _smooth(run.displacement[part]) * factor, _smooth(run.force[part]), color=red, linestyle=pen.DASHED, linewidth=1.1,
-        label=f"at the hand{look.suffix}",
-    )  # fmt: skip
-    dress(ax, f"displacement ({shown})", f"force ({newton})")
-    legend(ax, lines)
-    return lines
+    length = _length(run.motion.amplitude, "rad" if run.scene.motion is MotionKind.ROTATION else "m")
+    layers = [
+        Origin(), Curve(_smooth(x), _smooth(force), pen.BLUE, label=name),
+        Curve(_smooth(run.displacement[part]), _smooth(run.force[part]), pen.RED, pen.DASHED, label="at the hand"),
+        *_saturated(run),
+    ]  # fmt: skip
+    return Chart(layers, Axis("displacement", length), Axis("force", _newton(run)), height=2.4)
 
 
-_RING = dots(3.8, markerfacecolor="white", markeredgewidth=0.9, zorder=4)
-
-
-def draw_recovered(
-    ax: Axes,
-    runs: Sequence[Simulation],
-    part: Part,
-    *,
-    color: str | None = None,
-    label: str = "",
-    hertz: bool | None = None,
-) -> list[Line2D]:
+def recovered(runs: Runs, part: Part) -> Chart:
     """Re or Im of H_perc over frequency: the closed form as a line, what was recovered from the force as rings.
 
-    ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``. Returns the line and the rings.
     NothingToDrawError where no ratio was recovered.
     """
-    scene = runs[0].scene
-    look, scale = Look.on(ax, "closed form", color, label), scale_of(ax, scene.band, hertz=hertz)
-    rows = sorted((x for run in runs for x in run.estimates), key=lambda x: x.omega)
+    scene = runs.runs[0].scene
+    rows = sorted((x for run in runs.runs for x in run.estimates), key=lambda x: x.omega)
     if not rows:
         raise NothingToDrawError("no ratio is recovered from this motion or from so short a run")
     omegas = np.array([x.omega for x in rows])
     grid = _around(omegas)
     values = scene.distortion().compile()(grid)
     curve = values.perceived_real if part is Part.REAL else values.perceived_imag
-    found = [x.simulated.real if part is Part.REAL else x.simulated.imag for x in rows]
-    if not look.number:
-        ax.axhline(0, color=pen.GREY, linewidth=0.4, zorder=0)
-    line, ring = (pen.RED, pen.INK) if look.plain else (look.color, look.color)
-    named = {name: f"{name}{look.suffix}" for name in ("closed form", "from the simulated force")}
-    lines = ax.plot(scale.of(grid), curve, color=line, linestyle=pen.DASHED, linewidth=1.1, label=named["closed form"])
-    lines += ax.plot(scale.of(omegas), found, color=ring, label=named["from the simulated force"], **_RING)
-    limit(ax, (scale.of(grid[0]), scale.of(grid[-1])), _limits(curve, np.array(found)), number=look.number)
-    dress(ax, scale.label)
-    unit = "N·m/rad" if scene.motion is Kind.ROTATION else "N/m"
+    found = np.array([x.simulated.real if part is Part.REAL else x.simulated.imag for x in rows])
+    look = {"markeredgewidth": 0.9}
+    layers = [
+        Origin(level=True), Curve(grid, curve, pen.RED, pen.DASHED, label="closed form"),
+        Mark(omegas, found, size=3.8, face="white", look=look, label="from the simulated force", styled=True),
+    ]  # fmt: skip
     name = rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}"
-    ax.set_ylabel(rf"${name}\,H_\mathrm{{perc}}$ ({unit})", fontsize=pen.TEXT)
-    legend(ax, lines)
-    return lines
+    upright = force_per_position(rf"{name}\,H_\mathrm{{perc}}", scene, _limits(curve, found))
+    return Chart(layers, frequency(scene.frequency, (float(grid[0]), float(grid[-1]))), upright, height=2.0)
 
 
 def _around(omegas: Array) -> Array:
@@ -187,65 +182,50 @@ def _limits(curve: Array, found: Array) -> tuple[float, float]:
     return low - 0.08 * room, high + 0.08 * room
 
 
-def _units(run: Simulation) -> tuple[str, str]:
-    return ("rad", "N·m") if run.scene.motion is Kind.ROTATION else ("m", "N")
+def _newton(run: Simulation) -> Unit:
+    return Unit("N*m") if run.scene.motion is MotionKind.ROTATION else Unit("N")
 
 
-_DRAWINGS = Drawings[Sequence[Simulation]](
+def _length(largest: float, unit: str) -> Unit:
+    """The unit in which lengths are drawn: mm for small ones."""
+    return quantity("1 mm", Dimension.DISPLACEMENT).unit or Unit(unit) if unit == "m" and largest < 0.2 else Unit(unit)
+
+
+SIMULATION = Drawings[Runs](
     {
-        "simulated-time": (2.0, lambda ax, runs: draw_time(ax, runs[len(runs) // 2])),
-        "simulated-loop": (2.4, lambda ax, runs: draw_loop(ax, runs[len(runs) // 2])),
-        "recovered-real": (2.0, lambda ax, runs: draw_recovered(ax, runs, Part.REAL)),
-        "recovered-imag": (2.0, lambda ax, runs: draw_recovered(ax, runs, Part.IMAG)),
+        "time": in_time,
+        "loop": loop,
+        "recovered-real": partial(recovered, part=Part.REAL),
+        "recovered-imag": partial(recovered, part=Part.IMAG),
     },
-    lambda runs: () if any(run.estimates for run in runs) else ("recovered-real", "recovered-imag"),
+    {
+        "simulated-time": lambda x: sheet(in_time(x)),
+        "simulated-loop": lambda x: sheet(loop(x)),
+        "recovered-real": lambda x: sheet(recovered(x, Part.REAL)),
+        "recovered-imag": lambda x: sheet(recovered(x, Part.IMAG)),
+    },
 )
-simulation_figure, save_simulation_figures = _DRAWINGS.figure, _DRAWINGS.save
 """Time and loops are those of the middle run; H_perc is drawn where at least one ratio was recovered."""
 
 
-_PERIODS = 12
-_FOLDS = 5.0  # powers of e that are shown
+def release(r: Release) -> Chart:
+    """The motion over time, with the envelope of the closed form's rightmost pole where that is what was simulated.
 
+    Of a further run on the same axes the motion alone is drawn.
 
-def release_figure(r: Release) -> Figure:
-    """One column, with its legend."""
-    return one_column(2.0, lambda ax: draw_release(ax, r))
-
-
-def save_release_figures(r: Release, directory: str | Path) -> list[Path]:
-    """The figure as files."""
-    return save_all({"release": release_figure(r)}, directory)
-
-
-def draw_release(ax: Axes, r: Release, *, color: str | None = None, label: str = "") -> list[Line2D]:
-    """The motion over time, with the envelope of the closed form's rightmost root where that is what was simulated.
-
-    ``color``, ``label`` : of the run; of a further one on the same axes the motion alone is drawn. Returns the lines.
-
-    >>> from haptisym import Hand, release
-    >>> found = release("delayed-spring", "1 cm", Hand("own", m="0.5 kg", b="3.6 N*s/m"))
-    >>> [line.get_label() for line in draw_release(Figure().add_subplot(), found)]
+    >>> from haptisym import Hand, release as let_go
+    >>> found = let_go("delayed-spring", "1 cm", Hand("own", m="0.5 kg", b="3.6 N*s/m"))
+    >>> [layer.label for layer in release(found).layers if layer.label]
     ['motion', 'envelope of the closed form']
     """
-    look = Look.on(ax, "motion", color, label)
-    end = _shown(r)
-    places = np.linspace(0, 1, 12)
+    end, places = _shown(r), np.linspace(0, 1, 12)
     time, x = finer(r.time, places), finer(r.hand_motion, places)
     inside = time <= end
-    factor, unit = shown_length(r.displacement, r.unit)
-    motion = ax.plot(
-        time[inside], x[inside] * factor, color=look.color, linewidth=1.0, label=f"motion{look.suffix}", zorder=3
-    )
-    lines = motion
-    if not look.number:
-        ax.axhline(0, color=pen.GREY, linewidth=0.4, zorder=0)
-        lines = [*motion, *_envelope(ax, r, time[inside], x[inside], factor)]
-    most = 1.08 * factor * float(np.abs(x[inside]).max())
-    limit(ax, (0, end), (-most, most), number=look.number)
-    dress(ax, "time (s)", f"motion ({unit})")
-    legend(ax, lines)
-    return lines
+    motion = Curve(time[inside], x[inside], width=1.0, label="motion", look={"zorder": 3})
+    most = 1.08 * float(np.abs(x[inside]).max())
+    layers = [motion, Origin(level=True), *_envelope(r, time[inside], x[inside])]
+    upright = Axis("motion", _length(r.displacement, r.unit), (-most, most))
+    return Chart(layers, Axis("time", Unit("s"), (0, end)), upright, height=2.0)
 
 
 def _shown(r: Release) -> float:
@@ -257,15 +237,15 @@ def _shown(r: Release) -> float:
     return float(min(end, periods, _FOLDS / max(abs(r.fitted.rate), 1e-9)))
 
 
-def _envelope(ax: Axes, r: Release, time: Array, x: Array, factor: float) -> list[Line2D]:
+def _envelope(r: Release, time: Array, x: Array) -> list[Layer]:
     """A exp(rate t) and its opposite, as high as the motion is in the middle of what is drawn."""
     if r.closed is None or r.approximate or r.is_envelope:
         return []
-    late = time > time[-1] / 3
-    shape = np.exp(r.closed.rate * time)
-    height = float(np.max(np.abs(x[late]) / shape[late])) * factor
-    style: dict[str, Any] = {"color": pen.RED, "linestyle": pen.DASHED, "linewidth": 0.9}
-    upper = ax.plot(time, height * shape, label="envelope of the closed form", **style)
-    if r.closed.omega:
-        ax.plot(time, -height * shape, **style)
-    return upper
+    late, shape = time > time[-1] / 3, np.exp(r.closed.rate * time)
+    height = float(np.max(np.abs(x[late]) / shape[late]))
+    signs = (1, -1) if r.closed.omega else (1,)
+    label = "envelope of the closed form"
+    return [Curve(time, sign * height * shape, pen.RED, pen.DASHED, 0.9, label=label, shared=True) for sign in signs]
+
+
+RELEASE = Drawings[Release]({"motion": release}, {"release": lambda r: sheet(release(r))})

@@ -1,29 +1,47 @@
-"""The plane of a hand or of a wall: where the display is stable.
+"""Figures of stability and of tolerances: the plane of a hand or of a wall, and where ratios may cross for all values in ranges.
 
-The plane of a hand: where the display is stable, the boundary, published hands, and the box of a hand with ranges.
-
-The plane of a hand, of a display whose values are known as ranges: where it is stable for all of them, where for none.
+The plane of a hand: where the display is stable, the boundary, published hands, and the ranges of a hand that has some. Of a display
+with ranges: where it is stable for all its values, where for none. The plane of a wall, of a display with a clock.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 from sympy import Expr, Rational, Symbol
 
 from haptisym.figures import pen
-from haptisym.figures.sheet import one_column
-from haptisym.figures.style import Room, dress, handle, legend, number, rectangles
+from haptisym.figures.curves import threshold_symbol, written
+from haptisym.figures.layers import (
+    Axis,
+    Chart,
+    Curve,
+    Ground,
+    Layer,
+    Limit,
+    Mark,
+    On,
+    Room,
+    Shape,
+    Words,
+    dots,
+    frequency,
+    handle,
+    number,
+    parameter,
+)
+from haptisym.figures.sheet import Drawings, sheet
 from haptisym.kernel.errors import NothingToDrawError, UndecidedError
-from haptisym.model.catalogue import NOBODY, Hand, hands
+from haptisym.model.catalogue import NOBODY, Hand
 from haptisym.model.catalogue import hands as published
-from haptisym.model.quantities import Dimension, MotionKind, unit_text
+from haptisym.model.quantities import Dimension, MotionKind, Unit, unit_text
 from haptisym.model.scene import clocks
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.stability.entry import WALL, Stability, has_plane
@@ -31,99 +49,81 @@ from haptisym.verbs.stability.plane import Plane, Window, boundary, plane, wall_
 from haptisym.verbs.tolerances.heldbox import HeldPlane, held_plane
 from haptisym.verbs.tolerances.proofs import Tolerances
 
-_SMALLER = pen.SMALL - 1
-ROOM = 1.25  # of the largest number that is shown
+_SMALLER = pen.SMALL - 0.5
+_ROOM = 1.25  # of the largest number that is shown
 _TOGETHER = 2.5  # pt: marks that are nearer to each other cover each other
 _NARROW, _RIM = 9, 4  # pixels of a cell in which nothing is written, and of its rim
 _NEAR = 20  # times that a critical value may be beyond the hands
+_KINDS = (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)
 
 
-def stability_figure(found: Stability) -> Figure:
+def hands(found: Stability) -> Chart:
     """The plane of the mass of the first hand; with a clock that of stiffness and damping of the wall, in the first hand.
 
     NothingToDrawError where a display with a clock renders no wall of stiffness and damping.
     """
-    return one_column(2.6, lambda ax: draw_stability(ax, found))
+    return wall(found) if clocks(found.scene) else hand_plane(found)
 
 
-def draw_stability(ax: Axes, found: Stability) -> list[Artist]:
-    """On axes: the plane of hands, or with a clock of walls."""
-    return draw_wall(ax, found) if clocks(found.scene) else draw_plane(ax, found)
-
-
-def draw_wall(ax: Axes, found: Stability) -> list[Artist]:
-    """Damping against stiffness of the wall that is rendered: a ground where it is not stable, with the number of roots."""
+def wall(found: Stability) -> Chart:
+    """Damping against stiffness of the wall that is rendered: a ground where it is not stable, with the number of unstable poles."""
     if not has_plane(found.scene):
         raise NothingToDrawError(
             "with a clock the plane is that of a wall's stiffness and damping, and the scene has none"
         )
     hand = found.held[0].hand if found.held else Hand(NOBODY)
-    own = [float(found.scene.knobs[path].value) for path in WALL]
+    k_knob, b_knob = (found.scene.knobs[path] for path in WALL)
+    own = float(k_knob.value), float(b_knob.value)
     near = [
         [float(x.value) for rows in found.critical[:1] for row in rows for x in row.found if x.path == path]
         for path in WALL
     ]
-    k = ROOM * max([2 * own[0], *(x for x in near[0] if x < _NEAR * own[0])]) or 1.0
-    b = ROOM * max([2 * own[1], k * float(clocks(found.scene)[0]), *(x for x in near[1] if x < _NEAR * own[1])])
+    k = _ROOM * max([2 * own[0], *(x for x in near[0] if x < _NEAR * own[0])]) or 1.0
+    b = _ROOM * max([2 * own[1], k * float(clocks(found.scene)[0]), *(x for x in near[1] if x < _NEAR * own[1])])
     try:
         drawn = wall_plane(found.scene, hand, (0.0, k, 0.0, b))
     except UndecidedError as error:
         raise NothingToDrawError(str(error)) from None
-    ax.set(xlim=(0, k), ylim=(0, b))
-    made = _ground(ax, drawn)
-    ax.plot(*own, "o", color=pen.INK, markersize=3.5, clip_on=False)
-    _counts(ax, drawn, _room(ax, drawn))
-    dress(ax)
-    damping, stiffness = (unit_text(x.unit(found.scene.motion or MotionKind.TRANSLATION)) for x in _KINDS[1:])
-    ax.set_xlabel(rf"stiffness of the wall, $k$ ({stiffness}), hand: {hand.name}", fontsize=pen.TEXT)
-    ax.set_ylabel(rf"damping of the wall, $b$ ({damping})", fontsize=pen.TEXT)
-    made.append(handle(pen.INK, "none", "the scene", marker="o", markersize=3.5))
-    legend(ax, made)
-    return made
+    layers = [
+        *_grounds(drawn),
+        Mark([own[0]], [own[1]], size=3.5, look={"clip_on": False}, label="the scene"),
+        _Counts(drawn),
+    ]
+    x, y = parameter(k_knob, "", (0, k)), parameter(b_knob, "", (0, b))
+    x = replace(x, label=f"stiffness of the wall, {x.label}, hand: {hand.name}")
+    return Chart(layers, x, replace(y, label=f"damping of the wall, {y.label}"), height=2.6)
 
 
-def draw_plane(ax: Axes, found: Stability, hand: Hand | None = None) -> list[Artist]:
-    """Stiffness against damping of hands of one mass: a ground where the display is not stable, with the number of roots.
+def hand_plane(found: Stability, hand: Hand | None = None) -> Chart:
+    """Stiffness against damping of hands of one mass: a ground where the display is not stable, with the number of unstable poles.
 
     ``hand`` : whose mass it is; the first that was asked about, or 0.5 kg (or 0.01 kg m^2) where none was. Filled: the hands that
-    were asked about, if they are of that mass; hollow: published ones, whatever theirs. Returns what the legend has.
+    were asked about, if they are of that mass; hollow: published ones, whatever theirs.
 
     >>> from haptisym import stability
-    >>> drawn = draw_plane(Figure().add_subplot(), stability("delayed-spring", "light-touch"))
-    >>> [x.get_label() for x in drawn][0]
+    >>> [x.label for x in hand_plane(stability("delayed-spring", "light-touch")).layers if x.label][0]
     'boundary'
     """
     asked = [x.hand for x in found.held]
     turning = found.scene.motion is MotionKind.ROTATION
     own = hand or (asked[0] if asked else Hand("none", "0.01 kg*m^2" if turning else "0.5 kg"))
-    shown = [] if turning else [x for name, x in hands.items() if name not in {y.name for y in asked}]
+    shown = [] if turning else [x for name, x in published.items() if name not in {y.name for y in asked}]
     drawn = plane(found.scene, own, _window(found, [*asked, *shown]))
-    low, high, least, most = drawn.window
-    ax.set(xlim=(low, high), ylim=(least, most))
-    made = [
-        *draw_boundary(ax, drawn),
-        *_ground(ax, drawn),
-        *draw_boxes(ax, asked),
-        *draw_points(ax, asked, shown, drawn),
-    ]
-    name_axes(ax, found.scene.motion, number(drawn.mass))
-    legend(ax, made)
-    return made
+    layers = [*_boundary(drawn), *_grounds(drawn), *_ranges(asked), *_hands(asked, shown, drawn)]
+    return Chart(layers, *_axes(found.scene.motion, number(drawn.mass), drawn.window), height=2.6)
 
 
-def name_axes(ax: Axes, motion: MotionKind | None, mass: str) -> None:
+def _axes(motion: MotionKind | None, mass: str, window: Window) -> tuple[Axis, Axis]:
     """Of a plane of hands of that mass."""
-    dress(ax)
-    unit, damping, stiffness = (unit_text(x.unit(motion or MotionKind.TRANSLATION)) for x in _KINDS)
-    ax.set_xlabel(rf"$k_\mathrm{{h}}$ ({stiffness}), for a hand of {mass} {unit}", fontsize=pen.TEXT)
-    ax.set_ylabel(rf"$b_\mathrm{{h}}$ ({damping})", fontsize=pen.TEXT)
-
-
-_KINDS = (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)
+    unit, damping, stiffness = (x.unit(motion or MotionKind.TRANSLATION) for x in _KINDS)
+    low, high, least, most = window
+    x = Axis(r"hand's stiffness $k_\mathrm{h}$", Unit(stiffness), (low, high))
+    x = replace(x, label=f"{x.label}, mass {mass} {unit_text(unit)}")
+    return x, Axis(r"hand's damping $b_\mathrm{h}$", Unit(damping), (least, most))
 
 
 def _window(found: Stability, shown: Iterable[Hand]) -> Window:
-    """Room for the hands, their boxes, critical values that are not far, and the line of the root at 0 if it is near."""
+    """Room for the hands, their ranges, critical values that are not far, and the line of the pole at 0 if it is near."""
     ends = [[(p.interval or (p.value, p.value))[1] for p in x.parameters] for x in shown]
     most = [max((float(x[i]) for x in ends), default=0.0) for i in (1, 2)]
     b, k = (x or other for x, other in zip(most, (1.0, 100.0), strict=True))
@@ -132,120 +132,135 @@ def _window(found: Stability, shown: Iterable[Hand]) -> Window:
     k = max([k, *(v for path, v in near if path.startswith("hand") and path.endswith(".k") and v < _NEAR * k)])
     at_0 = float(found.scene.closed.compile(of=("perceived_real",))(np.array([0.0])).perceived_real[0])
     low = -1.3 * at_0 if 0 < at_0 < k else -0.05 * k
-    return low, ROOM * k, -0.05 * b, ROOM * b
+    return low, _ROOM * k, -0.05 * b, _ROOM * b
 
 
-def _ground(ax: Axes, drawn: Plane) -> list[Artist]:
+@dataclass(frozen=True)
+class _Raster(Layer):
+    """A ground where pixels of the window are."""
+
+    where: Any
+    window: Window
+    color: str
+
+    def draw(self, on: On) -> list[Artist]:
+        low, high, least, most = self.window
+        x, y = np.linspace(low, high, self.where.shape[0]), np.linspace(least, most, self.where.shape[1])
+        on.ax.contourf(on.x.of(x), on.y.of(y), self.where.T, levels=[0.5, 1.5], colors=[self.color], zorder=0)
+        return [Patch(facecolor=self.color)]
+
+
+def _grounds(drawn: Plane) -> list[Layer]:
     """Cells by whether they are stable."""
-    low, high, least, most = drawn.window
     grounds = (
-        ("not stable", pen.UNSTABLE, [x for x in drawn.cells if x.roots is not None and not x.is_stable]),
-        ("not decided", pen.SHADE, [x for x in drawn.cells if x.roots is None]),
+        ("unstable", pen.UNSTABLE, [x for x in drawn.cells if x.roots is not None and not x.is_stable]),
+        ("undecided", pen.OPEN, [x for x in drawn.cells if x.roots is None]),
     )
-    made: list[Artist] = []
-    for label, color, cells in grounds:
-        if cells:
-            where = np.any([x.pixels for x in cells], axis=0).astype(float)
-            x, y = np.linspace(low, high, where.shape[0]), np.linspace(least, most, where.shape[1])
-            ax.contourf(x, y, where.T, levels=[0.5, 1.5], colors=[color], zorder=0)
-            made.append(Patch(facecolor=color, label=label))
-    return made
+    return [
+        _Raster(np.any([x.pixels for x in cells], axis=0).astype(float), drawn.window, color, label=label)
+        for label, color, cells in grounds
+        if cells
+    ]
 
 
-def draw_boundary(ax: Axes, drawn: Plane, label: str = "boundary") -> list[Artist]:
-    """The boundary, and where a root is at 0."""
-    ax.plot(drawn.k, drawn.b, color=pen.BLUE, linewidth=1.1)
+def _boundary(drawn: Plane, label: str = "boundary") -> list[Layer]:
+    """The boundary, and where a pole is at 0."""
     low, high, least, most = drawn.window
     is_here = bool(((drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)).any())
-    made: list[Artist] = [handle(pen.BLUE, pen.SOLID, label if is_here else f"{label} (elsewhere)")]
+    made: list[Layer] = [Curve(drawn.k, drawn.b, pen.BLUE, label=label if is_here else f"{label} (elsewhere)")]
     if drawn.at_0 is not None and low < drawn.at_0 < high:
-        ax.axvline(drawn.at_0, color=pen.RED, linewidth=0.9, linestyle=pen.DASHED)
-        made.append(handle(pen.RED, pen.DASHED, "root at 0"))
+        made.append(Limit(drawn.at_0, True, pen.RED, pen.DASHED, 0.9, label="pole at 0"))
     return made
 
 
-def draw_boxes(ax: Axes, asked: Iterable[Hand]) -> list[Artist]:
-    """The box of each hand with ranges of damping and stiffness."""
-    for (k, b), (k_high, b_high) in _boxes(asked):
-        ax.add_patch(Rectangle((k, b), k_high - k, b_high - b, fill=False, edgecolor=pen.INK, linewidth=0.9))
-    return []
+def _ranges(asked: Iterable[Hand]) -> list[Layer]:
+    """The rectangle of each hand with ranges of damping and stiffness."""
+    style: dict[str, Any] = {"fill": False, "edgecolor": pen.INK, "linewidth": 0.9}
+    return [Shape(Rectangle((k, b), k_high - k, b_high - b, **style)) for (k, b), (k_high, b_high) in _corners(asked)]
 
 
-def _boxes(asked: Iterable[Hand]) -> Iterator[tuple[tuple[float, float], tuple[float, float]]]:
-    """Of each hand with ranges of damping and stiffness, two corners of their box."""
+def _corners(asked: Iterable[Hand]) -> Iterator[tuple[tuple[float, float], tuple[float, float]]]:
+    """Of each hand with ranges of damping and stiffness, two corners of their rectangle."""
     for x in asked:
         if x.k.interval or x.b.interval:
             (k, k_high), (b, b_high) = ([float(end) for end in p.interval or (p.value, p.value)] for p in (x.k, x.b))
             yield (k, b), (k_high, b_high)
 
 
-def draw_points(ax: Axes, asked: list[Hand], shown: list[Hand], drawn: Plane) -> list[Artist]:
-    """Hands by their names: filled where their mass is that of the plane; and the number of roots in each cell."""
-    room, listed = _room(ax, drawn), (*asked, *shown)
-    for x in listed:
-        room.take_point(*_place(x))
-    for (k, b), (k_high, b_high) in _boxes(asked):
-        room.take_line([k, k_high, k_high, k, k], [b, b, b_high, b_high, b])
-    for x in listed:
-        face = pen.INK if x in asked and float(x.m.value) == drawn.mass else "none"
-        color = pen.INK if x in asked else pen.GREY
-        ax.plot(*_place(x), "o", color=color, markerfacecolor=face, markersize=3.5, markeredgewidth=0.7)
-    named = [(x.name, _place(x), pen.INK) for x in asked]
-    named += [(name, place, pen.GREY) for name, place in _names(shown, room)]
-    for name, (k, b), color in named:
-        at = room.beside(k, b, name, _SMALLER)
-        ax.annotate(name, (k, b), at, textcoords="offset points", fontsize=_SMALLER, color=color)
-    _counts(ax, drawn, room)
+def _hands(asked: list[Hand], shown: list[Hand], drawn: Plane) -> list[Layer]:
+    """Hands by their names: filled where their mass is that of the plane; and the number of unstable poles in each cell."""
     here = [x for x in asked if float(x.m.value) == drawn.mass]
-    marker: dict[str, Any] = {"marker": "o", "markersize": 3.5}
-    made: list[Artist] = [handle(pen.INK, "none", "of this mass", **marker)] if here else []
-    if len(here) < len(listed):
-        made.append(handle(pen.GREY, "none", "of another", markerfacecolor="none", markeredgewidth=0.7, **marker))
-    return made
+    marks: list[Layer] = []
+    for x in (*asked, *shown):
+        face, color = ("" if x in here else "none"), pen.INK if x in asked else pen.GREY
+        k, b = _place(x)
+        marks.append(Mark([k], [b], color, size=3.5, face=face, look={"markeredgewidth": 0.7}))
+    rim: dict[str, Any] = {"markerfacecolor": "none", "markeredgewidth": 0.7, "color": pen.GREY}
+    told = [Words(label="hand of this mass", look=dots(3.5))] if here else []
+    told += [Words(label="of another mass", look=dots(3.5, **rim))] if len(here) < len(asked) + len(shown) else []
+    return [*marks, *told, _Counts(drawn, tuple(asked), tuple(shown))]
 
 
 def _place(x: Hand) -> tuple[float, float]:
     return float(x.k.value), float(x.b.value)
 
 
-def _names(shown: list[Hand], room: Room) -> list[tuple[str, tuple[float, float]]]:
-    """What is written beside published hands, and where: of those whose marks lie on each other, how many they are."""
-    groups: list[list[Hand]] = []
-    for x in shown:
-        near = (g for g in groups if room.away(_place(g[0]), _place(x)) < _TOGETHER)
-        group = next(near, None)
-        if group is None:
-            groups.append([x])
-        else:
-            group.append(x)
-    return [(g[0].name if len(g) == 1 else f"{len(g)} published hands", _place(g[0])) for g in groups]
+@dataclass(frozen=True)
+class _Counts(Layer):
+    """Names of hands, and the number of unstable poles in the middle of each cell or beside what stands there."""
 
+    drawn: Plane
+    asked: tuple[Hand, ...] = ()
+    shown: tuple[Hand, ...] = ()
 
-def _room(ax: Axes, drawn: Plane) -> Room:
-    """What the lines leave free."""
-    room, (low, high, least, most) = Room(ax), drawn.window
-    inside = (drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)
-    for piece in np.split(np.arange(len(drawn.k)), np.flatnonzero(np.diff(inside.astype(int))) + 1):
-        if len(piece) and inside[piece[0]]:
-            room.take_line(drawn.k[piece], drawn.b[piece])
-    if drawn.at_0 is not None and low < drawn.at_0 < high:
-        room.take_line([drawn.at_0] * 2, [least, most])
-    return room
+    def draw(self, on: On) -> list[Artist]:
+        room, made = self._room(on), list[Artist]()
+        named = [(x.name, _place(x), pen.INK) for x in self.asked]
+        named += [(name, place, pen.GREY) for name, place in self._names(room)]
+        for name, (k, b), color in named:
+            at = room.beside(k, b, name, _SMALLER)
+            made.append(on.ax.annotate(name, (k, b), at, textcoords="offset points", fontsize=_SMALLER, color=color))
+        low, high, least, most = self.drawn.window
+        for x in self.drawn.cells:
+            if min(np.ptp(np.nonzero(x.pixels), axis=1)) < _NARROW:
+                continue
+            shown = "?" if x.roots is None else "∞" if x.roots.number is None else f"{x.roots.number}"
+            inner = np.argwhere(_without_rim(x.pixels))
+            share = (inner[:: max(1, len(inner) // 400)] + 0.5) / x.pixels.shape
+            others = np.array([low, least]) + share * np.array([high - low, most - least])
+            places = [(x.k, x.b), *((float(k), float(b)) for k, b in others)]
+            costs = [(room.crowded(at, pen.TEXT), room.away(at, (x.k, x.b))) for at in places]
+            at = places[min(range(len(places)), key=costs.__getitem__)]
+            made.append(on.ax.annotate(shown, at, ha="center", va="center", fontsize=pen.TEXT, color=pen.INK))
+        return made
 
+    def _names(self, room: Room) -> list[tuple[str, tuple[float, float]]]:
+        """What is written beside published hands: of those whose marks lie on each other, how many they are."""
+        groups: list[list[Hand]] = []
+        for x in self.shown:
+            near = (g for g in groups if room.away(_place(g[0]), _place(x)) < _TOGETHER)
+            group = next(near, None)
+            if group is None:
+                groups.append([x])
+            else:
+                group.append(x)
+        return [(g[0].name if len(g) == 1 else f"{len(g)} published hands", _place(g[0])) for g in groups]
 
-def _counts(ax: Axes, drawn: Plane, room: Room) -> None:
-    """The number of roots of each cell, in its middle, or beside what stands there."""
-    low, high, least, most = drawn.window
-    for x in drawn.cells:
-        if min(np.ptp(np.nonzero(x.pixels), axis=1)) < _NARROW:
-            continue
-        shown = "?" if x.roots is None else "∞" if x.roots.number is None else f"{x.roots.number}"
-        inner = np.argwhere(_without_rim(x.pixels))
-        share = (inner[:: max(1, len(inner) // 400)] + 0.5) / x.pixels.shape
-        others = np.array([low, least]) + share * np.array([high - low, most - least])
-        places = [(x.k, x.b), *((float(k), float(b)) for k, b in others)]
-        k, b = min(places, key=lambda place: (room.crowded(place, pen.TEXT), room.away(place, (x.k, x.b))))
-        ax.annotate(shown, (k, b), ha="center", va="center", fontsize=pen.TEXT, color=pen.INK)
+    def _room(self, on: On) -> Room:
+        """What the lines and marks leave free."""
+        room, drawn = Room(on.ax), self.drawn
+        low, high, least, most = drawn.window
+        inside = (drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)
+        for piece in np.split(np.arange(len(drawn.k)), np.flatnonzero(np.diff(inside.astype(int))) + 1):
+            if len(piece) and inside[piece[0]]:
+                room.take_line(drawn.k[piece], drawn.b[piece])
+        if drawn.at_0 is not None and low < drawn.at_0 < high:
+            room.take_line([drawn.at_0] * 2, [least, most])
+        for x in (*self.asked, *self.shown):
+            room.take_point(*_place(x))
+        for (k, b), (k_high, b_high) in _corners(self.asked):
+            room.take_line([k, k_high, k_high, k, k], [b, b, b_high, b_high, b])
+        return room
 
 
 def _without_rim(pixels: Any) -> Any:
@@ -254,51 +269,55 @@ def _without_rim(pixels: Any) -> Any:
     return np.logical_and.reduce([pixels, *moved])
 
 
-HEIGHT = 2.6  # inches
+STABILITY = Drawings[Stability]({"hands": hands})
+
+
+# Displays with ranges.
+
 _FINEST = (2.0**-8, 2.0**-7)
 _COARSE = 2.0**-6
 """Of both ranges, by how many others there are."""
 _MOST = 100_000
 
 
-def hands_figure(a: Tolerances) -> Figure:
-    """The plane of the hand alone."""
-    return one_column(HEIGHT, lambda ax: draw_held(ax, a))
-
-
-def draw_held(ax: Axes, a: Tolerances) -> list[Artist]:
+def held(a: Tolerances) -> Chart:
     """Stiffness against damping of hands of the first one's mass: grounds where a display is stable for all values, and for none.
 
-    Both are proven, over rectangles; between them it depends on the values, or was not shown. The line is the boundary for the
+    Both are proven, over rectangles; between them it depends on the values, or is undecided. The line is the boundary for the
     nominal values, in floats (none with a clock); hollow points are published hands, whatever their mass. NothingToDrawError
     without a hand, and where nothing is known.
 
     >>> from haptisym import load_scene, tolerances
-    >>> from matplotlib.figure import Figure
     >>> late = load_scene("delayed-spring").with_values({"tau": "36 ms +- 5 %"})
-    >>> [x.get_label() for x in draw_held(Figure().add_subplot(), tolerances(late, samples=0, hand="postural-arm"))][:3]
-    ['stable for all values', 'for none', 'it depends, or not shown']
+    >>> [x.label for x in held(tolerances(late, samples=0, hand="postural-arm")).layers if x.label][:3]
+    ['stable for all values', 'for none', 'it depends, or undecided']
     """
     if not a.held:
         raise NothingToDrawError("no hand was asked about")
-    scene, hands = a.box.scene, [x.hand for x in a.held]
-    own, turning, sampled = hands[0], scene.motion is MotionKind.ROTATION, bool(clocks(scene))
-    shown = [] if turning else [x for name, x in published.items() if name not in {y.name for y in hands}]
-    window = _window_in_heldbox([*hands, *shown], sampled=sampled)
+    scene, asked = a.box.scene, [x.hand for x in a.held]
+    own, sampled = asked[0], bool(clocks(scene))
+    turning = scene.motion is MotionKind.ROTATION
+    shown = [] if turning else [x for name, x in published.items() if name not in {y.name for y in asked}]
+    window = _held_window([*asked, *shown], sampled=sampled)
     found = _found(a, own, window)
-    low, high, least, most = window
-    ax.set(xlim=(low, high), ylim=(least, most))
     drawn = (
         Plane(float(own.m.value), np.empty(0), np.empty(0), None, window) if sampled else boundary(scene, own, window)
     )
-    lines = [] if sampled else draw_boundary(ax, drawn, "nominal boundary")
-    made = [
-        *_grounds(ax, found, window), *lines, *draw_boxes(ax, hands),
-        *draw_points(ax, hands, shown, drawn),
-    ]  # fmt: skip
-    name_axes(ax, scene.motion, " to ".join(number(float(x)) for x in own.m.interval or (own.m.value,)))
-    legend(ax, made)
-    return made
+    rows = (
+        (found.stable, "#ffffff", "stable for all values"), (found.unstable, pen.UNSTABLE, "for none"),
+        (found.left, pen.OPEN, "it depends, or undecided"),
+    )  # fmt: skip
+    low, high, least, most = window
+    size, corner = np.array([high - low, most - least])[:, None], np.array([low, least])[:, None]
+    grounds: list[Layer] = []
+    for cells, color, label in rows:
+        if len(cells):
+            places: Array = corner + cells * size
+            grounds.append(Ground(places[:, 0].T, places[:, 1].T, color, label=label))
+    lines = [] if sampled else _boundary(drawn, "nominal boundary")
+    mass = " to ".join(number(float(x)) for x in own.m.interval or (own.m.value,))
+    layers = [*grounds, *lines, *_ranges(asked), *_hands(asked, shown, drawn)]
+    return Chart(layers, *_axes(scene.motion, mass, window), height=2.6)
 
 
 def _found(a: Tolerances, hand: Hand, window: Window) -> HeldPlane:
@@ -313,29 +332,120 @@ def _found(a: Tolerances, hand: Hand, window: Window) -> HeldPlane:
         free = {hand.k.symbol: (low, high), hand.b.symbol: (least, most)}
         return held_plane(a.box.scene, [hand], free, others, finest=finest, most=_MOST)
     except UndecidedError as error:
-        raise NothingToDrawError(f"of hands held nothing is known: {error}") from None
+        raise NothingToDrawError(f"of hands nothing is known: {error}") from None
 
 
-def _window_in_heldbox(hands: Sequence[Hand], *, sampled: bool) -> Window:
-    """From 0 on, with room for the hands and their boxes; a little less without a clock."""
-    ends = [[float((p.interval or (p.value, p.value))[1]) for p in (x.k, x.b)] for x in hands]
+def _held_window(listed: Sequence[Hand], *, sampled: bool) -> Window:
+    """From 0 on, with room for the hands and their ranges; a little less without a clock."""
+    ends = [[float((p.interval or (p.value, p.value))[1]) for p in (x.k, x.b)] for x in listed]
     k, b = (max(column) for column in zip(*ends, strict=True))
     k, b = (k or 100.0, b or 1.0)
     below = 0.0 if sampled else 0.05
-    return -below * k, ROOM * k, -below * b, ROOM * b
+    return -below * k, _ROOM * k, -below * b, _ROOM * b
 
 
-def _grounds(ax: Axes, found: HeldPlane, window: Window) -> list[Artist]:
-    """White, tinted and grey."""
-    rows = (
-        (found.stable, "white", "stable for all values"), (found.unstable, pen.UNSTABLE, "for none"),
-        (found.left, pen.SHADE, "it depends, or not shown"),
-    )  # fmt: skip
-    made: list[Artist] = []
-    low, high, least, most = window
-    for cells, color, label in rows:
-        if len(cells):
-            places: Array = np.array([low, least])[:, None] + cells * np.array([high - low, most - least])[:, None]
-            rectangles(ax, places[:, 0].T, places[:, 1].T, color)
-            made.append(Patch(facecolor=color, edgecolor="black", linewidth=0.3, label=label))
-    return made
+_HEIGHT = 0.7
+
+
+def enclosures(a: Tolerances) -> Chart:
+    """A row for each ratio: grey where it may cross, proven; dots for each drawn set of values; a stroke for the nominal ones.
+
+    Enclosures of a further scene are outlines, in the row of what they are about. NothingToDrawError where no values bring a
+    crossing.
+
+    >>> from haptisym import load_scene, tolerances
+    >>> chart = enclosures(tolerances(load_scene("fu2019-tolerances"), samples=20))
+    >>> list(dict.fromkeys(layer.label for layer in chart.layers if layer.label))
+    ['for all values', 'drawn at random', 'nominal values']
+    """
+    if not _has_rows(a):
+        raise NothingToDrawError("nothing is met on the band, for any values within the ranges")
+    every, drawn, nominal = list[Layer](), list[Layer](), list[Layer]()
+    for x in a.criteria:
+        name = x.joint.kind if x.joint else f"{written(x)[:-1]} = {threshold_symbol(x)[1:]}"
+        spans = [(float(i.low), float(i.high)) for i in a.enclosures if i.criterion == x]
+        every.append(_Row(name, spans, label="for all values", styled=True))
+        drawn.append(
+            _Drawn(
+                name,
+                [(float(w), n) for n, one in enumerate(a.samples) for w in one.crossings[x.name]],
+                label="drawn at random",
+            )
+        )
+        nominal.append(_Strokes(name, [float(w) for w in a.nominal.crossings[x.name]], label="nominal values"))
+    low, high = (float(x) for x in a.box.scene.band)
+    rows = [x.row for x in every if isinstance(x, _Row)]
+    height = 1.5 if len(a.criteria) > 1 else 1.3
+    return Chart(
+        [*every, *drawn, *nominal], frequency(a.box.scene.frequency, (low, high)), Axis(names=rows), height=height
+    )
+
+
+@dataclass(frozen=True)
+class _Row(Layer):
+    """Bars in a row that has a name."""
+
+    row: str
+    spans: Sequence[tuple[float, float]]
+
+    def draw(self, on: On) -> list[Artist]:
+        at, made = list(on.y.names).index(self.row), list[Artist]()
+        face: dict[str, Any] = {"facecolor": pen.SHADE, "edgecolor": on.ink(pen.GREY), "linewidth": 0.5}
+        if on.number:
+            face |= {"facecolor": "none", "linewidth": 1.0}
+        for low, high in map(on.x.of, self.spans):
+            made += on.ax.barh(at, high - low, left=low, height=_HEIGHT, zorder=1, **face)
+        return made
+
+
+@dataclass(frozen=True)
+class _Drawn(Layer):
+    """Dots in a row, spread upwards by their numbers to tell them apart."""
+
+    row: str
+    places: Sequence[tuple[float, int]]
+
+    def draw(self, on: On) -> list[Artist]:
+        at = list(on.y.names).index(self.row)
+        heights = [at + 0.5 * ((n * 0.618) % 1 - 0.5) for _, n in self.places]
+        return Mark([x for x, _ in self.places], heights, pen.BLUE, ".", 1.6, look={"zorder": 2}).draw(on)
+
+    def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
+        return [(self.label, handle(on.ink(pen.BLUE), "none", "", **dots(2.2)))] if made else []
+
+
+@dataclass(frozen=True)
+class _Strokes(Layer):
+    """Upright strokes in a row."""
+
+    row: str
+    places: Sequence[float]
+
+    def draw(self, on: On) -> list[Artist]:
+        if not self.places:
+            return []
+        at = list(on.y.names).index(self.row)
+        ends = at - _HEIGHT / 2, at + _HEIGHT / 2
+        return [on.ax.vlines(on.x.of(self.places), *ends, color=on.ink(pen.INK), linewidth=1.4, zorder=3)]
+
+    def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
+        return [(self.label, handle(on.ink(pen.INK), "none", "", **dots(7, "|", markeredgewidth=1.4)))] if made else []
+
+
+def _has_rows(a: Tolerances) -> bool:
+    return bool(a.enclosures) or any(a.nominal.crossings.values()) or any(any(x.crossings.values()) for x in a.samples)
+
+
+def tolerances(a: Tolerances) -> Figure:
+    """The rows of both parts, and below them the plane of the hand; NothingToDrawError where there is neither."""
+    if a.held:
+        with suppress(NothingToDrawError):
+            below = held(a)
+            return sheet(enclosures(a), below, joined=False) if _has_rows(a) else sheet(below)
+    return sheet(enclosures(a))
+
+
+TOLERANCES = Drawings[Tolerances](
+    {"enclosures": enclosures, "hands": held},
+    {"tolerances": tolerances, "enclosures": lambda a: sheet(enclosures(a)), "hands": lambda a: sheet(held(a))},
+)

@@ -1,60 +1,58 @@
-"""Design charts of sweeps: first crossings and bandwidth over one parameter, or a map over two.
+"""Design charts of sweeps: first crossings and bandwidth over one parameter, or a map of the bandwidth over two.
 
-The data of a sweep as charts take them: names and units of axes, and where the bandwidth jumps between sets.
-
-Design charts: first crossings and bandwidth over one parameter, or a map of the bandwidth over two.
-
-Each ``draw_`` function draws on the axes that it is given, so that other curves (exact boundaries, a design) can be laid over.
+The data of a sweep are an xarray Dataset in SI; axes are in the scene's units where the scene is at hand. A curve is broken where it
+jumps because crossings come or go: nothing was computed in between.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import MaxNLocator
+from sympy import Symbol
 
 from haptisym.figures import pen
-from haptisym.figures.designmap import draw_boundary
-from haptisym.figures.sheet import one_column
-from haptisym.figures.style import (
-    RADIANS,
-    Look,
-    Scale,
-    dots,
-    dress,
-    entries,
-    floats_scale,
-    handle,
-    labelled_scale,
-    legend,
-    limit,
-    name_parameter,
-    number,
-)
+from haptisym.figures.layers import Axis, Chart, Curve, Layer, Limit, Mark, On, Words, dots, frequency, handle, number
+from haptisym.figures.measured import unit_of
+from haptisym.figures.requirement import boundary
+from haptisym.figures.sheet import Drawings, sheet
 from haptisym.kernel.errors import SceneError
+from haptisym.model.quantities import Unit
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
 from haptisym.verbs.require.designmap import DesignMap, design_map
 from haptisym.verbs.require.required import is_quick
 from haptisym.verbs.sweep.axes import HELD, UNKNOWN
 from haptisym.verbs.sweep.entry import Swept
+from haptisym.writing.latex import formula
 
 if TYPE_CHECKING:
     import xarray as xr
 
-
 _MOST_PIXELS = 1200  # along an axis; a chart in print shows no more
+_LEVELS, _SLICES = 7, 31
+_MAP = LinearSegmentedColormap.from_list("bandwidth", ["#5b7fa6", "#a9c0d6", "#f4f7fa"])  # monotone in grey, too
+_CURVES = {
+    "real": (pen.BLUE, pen.SOLID, "real part crosses"),
+    "imag": (pen.RED, pen.DASHED, "imaginary part crosses"),
+    "joint": (pen.BLUE, pen.SOLID, "leaves the JND region"),
+}
+"""Of each criterion, in the order of the charts: colour, stroke and name."""
+_HATCHES = ("////", "\\\\\\\\", "||||", "----")
 
 
-def dimensions(data: xr.Dataset, count: int) -> list[str]:
+# The data as charts take them.
+
+
+def _dimensions(data: xr.Dataset, count: int) -> list[str]:
     """The parameters of a sweep over so many; SceneError for any other."""
     found = [str(name) for name in data.bandwidth.dims]
     if len(found) != count or min(data.bandwidth.shape) < 2:
@@ -65,31 +63,30 @@ def dimensions(data: xr.Dataset, count: int) -> list[str]:
     return found
 
 
-def thinned_data(data: xr.Dataset, names: tuple[str, str]) -> xr.Dataset:
+def _thinned(data: xr.Dataset, names: tuple[str, str]) -> xr.Dataset:
     """What a map shows, no finer than it is seen."""
     steps = {name: slice(None, None, -(-data.sizes[name] // _MOST_PIXELS)) for name in names}
-    wanted = ["bandwidth", *(f"crossings_{name}" for name in judged_in(data)), *held_in(data)]
+    wanted = ["bandwidth", *(f"crossings_{name}" for name in _judged_in(data)), *_held_in(data)]
     return data[wanted].isel(steps).load()
 
 
-def axis_name(data: xr.Dataset, path: str, scale: Scale) -> str:
-    """Symbol and unit of a parameter, whose element is named only where another one has the same symbol."""
+def _axis(data: xr.Dataset, path: str, scene: Scene | None) -> Axis:
+    """The axis of a parameter; its element is named only where another one has the same symbol."""
     keys = {str(other): _symbol(str(other)) for other in data.bandwidth.dims}
     shared = list(keys.values()).count(keys[path]) > 1 or path.startswith("rendered.")
     element = "_" + "_".join(path.split(".")[:-1]).removeprefix("effects_").replace("-", "_") if shared else ""
-    unit = str(data[path].attrs.get("units", ""))
-    return name_parameter(keys[path] + element, unit if scale.factor == 1 else scale.unit)
+    x, units = data[path].values, str(data[path].attrs.get("units", ""))
+    unit = unit_of(np.array([x.min(), x.max()])) if units == "rad/s" else Unit("" if units == "1" else units)
+    if scene is not None and path in scene.knobs:
+        knob = scene.knobs[path]
+        unit = knob.shown_unit(knob.motion)
+    label = f"${formula(Symbol(keys[path] + element))}$"
+    return Axis(label, unit, (float(x.min()), float(x.max())), None, log=is_logarithmic(x))
 
 
 def _symbol(path: str) -> str:
     _, _, key = path.rpartition(".")
     return key if not path.startswith("evaluation.") else "c" if key == "jnd" else f"c_{key}"
-
-
-def axis_scale(data: xr.Dataset, path: str) -> Scale:
-    """Hz where the frequencies of an axis begin and end with short numbers in Hz."""
-    is_frequency = data[path].attrs.get("units") == "rad/s"
-    return floats_scale([data[path].values.min(), data[path].values.max()]) if is_frequency else RADIANS
 
 
 def is_logarithmic(x: Array) -> bool:
@@ -100,12 +97,22 @@ def is_logarithmic(x: Array) -> bool:
     return bool(np.ptp(ratio) < 1e-6 * abs(ratio).max() and np.ptp(even) > 1e-6 * abs(even).max())
 
 
-def held_in(data: xr.Dataset) -> list[str]:
+def _held_in(data: xr.Dataset) -> list[str]:
     """The variables of a sweep that tell of a hand."""
     return [str(name) for name in data.data_vars if str(name).startswith(HELD)]
 
 
-def jumps_of(y: Array, counts: Any, band: float) -> Any:
+def _judged_in(data: xr.Dataset) -> list[str]:
+    """The names of the criteria of which a sweep tells."""
+    return [name for name in _CURVES if f"crossings_{name}" in data]
+
+
+def _counts(data: xr.Dataset) -> Any:
+    """How many crossings there are, of each criterion."""
+    return np.stack([data[f"crossings_{name}"].values for name in _judged_in(data)]).astype(np.int64)
+
+
+def _jumps(y: Array, counts: Any, band: float) -> Any:
     """The places before which a curve is broken; ``counts`` : of the crossings of the parts that it depends on, in rows.
 
     Where a pair of crossings of a part comes or goes, and the curve moves more there than beside: the lowest one may be among
@@ -119,208 +126,162 @@ def jumps_of(y: Array, counts: Any, band: float) -> Any:
     return (steps[1:-1] > smooth).nonzero()[0] + 1
 
 
-JUDGED = ("real", "imag", "joint")
-"""The names of the criteria of which a sweep may tell, in the order of its charts."""
-
-
-def judged_in(data: xr.Dataset) -> list[str]:
-    """The names of the criteria of which a sweep tells."""
-    return [name for name in JUDGED if f"crossings_{name}" in data]
-
-
-def crossing_counts(data: xr.Dataset) -> Any:
-    """How many crossings there are, of each criterion."""
-    return np.stack([data[f"crossings_{name}"].values for name in judged_in(data)]).astype(np.int64)
-
-
-def jump_edges(data: xr.Dataset, x: Array, y: Array, z: Array, band: float) -> list[list[tuple[float, float]]]:
-    """The edges between neighbouring sets across which the bandwidth jumps, as pieces of lines."""
-    counts = crossing_counts(data)
-    across, up = edges(x), edges(y)
-    found = []
-    for i, row in enumerate(z):
-        found += [[(across[j], up[i]), (across[j], up[i + 1])] for j in jumps_of(row, counts[:, i], band)]
-    for j, column in enumerate(z.T):
-        found += [[(across[j], up[i]), (across[j + 1], up[i])] for i in jumps_of(column, counts[:, :, j], band)]
-    return found
-
-
-def edges(x: Array) -> Array:
+def _edges(x: Array) -> Array:
     """The ends of the cells whose middles are given."""
-    middles = (x[1:] + x[:-1]) / 2
-    found: Array = np.concatenate([[x[0]], middles, [x[-1]]])
+    found: Array = np.concatenate([[x[0]], (x[1:] + x[:-1]) / 2, [x[-1]]])
     return found
 
 
-_LEVELS, _SLICES = 7, 31
-_MAP = LinearSegmentedColormap.from_list("bandwidth", ["#5b7fa6", "#a9c0d6", "#f4f7fa"])  # monotone in grey, too
-_CURVES = {
-    "real": (pen.BLUE, pen.SOLID, "real part crosses"),
-    "imag": (pen.RED, pen.DASHED, "imaginary part crosses"),
-    "joint": (pen.BLUE, pen.SOLID, "leaves the JND region"),
-}
+def _unit(data: xr.Dataset, scene: Scene | None) -> Unit:
+    """In which frequencies are drawn."""
+    return unit_of(np.array(data.attrs["band"])) if scene is None else scene.frequency
 
 
-def draw_curves(ax: Axes, data: xr.Dataset, *, color: str | None = None, label: str = "") -> list[Line2D]:
+# One parameter.
+
+
+def curves(data: xr.Dataset, scene: Scene | None = None) -> Chart:
     """First crossings of what is judged and the bandwidth over the one parameter of a sweep.
 
-    A curve is broken, with a dot at each end, where it jumps because crossings come or go: nothing was computed in between.
-    Hatched: the sets that are not stable in a hand.
-    ``color``, ``label`` : of the sweep, in the drawing and in the legend. Returns the lines: bandwidth, then each criterion.
+    A curve has a dot at each end where it is broken. Hatched: the sets that are not stable in a hand.
 
     >>> from haptisym import load_scene, sweep
-    >>> from matplotlib.figure import Figure
     >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, 60.0, 80.0]})
-    >>> [line.get_label() for line in draw_curves(Figure().add_subplot(), found)]
-    ['bandwidth', 'real part crosses', 'imaginary part crosses']
+    >>> [layer.label for layer in curves(found).layers if isinstance(layer, Curve)]
+    ['real part crosses', 'imaginary part crosses', 'bandwidth']
     """
-    [path] = dimensions(data, 1)
+    [path] = _dimensions(data, 1)
     data = data.load()
-    look = Look.on(ax, "bandwidth", color, label)
-    along, upwards = axis_scale(data, path), _frequency_scale(ax, data)
-    x = along.of(data[path].values)
-    low, high = (upwards.of(float(end)) for end in data.attrs["band"])
-    counts = crossing_counts(data)
-    style: dict[str, Any] = {"color": look.ink(pen.GREY), "linewidth": 3.2, "alpha": 0.5}
-    rows = [("bandwidth", "bandwidth", {**style, "solid_capstyle": "butt"})]
-    for criterion in judged_in(data):
-        own, stroke, name = _CURVES[criterion]
-        shown = look.ink(own)
-        rows.append((f"first_crossing_{criterion}", name, {"color": shown, "linestyle": stroke, "linewidth": 1.1}))
-    lines, breaks = list[Line2D](), list[Line2D]()
-    for variable, name, style in rows:
-        y = upwards.of(data[variable].values)
-        parts = [i for i, x in enumerate(judged_in(data)) if variable in ("bandwidth", f"first_crossing_{x}")]
-        jumps = jumps_of(y, counts[parts], high - low)
-        broken = np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)
-        lines += ax.plot(*broken, label=f"{name}{look.suffix}", **style)
-        breaks += _draw_ends(ax, x, y, jumps, str(style["color"]))
-    told = "end of the band" in entries(ax)
-    end = [] if told else [ax.axhline(high, color=pen.GREY, linewidth=0.4, zorder=0, label="end of the band")]
-    limit(ax, (x.min(), x.max()), (low, high * 1.04), number=look.number)
-    dress(ax)
-    _scale(ax, "x", x)
-    ax.set_xlabel(axis_name(data, path, along), fontsize=pen.TEXT)
-    ax.set_ylabel(upwards.label, fontsize=pen.TEXT)
-    jump = [handle(pen.INK, "none", "crossings come or go", marker="o", markersize=2.4)] if breaks else []
-    legend(ax, [*lines[1:], lines[0], *end, *jump, *_draw_held_curves(ax, data, x)])
-    return lines
+    x, (low, high), counts = data[path].values, data.attrs["band"], _counts(data)
+    rows = [(f"first_crossing_{name}", [i], *_CURVES[name], 1.1, {}) for i, name in enumerate(_judged_in(data))]
+    wide = {"alpha": 0.5, "solid_capstyle": "butt", "zorder": 1.5}
+    rows.append(("bandwidth", list(range(len(rows))), pen.GREY, pen.SOLID, "bandwidth", 3.2, wide))
+    lines, marks = list[Layer](), list[Layer]()
+    for variable, parts, color, stroke, name, width, look in rows:
+        y = data[variable].values
+        jumps = _jumps(y, counts[parts], high - low)
+        lines.append(
+            Curve(np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan), color, stroke, width, label=name, look=look)
+        )
+        ends = np.union1d(jumps - 1, jumps).astype(int)
+        marks += [Mark(x[ends], y[ends], color, size=2.4)] if len(ends) else []
+    told = [Words(label="crossings come or go", look=dots(2.4))] if marks else []
+    end = Limit(high, width=0.4, label="end of the band", shared=True, look={"zorder": 0})
+    strips = [_Held(x, None, *row[1:], label=row[0]) for row in _held(data)]
+    upright = frequency(_unit(data, scene), (low, high + 0.04 * (high - low)))
+    return Chart([*lines, *marks, end, *told, *strips], _axis(data, path, scene), upright, height=2.2)
 
 
-def _draw_ends(ax: Axes, x: Array, y: Array, jumps: Any, color: str) -> list[Line2D]:
-    """A dot on each side of each break."""
-    ends = np.union1d(jumps - 1, jumps).astype(int)
-    return ax.plot(x[ends], y[ends], color=color, zorder=4, **dots(2.4)) if len(ends) else []
+def _held(data: xr.Dataset) -> list[tuple[str, Any, str, str]]:
+    """Of each hand where the display is unstable, and where that is undecided: words, where, hatch and colour."""
+    rows = []
+    for name, hatch in zip(_held_in(data), _HATCHES, strict=False):
+        counts, hand = data[name].values, str(data[name].attrs["hand"])
+        rows += [(f"unstable in {hand}", counts > 0, hatch, pen.RED)]
+        rows += [(f"stability undecided in {hand}", counts == UNKNOWN, hatch, pen.GREY)]
+    return [row for row in rows if np.any(row[1])]
 
 
-def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> list[Artist]:
+@dataclass(frozen=True)
+class _Held(Layer):
+    """A hatch about some sets: upright strips halfway to their neighbours, or over two parameters."""
+
+    x: Array
+    y: Array | None
+    where: Any
+    hatch: str
+    color: str
+
+    def draw(self, on: On) -> list[Artist]:
+        if self.y is not None:
+            _hatched(on, (self.x, self.y), self.where, self.hatch, self.color)
+            return [self._patch()]
+        borders, own = np.repeat(_edges(self.x), 2)[1:-1], np.repeat(self.where, 2)
+        style: dict[str, Any] = {
+            "facecolor": "none",
+            "edgecolor": self.color,
+            "linewidth": 0.0,
+            "hatch": self.hatch,
+            "zorder": 0,
+        }
+        on.ax.fill_between(on.x.of(borders), 0, 1, where=own, transform=on.ax.get_xaxis_transform(), **style)
+        return [self._patch()]
+
+    def _patch(self) -> Patch:
+        return Patch(facecolor="white", edgecolor=self.color, hatch=self.hatch, linewidth=0.4)
+
+
+def _hatched(on: On, axes: tuple[Array, Array], where: Any, hatch: str, color: str) -> None:
+    x, y = on.x.of(axes[0]), on.y.of(axes[1])
+    found = on.ax.contourf(x, y, where.astype(float), levels=[0.5, 1.5], colors="none", hatches=[hatch])
+    found.set(edgecolor=color, linewidth=0.0)
+
+
+# Two parameters.
+
+
+def plane(data: xr.Dataset, exact: DesignMap | None = None, scene: Scene | None = None) -> Chart:
     """The bandwidth over the two parameters of a sweep, the first upwards: contour lines on a quiet map.
 
     Hatched where the display is not transparent at the band's low end, or not stable in a hand; no shade is darker than the ink
     of the lines. A thick grey line, which contour lines do not cross, is where the bandwidth jumps from one set to the next.
     ``exact`` : the same plane by exact slices, whose boundary of the transparent region is drawn: points that are proven, and
-    straight lines between them. Returns the map and its contour lines.
+    straight lines between them.
 
     >>> from haptisym import load_scene, sweep
-    >>> from matplotlib.figure import Figure
-    >>> ax = Figure().add_subplot()
     >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, 60.0, 80.0], "environment.m": [1.0, 2.0]})
-    >>> shown = draw_map(ax, found)
-    >>> ax.get_xlabel(), ax.get_ylabel()
+    >>> plane(found).x.text, plane(found).y.text
     ('$m$ (kg)', '$\\\\omega_n$ (rad/s)')
     """
-    upwards, along = dimensions(data, 2)
-    data = thinned_data(data, (upwards, along)).sortby([upwards, along])
-    scales, unit = (axis_scale(data, along), axis_scale(data, upwards)), floats_scale(data.attrs["band"])
-    x, y = scales[0].of(data[along].values), scales[1].of(data[upwards].values)
-    z, (low, high) = unit.of(data.bandwidth.values), (unit.of(float(end)) for end in data.attrs["band"])
-    _scale_axes(ax, x, y)
-    shown: list[Artist] = [ax.pcolormesh(x, y, z, cmap=_MAP, vmin=low, vmax=high, shading="nearest", rasterized=True)]
-    jumps = jump_edges(data, x, y, z, high - low)
-    _draw_contours(ax, x, y, z, high, shown)
-    if jumps:
-        ax.add_collection(LineCollection(jumps, colors=pen.GREY, linewidths=1.8, alpha=0.8, capstyle="projecting"))
-    ax.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
-    ax.set_xlabel(axis_name(data, along, scales[0]), fontsize=pen.TEXT)
-    ax.set_ylabel(axis_name(data, upwards, scales[1]), fontsize=pen.TEXT)
-    boundary = [x for _, x in draw_boundary(ax, exact, width=1.1)] if exact else []
-    jump = [handle(pen.GREY, pen.SOLID, "bandwidth jumps", 1.8, alpha=0.8)] if jumps else []
-    lines = [handle(pen.INK, pen.SOLID, f"bandwidth ({unit.unit})", 0.7)]
-    held = _draw_held_map(ax, data, x, y)
-    legend(ax, [*lines, *jump, *_plateaus(ax, (x, y, z), high, unit), *held, *boundary])
-    return shown
-
-
-def _draw_contours(ax: Axes, x: Array, y: Array, z: Array, high: float, shown: list[Artist]) -> None:
-    levels = _round_levels(z, high)
-    if len(levels):
-        lines = ax.contour(x, y, z, levels=levels, colors=pen.INK, linewidths=0.7)
-        ax.clabel(lines, fontsize=pen.SMALL, fmt=number, inline_spacing=3)
-        shown.append(lines)
-
-
-def _plateaus(ax: Axes, map_: tuple[Array, Array, Array], high: float, unit: Scale) -> list[Any]:
-    """What contour lines do not tell: nowhere transparent, and transparent up to the end of the band."""
-    x, y, z = map_
-    handles = []
-    whole = f"whole band, {number(high, 4)} {unit.unit}"
+    upwards, along = _dimensions(data, 2)
+    data = _thinned(data, (upwards, along)).sortby([upwards, along])
+    x, y, z, (low, high) = data[along].values, data[upwards].values, data.bandwidth.values, data.attrs["band"]
+    unit = _unit(data, scene)
+    layers: list[Layer] = [_Field(x, y, z, (low, high), unit, label=f"bandwidth ({unit.text})", styled=True)]
+    jumps = _jump_edges(data, x, y, z, high - low)
+    layers += [_Jumps(jumps, label="bandwidth jumps")] if jumps else []
+    whole = f"whole band, {frequency(unit).short(high)}"
     for where, hatch, label in ((np.isnan(z), "xxxx", "not at the low end"), (z >= high, "....", whole)):
-        if where.any() and not where.all():
-            _hatched(ax, x, y, where, hatch, pen.GREY)
-        if where.any():
-            handles.append(Patch(facecolor="white", edgecolor=pen.GREY, hatch=hatch, linewidth=0.4, label=label))
-    return handles
+        layers += [_Plateau(x, y, where, hatch, label=label)] if where.any() else []
+    layers += [_Held(x, y, *row[1:], label=row[0]) for row in _held(data)]
+    layers += boundary(exact, 1.1) if exact else []
+    return Chart(layers, _axis(data, along, scene), _axis(data, upwards, scene), height=2.8)
 
 
-def _hatched(ax: Axes, x: Array, y: Array, where: Any, hatch: str, color: str) -> None:
-    found = ax.contourf(x, y, where.astype(float), levels=[0.5, 1.5], colors="none", hatches=[hatch])
-    found.set(edgecolor=color, linewidth=0.0)
+def _jump_edges(data: xr.Dataset, x: Array, y: Array, z: Array, band: float) -> list[list[tuple[float, float]]]:
+    """The edges between neighbouring sets across which the bandwidth jumps, as pieces of lines."""
+    counts, across, up, found = _counts(data), _edges(x), _edges(y), []
+    for i, row in enumerate(z):
+        found += [[(across[j], up[i]), (across[j], up[i + 1])] for j in _jumps(row, counts[:, i], band)]
+    for j, column in enumerate(z.T):
+        found += [[(across[j], up[i]), (across[j + 1], up[i])] for i in _jumps(column, counts[:, :, j], band)]
+    return found
 
 
-def draw_swept(ax: Axes, found: Swept) -> list[Artist]:
-    """The chart of a sweep over one parameter, or over two. Returns what it is made of."""
-    one = len(found.data.bandwidth.dims) == 1
-    return list(draw_curves(ax, found.data)) if one else draw_map(ax, found.data)
+@dataclass(frozen=True)
+class _Field(Layer):
+    """A map of a frequency, and its contour lines."""
 
+    x: Array
+    y: Array
+    z: Array
+    band: tuple[float, float]
+    unit: Unit
 
-def swept_figure(found: Swept) -> Figure:
-    """The chart of a sweep; where that takes moments, with the exact boundary of the transparent region on a map."""
-    return sweep_figure(found.data, found.scene)
+    def draw(self, on: On) -> list[Artist]:
+        x, y, size = on.x.of(self.x), on.y.of(self.y), float(self.unit.size)
+        z, (low, high) = self.z / size, (end / size for end in self.band)
+        style: dict[str, Any] = {"cmap": _MAP, "vmin": low, "vmax": high, "shading": "nearest", "rasterized": True}
+        made: list[Artist] = [on.ax.pcolormesh(x, y, z, **style)]
+        levels = _round_levels(z, high)
+        if len(levels):
+            lines = on.ax.contour(x, y, z, levels=levels, colors=pen.INK, linewidths=0.7)
+            on.ax.clabel(lines, fontsize=pen.SMALL, fmt=number, inline_spacing=3)
+            made.append(lines)
+        return made
 
-
-def sweep_figure(data: xr.Dataset, scene: Scene | None = None) -> Figure:
-    """The chart of a sweep over one or two parameters, one column (3.4 in) wide."""
-    if len(data.bandwidth.dims) == 1:
-        return one_column(2.2, lambda ax: draw_curves(ax, data))
-    exact = _exact(data, scene) if scene is not None and is_quick(scene) else None
-    return one_column(2.8, lambda ax: draw_map(ax, data, exact))
-
-
-def _exact(data: xr.Dataset, scene: Scene) -> DesignMap:
-    upwards, along = dimensions(data, 2)
-    ranges = [tuple(float(x) for x in (data[path].min(), data[path].max())) for path in (along, upwards)]
-    return design_map(scene, (along, upwards), [(low, high) for low, high in ranges], slices=_SLICES)
-
-
-def _frequency_scale(ax: Axes, data: xr.Dataset) -> Scale:
-    return labelled_scale(ax.get_ylabel()) or floats_scale(data.attrs["band"])
-
-
-def _scale(ax: Axes, which: str, values: Array) -> None:
-    if not is_logarithmic(values):
-        return
-    getattr(ax, f"set_{which}scale")("log")
-    axis = getattr(ax, f"{which}axis")
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axis.set_minor_locator(NullLocator())
-    plain = FuncFormatter(lambda value, _: number(value))
-    axis.set_major_formatter(plain)
-
-
-def _scale_axes(ax: Axes, x: Array, y: Array) -> None:
-    dress(ax)
-    _scale(ax, "x", x)
-    _scale(ax, "y", y)
+    def keys(self, _on: On, _made: list[Artist]) -> list[tuple[str, Artist]]:
+        return [(self.label, handle(pen.INK, pen.SOLID, "", 0.7))]
 
 
 def _round_levels(z: Array, high: float) -> Array:
@@ -333,36 +294,63 @@ def _round_levels(z: Array, high: float) -> Array:
     return kept
 
 
-_HATCHES = ("////", "\\\\\\\\", "||||", "----")
+@dataclass(frozen=True)
+class _Jumps(Layer):
+    """Edges across which a map jumps."""
+
+    edges: Sequence[Sequence[tuple[float, float]]]
+
+    def draw(self, on: On) -> list[Artist]:
+        lines = [np.column_stack([on.x.of([a for a, _ in edge]), on.y.of([b for _, b in edge])]) for edge in self.edges]
+        made = LineCollection(lines, colors=pen.GREY, linewidths=1.8, alpha=0.8, capstyle="projecting")
+        return [on.ax.add_collection(made)]
+
+    def keys(self, _on: On, _made: list[Artist]) -> list[tuple[str, Artist]]:
+        return [(self.label, handle(pen.GREY, pen.SOLID, "", 1.8, alpha=0.8))]
 
 
-def _draw_held_curves(ax: Axes, data: xr.Dataset, x: Array) -> list[Patch]:
-    """Upright strips about the sets that are not stable in a hand, halfway to their neighbours; entries for a legend."""
-    borders = np.repeat(edges(x), 2)[1:-1]
+@dataclass(frozen=True)
+class _Plateau(Layer):
+    """What contour lines do not tell, hatched unless it is everywhere."""
 
-    def strip(where: Any, style: dict[str, Any]) -> None:
-        own = np.repeat(where, 2)
-        ax.fill_between(borders, 0, 1, where=own, transform=ax.get_xaxis_transform(), zorder=0, **style)
+    x: Array
+    y: Array
+    where: Any
+    hatch: str
 
-    return _each(data, strip)
-
-
-def _draw_held_map(ax: Axes, data: xr.Dataset, x: Array, y: Array) -> list[Patch]:
-    """The same over two parameters."""
-
-    return _each(data, lambda where, style: _hatched(ax, x, y, where, style["hatch"], style["edgecolor"]))
+    def draw(self, on: On) -> list[Artist]:
+        if not self.where.all():
+            _hatched(on, (self.x, self.y), self.where, self.hatch, pen.GREY)
+        return [Patch(facecolor="white", edgecolor=pen.GREY, hatch=self.hatch, linewidth=0.4)]
 
 
-def _each(data: xr.Dataset, draw: Any) -> list[Patch]:
-    handles = []
-    for name, hatch in zip(held_in(data), _HATCHES, strict=False):
-        counts, hand = data[name].values, str(data[name].attrs["hand"])
-        for where, said, color in (
-            (counts > 0, "not stable", pen.RED),
-            (counts == UNKNOWN, "stability not decided", pen.GREY),
-        ):
-            style: dict[str, Any] = {"facecolor": "none", "edgecolor": color, "linewidth": 0.0, "hatch": hatch}
-            if np.any(where):
-                draw(where, style)
-                handles.append(Patch(label=f"{said} in {hand}", **{**style, "linewidth": 0.4}))
-    return handles
+# The chart of a sweep.
+
+
+def chart(found: Swept) -> Chart:
+    """The chart of a sweep over one parameter, or over two."""
+    return (
+        curves(found.data, found.scene) if len(found.data.bandwidth.dims) == 1 else plane(found.data, None, found.scene)
+    )
+
+
+def swept(found: Swept) -> Figure:
+    """The chart of a sweep; where that takes moments, with the exact boundary of the transparent region on a map."""
+    return sweep_figure(found.data, found.scene)
+
+
+def sweep_figure(data: xr.Dataset, scene: Scene | None = None) -> Figure:
+    """The chart of a sweep over one or two parameters, one column (3.4 in) wide."""
+    if len(data.bandwidth.dims) == 1:
+        return sheet(curves(data, scene))
+    exact = _exact(data, scene) if scene is not None and is_quick(scene) else None
+    return sheet(plane(data, exact, scene))
+
+
+def _exact(data: xr.Dataset, scene: Scene) -> DesignMap:
+    upwards, along = _dimensions(data, 2)
+    ranges = [tuple(float(x) for x in (data[path].min(), data[path].max())) for path in (along, upwards)]
+    return design_map(scene, (along, upwards), [(low, high) for low, high in ranges], slices=_SLICES)
+
+
+SWEEP = Drawings[Swept]({"chart": chart}, {"sweep": swept})

@@ -10,7 +10,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, ClassVar, Protocol
 
-from haptisym.kernel.errors import NothingToDrawError, SceneError
+from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import Shown, made, packed, state, unpacked
 
 
@@ -47,15 +47,14 @@ class Answer(Shown):
     """What a verb answers: ``print`` shows the command line's page, a notebook likewise, ``to_json`` gives the document.
 
     A class says what is its own: ``_about``, ``_body`` and, as data, ``_schema`` and what writes its ``_page``, draws its
-    ``_figure``, saves all its ``_figures`` in a folder, and proves it (``_certificate``): functions as
-    ``"package.module:function"``, so that nothing of the kind is loaded before it is asked for.
+    ``_figure`` (``figures.sheet.Drawings``) and proves it (``_certificate``): as ``"package.module:name"``, so that nothing
+    of the kind is loaded before it is asked for.
     """
 
     __slots__ = ()
     _schema: ClassVar[str]
     _page: ClassVar[str]
     _figure: ClassVar[str] = ""
-    _figures: ClassVar[str] = ""
     _certificate: ClassVar[str] = ""
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -107,9 +106,7 @@ class Answer(Shown):
 
     def figure(self) -> Any:
         """The figure, of matplotlib. NothingToDrawError where there is nothing in the answer to draw."""
-        if not self._figure:
-            raise NothingToDrawError(f"{type(self).__name__} has no figure")
-        return resolve_name("haptisym.figures.sheet:estimated")(resolve_name(self._figure)(self), self._about)
+        return resolve_name("haptisym.figures.sheet:draw_figure")(self)
 
     def save_figure(self, path: str | Path) -> Path:
         """Write the figure, as the name ends: .svg, .pdf or .png; the same file for the same answer."""
@@ -117,10 +114,8 @@ class Answer(Shown):
         return target
 
     def save_figures(self, folder: str | Path) -> list[Path]:
-        """Write all figures to a folder, each as SVG, PDF and PNG. NothingToDrawError where there is one at most."""
-        if not self._figures:
-            raise NothingToDrawError(f"{type(self).__name__} has no set of figures of its own")
-        files: list[Path] = resolve_name(self._figures)(self, folder)
+        """Write all figures to a folder, each as SVG, PDF and PNG. NothingToDrawError where there is nothing to draw."""
+        files: list[Path] = resolve_name("haptisym.figures.sheet:save_figures")(self, folder)
         return files
 
     def plot(self, ax: Any = None, *, kind: str = "", color: str | None = None, label: str = "", **style: Any) -> Any:
@@ -135,7 +130,7 @@ class Answer(Shown):
         >>> evaluate("undamped-resonance").plot(ax, label="no damper").get_xlabel()
         '$\\\\omega$ (rad/s)'
         """
-        return resolve_name("haptisym.figures.plots:plot")(self, ax, kind, color, label, style)
+        return resolve_name("haptisym.figures.sheet:plot")(self, ax, kind, color, label, style)
 
     def certificate(self) -> str:
         """The answer with a proof that ``python -m haptisym_check`` checks, as JSON. SceneError where there is none."""

@@ -196,8 +196,8 @@ class Evaluation(Answer):
     """
 
     _schema: ClassVar[str] = "haptisym.evaluation/1"
+    _figure: ClassVar[str] = "haptisym.figures.evaluation:EVALUATION"
     _page: ClassVar[str] = "haptisym.pages.evaluation:page"
-    _figures: ClassVar[str] = "haptisym.figures.files:save_figures"
     _certificate: ClassVar[str] = "haptisym.verbs.evaluate.certificate:certificate"
 
     scene: Scene

@@ -196,6 +196,7 @@ class Peaks(Answer, tuple[Peak, ...]):
 
     _schema: ClassVar[str] = "haptisym.peaks/1"
     _page: ClassVar[str] = "haptisym.pages.evaluation:page_peaks"
+    _figure: ClassVar[str] = "haptisym.figures.evaluation:PEAKS"
 
     scene: Scene
     undecided: tuple[RealNumber, ...]

@@ -342,7 +342,7 @@ def bandwidths(e: Evaluation) -> Iterator[Block]:
     yield doc.Paragraph(("For ", _range(threshold), ": ", _between(found, threshold), _blocked(found, threshold)))
     if found.is_one_curve:
         caption = "The bandwidth over the range; a dot is attained, a ring is not."
-        yield w.drawing("bandwidths", caption, "files:draw_figure", e, "bandwidths")
+        yield w.drawing("bandwidths", caption, "sheet:draw_figure", e, "bandwidths")
 
 
 def _range(threshold: Threshold) -> Phrase:
@@ -466,7 +466,7 @@ def regions(e: Evaluation) -> Iterator[Block]:
         w.hertz(lambda x: w.cell(x.crossing.omega) if x.crossing else "none", "first crossing"),
         w.Field("what happens there", lambda x: event(x.crossing, _KINDS.get(x.name)) if x.crossing else ""),
     )  # fmt: skip
-    figure = w.drawing("regions", _PLANE, "files:draw_figure", e, "regions")
+    figure = w.drawing("regions", _PLANE, "sheet:draw_figure", e, "regions")
     yield doc.Section(_SURVIVES, (doc.Paragraph(_spread(e.regions)), rows, figure), "regions")
 
 
@@ -491,7 +491,7 @@ def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
         [*many.family, together], ("Bandwidth of each environment by region, ", FREQUENCY_UNIT, ", proven."),
         w.Field("environment", str), *(w.number(x.name, partial(width, x=x)) for x in many.regions),
     )  # fmt: skip
-    figure = w.drawing("regions", _WIDTHS, "regions:family_regions_figure", many)
+    figure = w.drawing("regions", _WIDTHS, "sheet:draw_figure", many, "regions")
     yield doc.Section(
         _SURVIVES, (doc.Paragraph(_spread(many.regions, "common bandwidth")), worst, each, figure), "regions"
     )
@@ -569,7 +569,7 @@ def _step_2(e: Evaluation) -> Iterator[Block]:
 
 
 def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
-    return w.drawing(name, caption, "files:draw_figure", e, name, wide=wide)
+    return w.drawing(name, caption, "sheet:draw_figure", e, name, wide=wide)
 
 
 def percepts(e: Evaluation) -> Block:

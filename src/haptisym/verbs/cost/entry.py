@@ -205,8 +205,8 @@ class Cost(Answer):
 
     _schema: ClassVar[str] = "haptisym.cost/1"
     _page: ClassVar[str] = "haptisym.pages.cost:page"
-    _figure: ClassVar[str] = "haptisym.figures.cost:cost_figure"
     settled = True
+    _figure: ClassVar[str] = "haptisym.figures.cost:COST"
 
     scene: Scene
     rows: tuple[Measurement, ...]

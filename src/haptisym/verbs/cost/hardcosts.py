@@ -304,7 +304,7 @@ class HardCosts(Answer):
     _schema: ClassVar[str] = "haptisym.cost/1"
     settled = True
     _page: ClassVar[str] = "haptisym.pages.cost:hard_page"
-    _figure: ClassVar[str] = "haptisym.figures.cost:hard_costs_figure"
+    _figure: ClassVar[str] = "haptisym.figures.cost:HARD"
 
     rows: tuple[HardRow, ...]
     machine: Mapping[str, str] = field(default_factory=machine)

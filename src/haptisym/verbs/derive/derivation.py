@@ -385,6 +385,7 @@ class Derivation(Answer):
 
     _schema: ClassVar[str] = "haptisym.derivation/1"
     _page: ClassVar[str] = "haptisym.pages.derive:page"
+    _figure: ClassVar[str] = "haptisym.figures.evaluation:DERIVATION"
 
     def _line(self) -> str:
         kept = ", ".join(p.name for p in self.kept) or "nothing"

@@ -216,7 +216,7 @@ class Relevance(Answer):
 
     _schema: ClassVar[str] = "haptisym.effects/1"
     _page: ClassVar[str] = "haptisym.pages.effects:page"
-    _figure: ClassVar[str] = "haptisym.figures.effects:influences_figure"
+    _figure: ClassVar[str] = "haptisym.figures.effects:EFFECTS"
 
     scene: Scene
     tolerance: Expr

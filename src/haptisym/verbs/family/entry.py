@@ -160,8 +160,7 @@ class FamilyEvaluation(Answer):
 
     _schema: ClassVar[str] = "haptisym.evaluations/1"
     _page: ClassVar[str] = "haptisym.pages.evaluation:page_family"
-    _figures: ClassVar[str] = "haptisym.figures.family:save_family_figures"
-    _figure: ClassVar[str] = "haptisym.figures.family:family_figure"
+    _figure: ClassVar[str] = "haptisym.figures.family:FAMILY"
 
     family: SceneFamily
     answers: Mapping[str, Evaluation]

@@ -283,7 +283,7 @@ class Identification(Answer):
     _schema: ClassVar[str] = "haptisym.identification/1"
     _page: ClassVar[str] = "haptisym.pages.identify:page"
     settled = True
-    _figure: ClassVar[str] = "haptisym.figures.identify:identification_figure"
+    _figure: ClassVar[str] = "haptisym.figures.measured:IDENTIFICATION"
 
     measurement: Measurement
     threshold: Threshold

@@ -531,7 +531,7 @@ class Psychometric(Answer):
     _schema: ClassVar[str] = "haptisym.jnd/1"
     _page: ClassVar[str] = "haptisym.pages.jnd:page"
     settled = True
-    _figure: ClassVar[str] = "haptisym.figures.jnd:jnd_figure"
+    _figure: ClassVar[str] = "haptisym.figures.jnd:JND"
 
     answers: Answers
     asked: Asked
@@ -703,6 +703,7 @@ class PublishedThresholds(Answer, tuple[Published, ...]):
     """Published just-noticeable differences, each usable by its name: ``jnd = { like = "viscosity-forced-choice" }``."""
 
     _schema: ClassVar[str] = "haptisym.published/1"
+    _figure: ClassVar[str] = "haptisym.figures.jnd:PUBLISHED"
     _page: ClassVar[str] = "haptisym.pages.jnd:published_page"
     settled = True
 

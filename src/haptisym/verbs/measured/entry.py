@@ -465,9 +465,8 @@ class MeasuredEvaluation(Answer):
 
     _schema: ClassVar[str] = "haptisym.measured/1"
     _page: ClassVar[str] = "haptisym.pages.measured:page"
-    _figures: ClassVar[str] = "haptisym.figures.measured:save_measured_figures"
     settled = True
-    _figure: ClassVar[str] = "haptisym.figures.measured:measured_figure"
+    _figure: ClassVar[str] = "haptisym.figures.measured:MEASURED"
 
     scene: MeasuredScene
     lines: Lines

@@ -464,7 +464,7 @@ class Metrics(Answer):
 
     _schema: ClassVar[str] = "haptisym.metrics/1"
     _page: ClassVar[str] = "haptisym.pages.metrics:page"
-    _figure: ClassVar[str] = "haptisym.figures.metrics:metrics_figure"
+    _figure: ClassVar[str] = "haptisym.figures.effects:METRICS"
 
     evaluation: Evaluation
     metrics: tuple[Metric, ...]

@@ -584,7 +584,7 @@ class DesignMap(Answer):
 
     _schema: ClassVar[str] = "haptisym.designmap/1"
     _page: ClassVar[str] = "haptisym.pages.require:page_map"
-    _figure: ClassVar[str] = "haptisym.figures.designmap:map_figure"
+    _figure: ClassVar[str] = "haptisym.figures.requirement:DESIGN_MAP"
 
     scene: Scene
     free: tuple[Knob, Knob]

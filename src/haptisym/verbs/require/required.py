@@ -190,7 +190,7 @@ class Requirement(Answer):
 
     _schema: ClassVar[str] = "haptisym.requirement/1"
     _page: ClassVar[str] = "haptisym.pages.require:page"
-    _figure: ClassVar[str] = "haptisym.figures.require:requirement_figure"
+    _figure: ClassVar[str] = "haptisym.figures.requirement:REQUIREMENT"
     _certificate: ClassVar[str] = "haptisym.verbs.require.certificate:certificate"
 
     scene: Scene

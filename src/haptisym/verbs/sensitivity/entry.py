@@ -369,7 +369,7 @@ class Sensitivities(Answer):
 
     _schema: ClassVar[str] = "haptisym.sensitivity/1"
     _page: ClassVar[str] = "haptisym.pages.sensitivity:page"
-    _figure: ClassVar[str] = "haptisym.figures.sensitivity:elasticities_figure"
+    _figure: ClassVar[str] = "haptisym.figures.effects:SENSITIVITY"
 
     evaluation: Evaluation
 

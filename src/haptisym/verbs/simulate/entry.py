@@ -97,8 +97,8 @@ class _Runs(Answer):
 
     __slots__ = ()
     _schema: ClassVar[str] = "haptisym.simulation/1"
+    _figure: ClassVar[str] = "haptisym.figures.simulate:SIMULATION"
     _page: ClassVar[str] = "haptisym.pages.simulate:page"
-    _figures: ClassVar[str] = "haptisym.figures.simulate:save_simulation_figures"
 
     @property
     @abstractmethod

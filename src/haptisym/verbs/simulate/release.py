@@ -186,8 +186,7 @@ class Release(Answer):
 
     _schema: ClassVar[str] = "haptisym.release/1"
     _page: ClassVar[str] = "haptisym.pages.simulate:page_release"
-    _figures: ClassVar[str] = "haptisym.figures.simulate:save_release_figures"
-    _figure: ClassVar[str] = "haptisym.figures.simulate:release_figure"
+    _figure: ClassVar[str] = "haptisym.figures.simulate:RELEASE"
 
     scene: Scene
     hand: Hand

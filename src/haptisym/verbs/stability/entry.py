@@ -54,7 +54,7 @@ class Stability(Answer):
 
     _schema: ClassVar[str] = "haptisym.stability/1"
     _page: ClassVar[str] = "haptisym.pages.stability:page"
-    _figure: ClassVar[str] = "haptisym.figures.stability:stability_figure"
+    _figure: ClassVar[str] = "haptisym.figures.stability:STABILITY"
     _certificate: ClassVar[str] = "haptisym.verbs.stability.entry:certificate"
 
     scene: Scene

@@ -547,7 +547,7 @@ class Swept(Answer):
 
     _schema: ClassVar[str] = "haptisym.sweep/1"
     _page: ClassVar[str] = "haptisym.pages.sweep:page"
-    _figure: ClassVar[str] = "haptisym.figures.sweep:swept_figure"
+    _figure: ClassVar[str] = "haptisym.figures.sweep:SWEEP"
 
     scene: Scene
     data: xr.Dataset

@@ -487,7 +487,7 @@ class Tolerances(Answer):
 
     _schema: ClassVar[str] = "haptisym.tolerances/1"
     _page: ClassVar[str] = "haptisym.pages.tolerances:page"
-    _figure: ClassVar[str] = "haptisym.figures.tolerances:tolerances_figure"
+    _figure: ClassVar[str] = "haptisym.figures.stability:TOLERANCES"
 
     box: Box
     samples: tuple[Drawn, ...]

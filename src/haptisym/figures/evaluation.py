@@ -1,0 +1,846 @@
+"""Figures of an evaluation: when a display is noticed and how it is felt (the paper's Figs. 2, 3 and 5 to 7).
+
+``ratios``: r_r and r_i over the band with thresholds, crossings and transparent bands. ``nyquist``: H_env and H_perc in the complex
+plane. ``projections``: the magnitude of one part of both, with what is felt. ``square``: the JND at one frequency. ``regions``: the
+distortion's way among other JND regions. ``bandwidths``: the bandwidth over a threshold that has a range.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import groupby, product
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.patches import Patch, Polygon, Rectangle
+from matplotlib.transforms import Affine2D
+
+from haptisym.figures import pen
+from haptisym.figures.curves import (
+    band_of,
+    broken,
+    columns,
+    ends_of,
+    evenly,
+    in_window,
+    is_share,
+    limit_of,
+    name_of,
+    points_of,
+    poles_of,
+    refined,
+    responses,
+    sampled,
+    top_of,
+)
+from haptisym.figures.layers import (
+    Above,
+    Axis,
+    Band,
+    Chart,
+    Curve,
+    Layer,
+    Limit,
+    Mark,
+    Note,
+    On,
+    Origin,
+    Words,
+    dots,
+    entries,
+    force_per_position,
+    frequency,
+    handle,
+    number,
+    plate,
+    share_of,
+    spread,
+    text_width,
+)
+from haptisym.figures.sheet import Drawings
+from haptisym.judge.bandwidths import Bandwidths
+from haptisym.judge.crossings import Criterion, noticed
+from haptisym.judge.crossings import Curve as Dynamics
+from haptisym.judge.evaluation import Compared, Evaluation, half_widths
+from haptisym.judge.peaks import Peaks
+from haptisym.judge.percepts import NOT_NAMED, felt_of
+from haptisym.judge.regions import Joint, Sided
+from haptisym.judge.regions import Polygon as Cornered
+from haptisym.kernel.errors import NothingToDrawError, SceneError
+from haptisym.kernel.roots import Interval, Signs
+from haptisym.model.jnd import Part
+from haptisym.programs.floats import floats_of
+from haptisym.programs.values import Array, Values
+from haptisym.verbs.evaluate.entry import evaluate
+
+if TYPE_CHECKING:
+    from haptisym.verbs.derive.derivation import Derivation
+
+MOST_LABELS, _MOST_NUMBERS = 4, 8
+"""Of crossings, and of narrow percepts, that are named in the drawing."""
+
+
+def along(e: Evaluation) -> Axis:
+    """The axis of the band, in the scene's unit."""
+    return frequency(e.scene.frequency, band_of(e))
+
+
+# When: the ratios (Fig. 5).
+
+
+def ratios(e: Evaluation) -> Chart:
+    """r_r and r_i over the band with their thresholds, crossings and the transparent bands in grey.
+
+    The axis is cut where a ratio is unbounded or has a narrow high peak; how high that is, and where, stands above it.
+
+    >>> from haptisym import evaluate, load_scene
+    >>> from haptisym.figures.layers import draw
+    >>> from matplotlib.figure import Figure
+    >>> ax = Figure().add_subplot()
+    >>> for name in ("fu2019", "undamped-resonance"):
+    ...     lines = draw(ax, ratios(evaluate(load_scene(name))), label=name)
+    >>> len(lines), ax.get_xlabel(), ax.get_xlim() == (0, 40)
+    (2, '$\\\\omega$ (rad/s)', True)
+    """
+    criteria, f, axis = e.criteria, e.distortion.compile(), along(e)
+    limits = [limit_of(x) for x in criteria]
+
+    def judged(omega: Array) -> Array:
+        return columns(criteria, f(omega), omega)
+
+    grid = sampled(e)
+    top = max(top_of(judged(grid), judged(evenly(e)), max(limits)), 2 * max(limits))
+    omega = refined(lambda w: in_window(judged(w), 0, top), grid)
+    values = broken(judged(omega), omega, e.unbounded)
+    lines = [
+        Curve(omega, column, stroke=stroke, label=name_of(x))
+        for column, x, stroke in zip(values.T, criteria, pen.STROKES, strict=False)
+    ]
+    bands = (
+        Band([ends_of(x) for x in e.transparent], label="transparent")
+        if e.transparent
+        else _words("nowhere transparent")
+    )
+    count = [_words(f"{len(e.crossings)} crossings")] if len(e.crossings) > MOST_LABELS else []
+    above = Above(_frequency_labels(e, axis, omega, values.max(axis=1), top))
+    layers = [*lines, *_thresholds(criteria, limits), bands, *_crossings(e), *count, above]
+    return Chart(layers, axis, Axis(_judged(criteria), ends=(0, top)))
+
+
+def formulas(found: Derivation) -> Chart:
+    """The ratios that the formulas give with the scene's values."""
+    return ratios(evaluate(found.scene))
+
+
+def peaks(found: Peaks) -> Chart:
+    """The ratios over the band, and a triangle at each of their local maxima."""
+    chart = ratios(evaluate(found.scene))
+    x, y = [float(p.omega) for p in found], [float(p.ratio) for p in found]
+    return replace(chart, layers=[*chart.layers, Mark(x, y, shape="v", size=4, label="peaks", look={"zorder": 5})])
+
+
+def _words(text: str) -> Words:
+    return Words(label=text)
+
+
+def _judged(criteria: Sequence[Criterion]) -> str:
+    """What the axis says of ratios and of multiples of limits."""
+    shares = [is_share(x) for x in criteria]
+    fraction, multiple = r"ratio to $|H_\mathrm{env}|$", "multiple of the limit"
+    return multiple if all(shares) else f"{fraction}, or {multiple}" if any(shares) else fraction
+
+
+def _thresholds(criteria: Sequence[Criterion], limits: Sequence[float]) -> list[Limit]:
+    names = (r"c_\mathrm{r}", r"c_\mathrm{i}") if len(set(limits)) > 1 else ("c",)
+    shares = any(map(is_share, criteria))
+    return [
+        Limit(c, stroke=stroke, label="limit" if shares and c == 1 else f"${name} = {c:.3g}$", shared=True)
+        for name, c, stroke in zip(names, limits, (pen.SOLID, pen.DASHED), strict=False)
+    ]
+
+
+def _crossings(e: Evaluation) -> list[Mark]:
+    """A dot where the first ratio, a ring where the other meets its threshold."""
+    found = []
+    for x, face in zip(e.criteria, ("", "white"), strict=False):
+        omega = [float(c.omega) for c in e.crossings if c.criterion == x]
+        look = {"clip_on": False, "markeredgewidth": 0.8}
+        found.append(Mark(omega, [limit_of(x)] * len(omega), face=face, look=look, label=f"{name_of(x)} crosses"))
+    return found
+
+
+def _frequency_labels(e: Evaluation, axis: Axis, omega: Array, highest: Array, top: float) -> list[tuple[float, str]]:
+    """What stands above the axes: crossing frequencies while they are few, and the two highest peaks that are cut."""
+    crossings = [(float(c.omega), axis.digits(c.omega, 4)) for c in e.crossings]
+    values = np.where(np.isnan(highest), np.inf, highest)
+    runs = [list(run) for above, run in groupby(range(len(values)), key=lambda i: bool(values[i] > top)) if above]
+    tops = sorted((max(run, key=lambda i: values[i]) for run in runs), key=lambda i: -values[i])[:2]
+    at = axis.of(omega)
+    cut = [(float(omega[i]), f"{_height(values[i])} at {number(at[i], 4 if at[i] < 1e4 else 6)}") for i in tops]
+    return (crossings if len(crossings) <= MOST_LABELS else []) + cut
+
+
+def _height(value: float) -> str:
+    return "∞" if np.isinf(value) else number(value, 2 if value < 100 else 3)
+
+
+# How: the complex plane (Fig. 6).
+
+
+def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Chart:
+    """H_env and H_perc in the complex plane over the band, with arrows towards higher frequencies.
+
+    ``marks``: frequencies, rad/s, marked alike on both curves; about a third, two thirds and the end of the band if not given.
+    Where a dynamics is infinite, or far from where it is on most of the band, its curve leaves the axes.
+
+    >>> from haptisym import evaluate, load_scene
+    >>> [layer.stroke for layer in nyquist(evaluate(load_scene("fu2019"))).layers if isinstance(layer, Curve)][0]
+    '-'
+    """
+    f, grid = e.distortion.compile(), sampled(e)
+    low, high = _window(responses(f, grid), responses(f, evenly(e)))
+    omega = refined(lambda w: in_window(responses(f, w), np.tile(low, 2), np.tile(high, 2)), grid)
+    values = points_of(broken(responses(f, omega), omega, poles_of(e)))
+    at = np.asarray(marks if marks is not None else _default_marks(e, f, (low, high)), dtype=float)
+    curves, arrows = list[Layer](), list[Layer]()
+    for points, (color, stroke, name), share in zip(values, pen.CURVES, (0.42, 0.58), strict=True):
+        curves.append(Curve(*points.T, color, stroke, label=f"${name}$"))
+        length = _visible_length((points - low) / (high - low))
+        for tail, head in _directions(length, np.interp(at, omega, length), share):
+            arrows.append(Arrow(points[tail], points[head], color))
+    rising = [Words(label="rising frequency", look=dots(4.2, ">"))] if arrows else []
+    places = [points_of(responses(f, np.array([w]))) for w in at]
+    axis = along(e)
+    matched = Matched(
+        [(axis.short(w, 6), env[0], perc[0]) for w, (env, perc) in zip(at, places, strict=True)],
+        implied=marks is None,
+        shared=True,
+    )
+    layers = [Origin(), *curves, *arrows, *rising, matched]
+    ends = [(float(low[i]), float(high[i])) for i in (0, 1)]
+    return Chart(layers, *plane(e.scene, *ends), height=2.6, equal=True)
+
+
+def plane(scene: Any, x: tuple[float, float], y: tuple[float, float]) -> tuple[Axis, Axis]:
+    """The axes of the complex plane of dynamics."""
+    return force_per_position(r"\mathrm{Re}\,H", scene, x), force_per_position(r"\mathrm{Im}\,H", scene, y)
+
+
+def changes(reach: float) -> tuple[Axis, Axis]:
+    """The axes of the plane of what is noticed: changes as fractions of the environment."""
+    return (
+        Axis(r"$\mathrm{Re}\,\Delta H/|H_\mathrm{env}|$", ends=(-reach, reach)),
+        Axis(r"$\mathrm{Im}\,\Delta H/|H_\mathrm{env}|$", ends=(-reach, reach)),
+    )
+
+
+@dataclass(frozen=True)
+class Arrow(Layer):
+    """An arrowhead on a curve of the plane; ``shaft`` : the stroke of a line from the tail, none if not given."""
+
+    tail: Array
+    head: Array
+    color: str
+    shaft: Any = None
+
+    def draw(self, on: On) -> list[Artist]:
+        ink, style = on.ink(self.color), f"-|>, head_length={_HEAD / 10}, head_width=0.27"
+        look: dict[str, Any] = {
+            "arrowstyle": style,
+            "color": ink,
+            "linewidth": 0,
+            "mutation_scale": 10,
+            "shrinkA": 0,
+            "shrinkB": 0,
+        }
+        made: list[Artist] = []
+        tail, head = self.tail, self.head
+        if self.shaft is not None:
+            shaft = {
+                "arrowstyle": "-",
+                "color": ink,
+                "linewidth": 1.2,
+                "linestyle": self.shaft,
+                "shrinkA": 0,
+                "shrinkB": _HEAD,
+            }
+            made.append(
+                on.ax.annotate("", xy=(head[0], head[1]), xytext=(tail[0], tail[1]), arrowprops=shaft, zorder=3)
+            )
+            tail = 0.95 * head
+        return [*made, on.ax.annotate("", xy=(head[0], head[1]), xytext=(tail[0], tail[1]), arrowprops=look)]
+
+
+_HEAD = 6.5
+"""Points: the length of an arrow's head."""
+
+
+@dataclass(frozen=True)
+class Matched(Layer):
+    """The same mark on both curves at each frequency, filled on the environment's; ``rows`` : its words, and both places.
+
+    ``implied`` : nobody asked for them, so that a further scene has none. A frequency that bears a mark already keeps its shape.
+    """
+
+    rows: Sequence[tuple[str, Array, Array]]
+    implied: bool = False
+    colors: tuple[str, str] = (pen.BLUE, pen.RED)
+
+    def draw(self, on: On) -> list[Artist]:
+        if self.implied and on.number:
+            return []
+        made: list[Artist] = []
+        for (_, env, perc), shape in zip(self.rows, self._shapes(on), strict=False):
+            for (x, y), color, face in ((env, self.colors[0], ""), (perc, self.colors[1], "white")):
+                made += Mark([x], [y], color, shape, 4.2, face, look={"markeredgewidth": 0.9}).draw(on)
+        return made
+
+    def _shapes(self, on: On) -> list[str]:
+        told = entries(on.ax)
+        taken = {str(x.get_marker()) for x in told.values() if hasattr(x, "get_marker")}
+        free = iter([x for x in "osDv^*phPX" if x not in taken] * len(self.rows))
+        return [str(told[words].get_marker()) if words in told else next(free, "o") for words, *_ in self.rows]
+
+    def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
+        shapes = [str(x.get_marker()) for x in made[::2]]  # type: ignore[attr-defined]
+        style = {"markerfacecolor": "none", "markeredgewidth": 0.9}
+        return [
+            (row[0], handle(pen.INK, "none", "", **dots(4.2, shape, **style)))
+            for row, shape in zip(self.rows, shapes, strict=False)
+        ]
+
+
+def _window(everywhere: Array, evenly: Array) -> tuple[Array, Array]:
+    """The lower left and upper right corner that hold both curves, but for excursions far from most of the band."""
+    stacked = [np.concatenate(points_of(x)) for x in (everywhere, evenly)]
+    reached, common = (points[np.isfinite(points).all(axis=1)] for points in stacked)
+    first, last = np.quantile(common, (0.05, 0.95), axis=0)
+    least, most, span = reached.min(axis=0), reached.max(axis=0), last - first
+    far = 4 * span.max()
+    low, high = np.where(least < first - far, first - span, least), np.where(most > last + far, last + span, most)
+    size = np.maximum(high - low, 0.1 * (np.max(high - low) or np.abs(low).max() or 1.0))
+    middle = (low + high) / 2
+    return middle - 0.56 * size, middle + 0.56 * size
+
+
+def _visible_length(points: Array) -> Array:
+    """The length of a curve, given in fractions of the axes, from its start to each sample, as far as it is on them."""
+    visible: Any = (np.abs(points - 0.5) <= 0.5).all(axis=1)
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(np.where(visible[1:] & visible[:-1], steps, 0.0))])
+
+
+def _directions(length: Array, marked: Array, share: float) -> list[tuple[int, int]]:
+    """Tail and head samples of arrows in the two longest pieces of a curve between its marks; none on mere spots."""
+    edges = np.unique([0.0, *marked, length[-1]])
+    longest = np.argsort(np.diff(edges))[-2:]
+    heads = [edges[i] + share * (edges[i + 1] - edges[i]) for i in longest if edges[i + 1] - edges[i] > 0.1]
+    return [(int(np.searchsorted(length, head - 0.01)) - 1, int(np.searchsorted(length, head))) for head in heads]
+
+
+def _default_marks(e: Evaluation, f: Callable[..., Values], window: tuple[Array, Array]) -> tuple[float, ...]:
+    """About a third, two thirds and the end of the frequencies at which both curves are on the axes, as short numbers."""
+    omega = evenly(e)
+    places = in_window(responses(f, omega), np.tile(window[0], 2), np.tile(window[1], 2))
+    return short_thirds(omega[(np.abs(places - 0.5) <= 0.5).all(axis=1)], along(e))
+
+
+def short_thirds(omega: Array, axis: Axis) -> tuple[float, ...]:
+    """About a third, two thirds and the end of some frequencies, rad/s, as numbers that are short in the unit of the axis."""
+    factor, (low, high) = float(axis.unit.size), axis.of(axis.ends)
+    step, inside = 10.0 ** (np.floor(np.log10(high - low)) - 1), axis.of(omega)
+    chosen = inside[[round(share * (len(inside) - 1)) for share in (1 / 3, 2 / 3, 1)]]
+    rounded = np.minimum(np.round(chosen / step), np.floor(inside[-1] / step + 1e-9)) * step
+    return tuple(dict.fromkeys(max(low, float(f"{x:.12g}")) * factor for x in rounded))
+
+
+# How: the magnitudes of a part, and what is felt (Fig. 7).
+
+
+class Felt(NamedTuple):
+    """What is felt from ``low`` to ``high``, rad/s, in words."""
+
+    low: float
+    high: float
+    words: str
+
+
+def projections(e: Evaluation, part: Part) -> Chart:
+    """``|Re|`` or ``|Im|`` of H_env and H_perc over the band.
+
+    Bold where the part's ratio exceeds its threshold, or both parts together leave a region, with the percept in words; thin on
+    grey where it does not. The percepts of a further scene on the same axes are not written.
+
+    >>> from haptisym import Part, evaluate, load_scene
+    >>> chart = projections(evaluate(load_scene("fu2019")), Part.REAL)
+    >>> [layer.width for layer in chart.layers if isinstance(layer, Curve)]
+    [1.6, 0.7, 1.6, 0.7]
+    """
+    name, f, grid, exceeded = (
+        rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}",
+        e.distortion.compile(),
+        sampled(e),
+        _exceeded(e, part),
+    )
+    over, under = e.chart.where(exceeded), e.chart.where(lambda signs: not exceeded(signs))
+    top = 1.3 * top_of(_magnitudes(f, grid, part), _magnitudes(f, evenly(e), part)) or 1.0
+    omega = refined(lambda w: in_window(_magnitudes(f, w, part), 0, top), grid)
+    values = broken(_magnitudes(f, omega, part), omega, poles_of(e))
+    lines = list[Layer]()
+    for magnitude, (color, stroke, curve) in zip(values.T, pen.CURVES, strict=True):
+        for weight, among in ((1.6, over), (0.7, under)):
+            shown = np.where(_within(omega, among), magnitude, np.nan)
+            entry = f"$|{name}\\,{curve}|$" if weight == 1.6 else ""
+            lines.append(Curve(omega, shown, color, stroke, weight, label=entry))
+    felt = Percepts(_felt(e, part), shared=True)
+    ground = Band([ends_of(x) for x in under], label="not noticed")
+    return Chart([ground, *lines, felt], along(e), force_per_position(rf"|{name}\,H|", e.scene, (0, top)), height=2.0)
+
+
+def _exceeded(e: Evaluation, part: Part) -> Callable[[Signs], bool]:
+    """Whether a part is noticed, by itself or together with the other."""
+    own = [x for x in e.criteria if x.part in (part, None)]
+    other = Part.IMAG if part is Part.REAL else Part.REAL
+
+    def exceeded(signs: Signs) -> bool:
+        if not any(signs[x] > 0 for x in own):
+            return False
+        alone = signs.get((Dynamics.OUTSIDE, part), 1) > 0
+        return alone or signs.get((Dynamics.OUTSIDE, other), 0) <= 0
+
+    return exceeded
+
+
+def _magnitudes(f: Callable[..., Values], omega: Array, part: Part) -> Array:
+    return np.abs(responses(f, omega)[:, (0 if part is Part.REAL else 1) :: 2])
+
+
+def _felt(e: Evaluation, part: Part) -> list[Felt]:
+    """As what a part is felt where it is noticed, in the words of all outputs and in the order of the bands."""
+    together = [Felt(*ends_of(x.band), felt_of(x, part)) for x in e.percepts if x.part is None]
+    own = [Felt(*ends_of(x.band), x.words) for x in e.felt if x.part is part]
+    nameless = [Felt(*ends_of(x), NOT_NAMED) for x in _nameless(e, part)]
+    short = (x._replace(words="noticed (active)") if x.words == NOT_NAMED else x for x in together + own + nameless)
+    return sorted(short, key=lambda x: x.low)
+
+
+def _nameless(e: Evaluation, part: Part) -> tuple[Interval, ...]:
+    """Where a region of both parts is left in this one, and an active display has no name for that."""
+    if not any(x.joint for x in e.criteria):
+        return ()
+    exceeded = _exceeded(e, part)
+    return e.chart.where(
+        lambda signs: (
+            exceeded(signs)
+            and signs[Dynamics.PERCEIVED, Part.IMAG] < 0
+            and (part is Part.IMAG or signs[Dynamics.OUTSIDE, part] <= 0)
+        )
+    )
+
+
+def _within(omega: Array, intervals: Iterable[Interval]) -> Any:
+    """Which samples lie on closed intervals."""
+    found = np.zeros(omega.shape, dtype=bool)
+    for low, high in map(ends_of, intervals):
+        found |= (omega >= low) & (omega <= high)
+    return found
+
+
+@dataclass(frozen=True)
+class Percepts(Layer):
+    """The words of each percept inside its band, a number that the legend explains where it is too narrow, and lines between."""
+
+    felt: Sequence[Felt]
+
+    def draw(self, on: On) -> list[Artist]:
+        if on.number:
+            return []
+        ax = on.ax
+        if not self.felt:
+            return Note("never exceeds the threshold").draw(on)
+        made: list[Artist] = []
+        shown = [x._replace(low=float(on.x.of(x.low)), high=float(on.x.of(x.high))) for x in self.felt]
+        for omega in sorted({end for x in shown for end in (x.low, x.high)} - set(ax.get_xlim())):
+            made.append(ax.axvline(omega, color=pen.GREY, linewidth=0.5, linestyle=pen.DOTTED, zorder=1))
+        fitting, numbers, _ = self._parted(on)
+        texts = [
+            (x, fitting.get(i) or numbers.get(own.words, ""))
+            for i, (x, own) in enumerate(zip(shown, self.felt, strict=True))
+        ]
+        return made + _beside_each_other(ax, [(x, text) for x, text in texts if text])
+
+    def _parted(self, on: On) -> tuple[dict[int, str], dict[str, str], int]:
+        """The words that fit, by their places; the numbers of others; how many have neither."""
+        shown = [x._replace(low=float(on.x.of(x.low)), high=float(on.x.of(x.high))) for x in self.felt]
+        fitting = {i: text for i, x in enumerate(shown) if (text := _fitting(on.ax, x))}
+        narrow = sorted((i for i in range(len(shown)) if i not in fitting), key=lambda i: shown[i].low - shown[i].high)
+        words = [self.felt[i].words for i in sorted(narrow[:_MOST_NUMBERS])]
+        return fitting, {x: str(n) for n, x in enumerate(dict.fromkeys(words), 1)}, max(0, len(narrow) - _MOST_NUMBERS)
+
+    def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
+        if on.number or not self.felt:
+            return []
+        _, numbers, more = self._parted(on)
+        style = {"markersize": 4, "markeredgewidth": 0}
+        told: list[tuple[str, Artist]] = [
+            (words, handle(pen.INK, "none", "", marker=f"${n}$", **style)) for words, n in numbers.items()
+        ]
+        return told + ([(f"and {more} narrower", handle(pen.INK, "none", ""))] if more else [])
+
+
+def _beside_each_other(ax: Axes, texts: Sequence[tuple[Felt, str]]) -> list[Artist]:
+    """Texts side by side at the top of the axes, each in its band or tied to it."""
+    centres = [share_of(ax, (x.low + x.high) / 2) for x, _ in texts]
+    places, made = spread(centres, [text_width(ax, text) for _, text in texts]), list[Artist]()
+    for (x, text), centre, place in zip(texts, centres, places, strict=True):
+        beside = abs(place - centre) > share_of(ax, x.high) - centre
+        made.append(ax.annotate(
+            text, xy=(centre, 0.82), xytext=(place, 0.98), xycoords="axes fraction", textcoords="axes fraction",
+            ha="center", va="top", fontsize=pen.SMALL, linespacing=1.1, bbox=plate("white"),
+            arrowprops=pen.LEADER if beside else None,
+        ))  # fmt: skip
+    return made
+
+
+def _fitting(ax: Axes, x: Felt) -> str:
+    """The words on one line or two, as fits into the band; nothing if neither does."""
+    room, gap = share_of(ax, x.high) - share_of(ax, x.low), ", " if ", " in x.words else " "
+    layouts = (x.words, x.words.replace(gap, f"{gap.strip()}\n", 1))
+    return next((text for text in layouts if text_width(ax, text) <= room), "")
+
+
+# The JND at one frequency (Figs. 2 and 3).
+
+_DIRECTIONS = 720
+
+
+@dataclass(frozen=True)
+class Outline:
+    """A region: ``patches`` about the tip, ``stretches`` of the real and of the imaginary part, ``corners`` of its frame."""
+
+    patches: tuple[Patch, ...]
+    stretches: tuple[tuple[tuple[float, float], ...], ...]
+    corners: Array
+
+
+def outline(criteria: Sequence[Criterion], tip: Array, omega: float, size: float | None = None) -> Outline:
+    """The changes that are not noticed where H_env has this tip (and, if it is given, that size), at a frequency in rad/s."""
+    size = float(np.hypot(*tip)) if size is None else size
+    if criteria[0].joint:
+        return _joint(criteria[0].joint, tip, omega, size)
+    stretches = tuple(_stretches(x, float(own), size, omega) for x, own in zip(criteria, tip, strict=True))
+    patches = tuple(Rectangle((x0, y0), x1 - x0, y1 - y0) for (x0, x1), (y0, y1) in product(*stretches))
+    ends = np.array([[own[0][0] for own in stretches], [own[-1][1] for own in stretches]])
+    return Outline(patches, stretches, ends)
+
+
+def _stretches(x: Criterion, own: float, size: float, omega: float) -> tuple[tuple[float, float], ...]:
+    """The values of one part that are not told from its own."""
+    if not isinstance(x.region, Sided):
+        reach = floats_of(x.threshold, omega) * size
+        return ((own - reach, own + reach),)
+    least = 0.0 if x.region.floor is None else floats_of(x.region.floor, omega)
+    higher, lower = (max(least, floats_of(c, omega) * size) for c in (x.region.higher, x.region.lower))
+    way, turn = (1.0 if own >= 0 else -1.0), 2 * abs(own)  # beyond its mirror image a part grows again
+    grown, shrunk = own + way * higher, own - way * min(lower, turn)
+    if higher <= turn:
+        return (_sorted(shrunk, grown),)
+    again = own - way * higher
+    if lower >= turn:
+        return (_sorted(again, grown),)
+    return tuple(sorted((_sorted(shrunk, grown), _sorted(again, own - way * turn))))
+
+
+def _sorted(a: float, b: float) -> tuple[float, float]:
+    return min(a, b), max(a, b)
+
+
+def _joint(region: Joint, tip: Array, omega: float, size: float) -> Outline:
+    angles = np.linspace(0, 2 * np.pi, _DIRECTIONS, endpoint=False)
+    if isinstance(region, Cornered):
+        corners = np.array([[floats_of(c, omega) for c in corner] for corner in region.corners])
+        angles = np.sort(np.concatenate([angles, np.arctan2(corners[:, 1], corners[:, 0]) % (2 * np.pi)]))
+    across, up = np.cos(angles), np.sin(angles)
+    reach = size / region.enlarged(across, up, lambda x: floats_of(x, omega))
+    border = tip + np.stack([across, up], axis=1) * reach[:, None]
+    quarters = [reach[np.argmin(np.abs(angles - n * np.pi / 2))] for n in range(4)]
+    stretches = tuple(((float(tip[i] - quarters[i + 2]), float(tip[i] + quarters[i])),) for i in (0, 1))
+    return Outline((Polygon(border, closed=True),), stretches, np.array([border.min(axis=0), border.max(axis=0)]))
+
+
+@dataclass(frozen=True)
+class Region(Layer):
+    """An outline: filled for the first scene, its border alone for a further one; what is not noticed of one part, on the axes."""
+
+    around: Outline
+    color: str = pen.GREY
+    filled: bool = True
+    about: tuple[Array, float] | None = None
+    """The tip that is moved to the origin, and the size that becomes 1."""
+
+    def draw(self, on: On) -> list[Artist]:
+        face = pen.SHADE if self.filled and not on.number else "none"
+        style = {"facecolor": face, "edgecolor": on.ink(self.color), "linewidth": 0.6, "zorder": 1, **self.look}
+        for patch in self.around.patches:
+            patch.set(**style)
+            if self.about:
+                tip, size = self.about
+                patch.set_transform(Affine2D().translate(*-tip).scale(1 / size) + on.ax.transData)
+            on.ax.add_patch(patch)
+        return list(self.around.patches)
+
+
+def square(e: Evaluation, omega: float | None = None) -> Chart:
+    """H_env and H_perc at one frequency of the band, rad/s, with the region of changes that are not noticed (Fig. 2).
+
+    The square is c_real ``|H_env|`` wide and c_imag ``|H_env|`` high to each side of the tip of H_env; other regions are drawn as
+    they are. What is not noticed of one part alone are bars on the axes. The frequency is in the middle of the first percept if it
+    is not given. Raises SceneError outside the band and where H_env or H_perc is infinite.
+
+    >>> from haptisym import evaluate, load_scene
+    >>> square(evaluate(load_scene("fu2019")), 10).title
+    '$\\\\omega$ = 10 rad/s: noticed in the real part'
+    """
+    omega = _telling_frequency(e) if omega is None else omega
+    found = [x for x in e.criteria if _sign_at(e, omega, x) > 0]
+    tips = np.concatenate(points_of(responses(e.distortion.compile(), np.array([omega]))))
+    if not np.isfinite(tips).all():
+        raise SceneError(f"omega: the dynamics are infinite at {omega:g} rad/s")
+    around, axis = outline(e.criteria, tips[0], omega), along(e)
+    pairs = list(zip(tips, pen.CURVES, strict=True))
+    arrows: list[Layer] = [
+        Arrow(np.zeros(2), tip, color, stroke) if tip.any() else Mark([0], [0], color)
+        for tip, (color, stroke, _) in pairs
+    ]
+    lines = [_Projected(tip, color) for tip, (color, *_) in pairs]
+    told = [Words(label=f"${name}$", look=_line(color, stroke)) for color, stroke, name in pen.CURVES]
+    bars = _Bars(around.stretches, label="not noticed in one part", shared=True)
+    shade = Region(around, label="not noticed", styled=True)
+    dotted = Words(label="projections", look=_line(pen.INK, pen.DOTTED, 0.6), shared=True)
+    at = f"{axis.short(omega)}" if axis.label == "frequency" else f"{axis.label} = {axis.short(omega)}"
+    ends = _frame(np.array([[0, 0], *tips, *around.corners]))
+    layers = [*told, shade, Origin(), dotted, bars, *lines, *arrows]
+    return Chart(layers, *plane(e.scene, *ends), height=2.6, equal=True, title=f"{at}: {_verdict(found)}")
+
+
+def _line(color: str, stroke: Any, width: float = 1.1) -> dict[str, Any]:
+    return {"color": color, "linestyle": stroke, "linewidth": width}
+
+
+@dataclass(frozen=True)
+class _Projected(Layer):
+    """The projections of a tip on both axes."""
+
+    tip: Array
+    color: str
+
+    def draw(self, on: On) -> list[Artist]:
+        (x, y), look = self.tip, {"color": on.ink(self.color), "linewidth": 0.6, "linestyle": pen.DOTTED, "zorder": 2}
+        return list(on.ax.plot([x, x, 0], [0, y, y], **look))
+
+
+@dataclass(frozen=True)
+class _Bars(Layer):
+    """What is not noticed of one part alone, on the axes."""
+
+    stretches: Sequence[Sequence[tuple[float, float]]]
+
+    def draw(self, on: On) -> list[Artist]:
+        look: dict[str, Any] = {"color": pen.GREY, "alpha": 0.5, "linewidth": 3, "solid_capstyle": "butt", "zorder": 1}
+        if on.number:
+            return []
+        level = [x for ends in self.stretches[0] for x in on.ax.plot(ends, [0, 0], **look)]
+        return [*level, *(x for ends in self.stretches[1] for x in on.ax.plot([0, 0], ends, **look))]
+
+
+def _verdict(found: Sequence[Criterion]) -> str:
+    if not found:
+        return "not noticed"
+    if found[0].joint:
+        return f"outside the {found[0].joint.kind}"
+    return f"noticed in {'both parts' if len(found) == 2 else f'the {found[0].words}'}"
+
+
+def _sign_at(e: Evaluation, omega: float, criterion: Criterion) -> int:
+    """The proven sign of what is judged at a frequency."""
+    points = e.chart.points
+    below = [point for point in points if float(point.omega) <= omega]
+    if not below or omega > float(points[-1].omega):
+        raise SceneError(f"omega: {omega:g} rad/s is not on the band, {' to '.join(f'{x:g}' for x in band_of(e))}")
+    return (below[-1].at if float(below[-1].omega) == omega else below[-1].after)[criterion]
+
+
+def _frame(points: Array) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Limits that hold the points with a margin, at equal scales, neither very wide nor very high."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    half = 0.57 * np.maximum(high - low, 0.6 * np.max(high - low) or 1.0)
+    low, high = (low + high) / 2 - half, (low + high) / 2 + half
+    return (low[0], high[0]), (low[1], high[1])
+
+
+def _telling_frequency(e: Evaluation) -> float:
+    """The middle of the first percept band, else the end of the band; beside it if a dynamics is infinite there."""
+    low, high = ends_of(e.percepts[0].band) if e.percepts else band_of(e)
+    shares = (0.5, 0.4, 0.6, 0.45, 0.55) if e.percepts else (1.0, 0.9, 0.8, 0.95, 0.85)
+    infinite = {float(pole.omega) for pole in poles_of(e)}
+    return next(x for x in (low + share * (high - low) for share in shares) if x not in infinite)
+
+
+# Other JND regions.
+
+REGIONS: Sequence[tuple[str, Any, str]] = (
+    (pen.GREY, pen.SOLID, "s"), (pen.BLUE, pen.DASHED, "o"), (pen.RED, pen.DOTTED, "D"), (pen.SCENES[1], pen.SOLID, "x"),
+)  # fmt: skip
+"""Of each region: colour, stroke of its border, mark of its bandwidth."""
+
+
+def regions(e: Evaluation) -> Chart:
+    """(Re dH, Im dH)/``|H_env|`` over the band, with the regions of ``e.regions``; a dot where each is first met.
+
+    A region that depends on the frequency, as a floor and limits for each way do, is drawn as it is where it is first met, or
+    else at the high end of the band. NothingToDrawError where no regions were asked for.
+    """
+    if not e.regions:
+        raise NothingToDrawError("kind: no regions were compared: ask for them with evaluate(scene, regions=True)")
+    f = e.distortion.compile()
+    rows = list(zip(e.regions, REGIONS, strict=False))
+    shapes, reach = list[Layer](), 0.0
+    for x, (color, stroke, _) in rows:
+        shape, corners = _region(e, x)
+        entry = Words(label=x.name, look=_line(color, stroke, 1.0))
+        look: dict[str, Any] = {"linewidth": 1.0, "linestyle": stroke, "zorder": 2}
+        shapes += [*([replace(shape, color=color, look=look)] if shape else []), entry]
+        reach = max(reach, 1.6 * float(np.abs(corners).max()))
+    met = [(x, color) for x, (color, *_) in rows if x.crossing]
+    spots = [Mark(*_way(f(np.array([float(x.crossing.omega)]))).T, color) for x, color in met if x.crossing]
+    way = Curve(*_way(f(sampled(e))).T, label=r"$\Delta H$ over the band")
+    return Chart([way, Origin(), *shapes, *spots], *changes(reach), height=2.9, equal=True)
+
+
+def _way(v: Values) -> Array:
+    """Both ratios with their signs."""
+    return np.stack([np.copysign(v.ratio_real, v.real), np.copysign(v.ratio_imag, v.imag)], axis=1)
+
+
+def _region(e: Evaluation, x: Compared) -> tuple[Region | None, Array]:
+    """One region about 0, where H_env is real and 1, and its corners."""
+    at, criteria = float(x.crossing.omega if x.crossing else e.chart.points[-1].omega), noticed(x.threshold)
+    tip, size = np.zeros(2), 1.0
+    if not criteria[0].joint:  # a floor, and which limit holds, depend on H_env
+        here = e.distortion.compile()(np.array([at]))
+        tip = np.array([float(here.environment_real[0]), float(here.environment_imag[0])])
+        size = float(np.hypot(*tip))
+    if not np.isfinite(size) or not size:
+        widths = np.array([floats_of(c, at) for c in half_widths(x.threshold)])  # H_env has no size there
+        return None, np.array([-widths, widths])
+    around = outline(criteria, tip, at, 1.0 if criteria[0].joint else None)
+    return Region(around, filled=False, about=(tip, size)), (around.corners - tip) / size
+
+
+# The bandwidth over a threshold that has a range.
+
+
+class _Ranged(NamedTuple):
+    """What has a range, as it is drawn: a threshold in per cent, or a scale."""
+
+    ends: tuple[float, float]
+    nominal: float
+    unit: float
+    label: str
+
+
+def bandwidths(e: Evaluation) -> Chart:
+    """The bandwidth over the threshold: dots at the proven ends; at a jump a dot for what is attained, a ring for what is not.
+
+    NothingToDrawError where the threshold has no range, or several that move apart.
+
+    >>> from haptisym import evaluate, load_scene
+    >>> chart = bandwidths(evaluate(load_scene("fu2019").with_values({"c": "0.1 +- 20 %"})))
+    >>> [float(round(y, 3)) for y in chart.layers[0].y[[0, -1]]]
+    [6.534, 12.993]
+    """
+    if e.bandwidths is None or not e.bandwidths.is_one_curve:
+        raise NothingToDrawError("the JND has no one number with a range that gives a range of bandwidths")
+    moving = _ranged(e)
+    low, high = moving.ends
+    c, omega = _curve(e, e.bandwidths, moving)
+    ends = [float(x) for x in (e.bandwidths.least, e.bandwidths.most) if x is not None]
+    nominal = (
+        []
+        if e.bandwidth is None
+        else [Mark([moving.nominal], [float(e.bandwidth)], shape="s", size=4.5, face="white", label="nominal")]
+    )
+    layers = [
+        Curve(c, omega, label="bandwidth"), *_jumps(e.bandwidths, moving.unit), *nominal,
+        Mark([max(low, c[0]), high], ends, look={"zorder": 3}),
+    ]  # fmt: skip
+    margin, top = 0.03 * (high - low), 1.06 * float(np.nanmax(omega))
+    upright = replace(frequency(e.scene.frequency, (0, top)), label="bandwidth")
+    return Chart(layers, Axis(moving.label, ends=(low - margin, high + margin)), upright)
+
+
+def _ranged(e: Evaluation) -> _Ranged:
+    t = e.scene.threshold
+    if "scale" in t.ranges:
+        low, high = map(float, t.ranges["scale"])
+        return _Ranged((low, high), float(t.region.size), 1.0, "scale of the JND")
+    low, high = (float(100 * x) for x in t.ranges["real"])
+    return _Ranged((low, high), float(100 * t.real), 100.0, "threshold $c$ (%)")
+
+
+def _curve(e: Evaluation, found: Bandwidths, moving: _Ranged) -> tuple[Array, Array]:
+    """What moves, and bandwidth: where the larger ratio is higher than ever before; broken at the jumps."""
+    omega = np.unique(np.concatenate([sampled(e), [float(x) for j in found.jumps for x in (j.low, j.high)]]))
+    (low, high), nominal, unit, _ = moving
+    limits = [limit_of(x) for x in e.criteria]
+    ratio = nominal * (columns(e.criteria, e.distortion.compile()(omega), omega) / limits).max(axis=1)
+    least, most = float(found.least or 0), float(found.most or 0)
+    first = unit * float(next(iter(found.blocked.values()))) if found.blocked else low
+    between = (omega > least) & (omega < most) & (ratio >= np.maximum.accumulate(np.nan_to_num(ratio)))
+    inside = between & (ratio > first) & (ratio < high)
+    for jump in found.jumps:
+        inside &= (omega < float(jump.low)) | (omega > float(jump.high))  # its ends have rows of their own
+    rows = [(first, 0, least), *((c, 0, w) for c, w in zip(ratio[inside], omega[inside], strict=True)), (high, 3, most)]
+    for jump in found.jumps:
+        at = unit * float(jump.threshold or 0)
+        rows += [(at, 0, float(jump.low)), (at, 1, np.nan), (at, 2, float(jump.high))]
+    ordered = sorted(rows, key=lambda row: row[:2])
+    return np.array([c for c, _, _ in ordered]), np.array([w for _, _, w in ordered])
+
+
+def _jumps(found: Bandwidths, unit: float) -> list[Layer]:
+    made: list[Layer] = []
+    for jump in found.jumps:
+        at, low, high = unit * float(jump.threshold or 0), float(jump.low), float(jump.high)
+        dotted = Curve(
+            [at, at],
+            [low, high],
+            pen.GREY,
+            pen.DOTTED,
+            0.6,
+            label="jump at a peak of the ratio",
+            styled=False,
+            shared=True,
+        )
+        made += [dotted, Mark([at], [low], face="white", look={"zorder": 3}), Mark([at], [high], look={"zorder": 3})]
+    return made
+
+
+EVALUATION = Drawings[Evaluation](
+    {
+        "ratios": ratios,
+        "bandwidths": bandwidths,
+        "nyquist": nyquist,
+        **{
+            f"projections-{name}": partial(projections, part=part)
+            for name, part in (("real", Part.REAL), ("imag", Part.IMAG))
+        },
+        "regions": regions,
+        "jnd-square": square,
+    }
+)
+DERIVATION, PEAKS = Drawings[Any]({"ratios": formulas}), Drawings[Peaks]({"ratios": peaks})

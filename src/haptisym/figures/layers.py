@@ -1,0 +1,721 @@
+"""A figure as a list of layers on axes that it is given: curves, marks, bands, limits, grounds, arrows and words.
+
+A ``Chart`` says what is seen: its layers from back to front, and what is along its two axes. Numbers are in SI and rad/s; an
+``Axis`` has the unit in which they are drawn, which is the scene's. ``draw`` puts a chart on axes of matplotlib, and alone decides
+what a second scene on the same axes looks like: the next colour, a label behind each entry of the legend, bars at the top in
+place of grey grounds, limits that leave the first scene in sight, the unit of frequency that is there already. What scenes
+share (thresholds, the ends of the band) has one entry. A new kind of figure is one function that lists layers.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import PatchCollection, PolyCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch
+from matplotlib.text import Annotation
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator, ScalarFormatter
+from matplotlib.transforms import ScaledTranslation
+from sympy import Symbol
+
+from haptisym.figures import pen
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import RealNumber, Scaled
+from haptisym.model.parameters import Parameter
+from haptisym.model.quantities import RADIANS, Dimension, MotionKind, Unit, quantity
+from haptisym.programs.values import Array
+from haptisym.writing.latex import formula
+
+Span = tuple[float, float]
+
+# Axes.
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What is along an axis: a symbol, the unit in which it is drawn, from where to where (SI); how it is divided.
+
+    ``dimension`` : where the unit may be that of a scene which is there already. ``names`` : of rows, the first on top.
+    ``large`` : whether large numbers are in thousands or millions of the unit.
+    """
+
+    label: str = ""
+    unit: Unit = field(default_factory=lambda: Unit(""))
+    ends: Span | None = None
+    dimension: Dimension | None = None
+    names: Sequence[str] = ()
+    log: bool = False
+    large: bool = False
+
+    def of(self, values: Any) -> Any:
+        """Numbers in SI as they are drawn."""
+        size = float(self.unit.size)
+        return np.asarray(values, dtype=float) / size if size != 1 else np.asarray(values, dtype=float)
+
+    @property
+    def text(self) -> str:
+        """The label with the unit.
+
+        >>> frequency(Unit("rad/s")).text, Axis("$m$", Unit("kg*m^2")).text
+        ('$\\\\omega$ (rad/s)', '$m$ (kg·m²)')
+        """
+        return f"{self.label} ({self.unit.text})".strip() if self.unit.name else self.label
+
+    def digits(self, value: RealNumber, count: int) -> str:
+        """A proven number of this axis to that many correct digits."""
+        return (value if self.unit.size == 1 else Scaled(value, self.unit.size)).digits(count)
+
+    def short(self, value: Any, digits: int = 4) -> str:
+        """A number of this axis with its unit."""
+        return f"{number(float(self.of(value)), digits)} {self.unit.text}".strip()
+
+
+def frequency(unit: Unit, ends: Span | None = None) -> Axis:
+    """An axis of frequencies in the scene's unit; ``ends`` : rad/s."""
+    return Axis(r"$\omega$" if unit == RADIANS else "frequency", unit, ends, Dimension.FREQUENCY)
+
+
+def parameter(x: Parameter, name: str = "", ends: Span | None = None) -> Axis:
+    """An axis of a parameter in the unit in which the scene gives it."""
+    return Axis(f"${formula(Symbol(name or x.symbol.name))}$", x.shown_unit(x.motion), ends, x.dimension)
+
+
+class Moving(Protocol):
+    """What moves or turns."""
+
+    @property
+    def motion(self) -> MotionKind | None:
+        """Which of both; None where nothing tells it."""
+
+
+def force_per_position(name: str, scene: Moving, ends: Span | None = None) -> Axis:
+    """An axis of dynamics, in thousands or millions of its unit where numbers are large."""
+    unit = Unit("N*m/rad") if scene.motion is MotionKind.ROTATION else Unit("N/m")
+    return Axis(f"${name}$", unit, ends, large=True)
+
+
+def _kept_unit(axis: Axis, text: str) -> Axis:
+    """The axis in the unit that stands in the label of one that is there already, where that is of the same kind."""
+    found = re.search(r"\(([^()]+)\)$", text)
+    if axis.dimension is None or found is None or not axis.unit.name:
+        return axis
+    with suppress(SceneError):
+        read = quantity(f"1 {found[1]}", axis.dimension)
+        unit = read.unit or Unit(found[1])
+        return replace(frequency(unit, axis.ends) if axis.dimension is Dimension.FREQUENCY else axis, unit=unit)
+    return axis
+
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value: float, digits: int = 6) -> str:
+    """A number as print has it: a real minus, and powers of ten with an exponent that is raised.
+
+    >>> number(-0.5), number(2.79e-05, 3), number(1e-7), number(12.0)
+    ('−0.5', '2.79·10⁻⁵', '10⁻⁷', '12')
+    """
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    power = f"10{str(int(exponent)).translate(_RAISED)}" if exponent else ""
+    shown = {"1": power, "-1": f"-{power}"}.get(mantissa, f"{mantissa}·{power}") if power else mantissa
+    return shown.replace("-", "−")
+
+
+def raised(text: str) -> str:
+    """A text with its powers and differences as print has them.
+
+    >>> raised("grid of 10^4, 10^-3"), raised("H_perc - H_env")
+    ('grid of 10⁴, 10⁻³', 'H_perc − H_env')
+    """
+    return re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_RAISED), text.replace(" - ", " − "))
+
+
+class _Plain(ScalarFormatter):
+    """All decimals of all ticks; powers of ten only where numbers would be long."""
+
+    def __init__(self) -> None:
+        super().__init__(useOffset=False)
+        self.set_scientific(False)
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        most = float(np.abs(self.axis.get_view_interval()).max()) if self.axis else 1.0
+        return number(x) if not 1e-3 <= most < 1e6 else super().__call__(x, pos)
+
+
+_TICKS, _DECADES = 6, 3.5
+"""Numbers along an axis, at most; decades from which on a logarithmic axis has powers of ten alone."""
+
+
+def thin(ax: Axes) -> None:
+    """Thin lines and no box."""
+    ax.tick_params(labelsize=pen.SMALL, width=0.5, length=2.5, color=pen.GREY)
+    ax.spines[["top", "right"]].set_visible(False)
+    for spine in ax.spines.values():
+        spine.set(linewidth=0.5, color=pen.GREY)
+
+
+def _dress(ax: Axes, which: str, axis: Axis) -> None:
+    """Limits, numbers and label of one axis."""
+    own = getattr(ax, f"{which}axis")
+    if axis.names:
+        _dress_rows(ax, axis.names)
+    else:
+        own.set_major_formatter(_Plain())
+        own.set_major_locator(MaxNLocator(_TICKS, steps=[1, 2, 5, 10]))
+    if axis.log:
+        getattr(ax, f"set_{which}scale")("log")
+        low, high = getattr(ax, f"get_{which}lim")()
+        is_wide = np.log10(high / low) > _DECADES
+        own.set_major_locator(LogLocator(numticks=8) if is_wide else LogLocator(subs=(1, 2, 5)))
+        own.set_minor_locator(NullLocator())
+        own.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
+    most = np.abs(own.get_view_interval()).max()
+    factor, prefix = next(((f, p) for f, p in ((1e6, "M"), (1e3, "k")) if axis.large and most >= 100 * f), (1.0, ""))
+    if prefix:
+        own.set_major_formatter(FuncFormatter(lambda value, _: number(value / factor)))
+    if axis.text:
+        own.set_label_text(f"{axis.label} ({prefix}{axis.unit.text})" if prefix else axis.text, fontsize=pen.TEXT)
+
+
+def _dress_rows(ax: Axes, names: Sequence[str]) -> None:
+    """Rows that have names, the first on top: no lines but the lower one."""
+    ax.set_yticks(range(len(names)), names, fontsize=pen.SMALL)
+    ax.tick_params(axis="y", length=0, labelsize=pen.SMALL)
+    ax.spines["left"].set_visible(False)
+    ax.set_ylim(len(names) - 0.5, -0.5)
+
+
+# Charts and layers.
+
+
+@dataclass(frozen=True)
+class On:
+    """What layers are drawn on: the axes, and which scene it is that is drawn there.
+
+    ``number`` : of scenes that were drawn before; ``color`` : the caller's or the next one; ``suffix`` : behind its entries.
+    """
+
+    ax: Axes
+    x: Axis
+    y: Axis
+    number: int = 0
+    color: str = pen.INK
+    given: bool = False
+    suffix: str = ""
+
+    def ink(self, usual: str) -> str:
+        """The colour of something that has one of its own where the scene is alone and in the usual colours."""
+        return self.color if self.given or self.number else usual
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layer:
+    """Something drawn. ``label`` : in the legend; ``shared`` : by all scenes, one entry; ``styled`` : takes a caller's style.
+
+    ``look`` : more that the artist is told, as matplotlib names it.
+    """
+
+    label: str = ""
+    shared: bool = False
+    styled: bool = False
+    look: Mapping[str, Any] = field(default_factory=dict)
+
+    def draw(self, on: On) -> list[Artist]:
+        """The artists, on the axes."""
+        raise NotImplementedError
+
+    def keys(self, _on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
+        """What stands in the legend, each with its words; nothing where nothing was drawn."""
+        return [(self.label, made[0])] if self.label and made else []
+
+
+@dataclass(frozen=True)
+class Curve(Layer):
+    """A line through places."""
+
+    x: Any
+    y: Any
+    color: str = pen.INK
+    stroke: Any = pen.SOLID
+    width: float = 1.1
+    styled: bool = field(default=True, kw_only=True)
+
+    def draw(self, on: On) -> list[Artist]:
+        style = {"color": on.ink(self.color), "linestyle": self.stroke, "linewidth": self.width, **self.look}
+        return list(on.ax.plot(on.x.of(self.x), on.y.of(self.y), **style))
+
+
+@dataclass(frozen=True)
+class Mark(Layer):
+    """Marks that no line joins; ``face`` : of their inside, that of the rim if not given."""
+
+    x: Any
+    y: Any
+    color: str = pen.INK
+    shape: str = "o"
+    size: float = 3.6
+    face: str = ""
+
+    def draw(self, on: On) -> list[Artist]:
+        if not len(self.x):  # an unclipped line without points would upset the layout
+            return []
+        ink = on.ink(self.color)
+        style = {**dots(self.size, self.shape), "color": ink, "markerfacecolor": self.face or ink, "zorder": 4}
+        return list(on.ax.plot(on.x.of(self.x), on.y.of(self.y), **{**style, **self.look}))
+
+
+@dataclass(frozen=True)
+class Band(Layer):
+    """Some intervals along the axis: a ground, or bars at the top for a further scene.
+
+    ``firm`` : the ground of a further scene, too.
+    """
+
+    intervals: Iterable[Span]
+    color: str = pen.SHADE
+    firm: bool = False
+
+    def draw(self, on: On) -> list[Artist]:
+        made: list[Artist] = []
+        for ends in self.intervals:
+            low, high = on.x.of(ends)
+            if on.number and not self.firm:
+                made += self._bar(on, low, high)
+            elif low == high:
+                made.append(on.ax.axvline(low, color=self.color, linewidth=2, zorder=0))
+            else:
+                style: dict[str, Any] = {"facecolor": self.color, "linewidth": 0, "zorder": 0}
+                made.append(on.ax.axvspan(low, high, **style | self.look))
+        return made
+
+    @staticmethod
+    def _bar(on: On, low: float, high: float) -> list[Line2D]:
+        """At the top of the axes, each scene below the one before."""
+        return on.ax.plot(
+            [low, high], [0.985 - 0.03 * on.number] * 2, color=on.color, transform=on.ax.get_xaxis_transform(), zorder=1,
+            linewidth=2.5, alpha=0.6, solid_capstyle="butt", marker="o" if low == high else "",
+        )  # fmt: skip
+
+
+UNDECIDED: Mapping[str, Any] = {"facecolor": "#fbf0d3", "edgecolor": "#b9892a", "hatch": "////", "linewidth": 0}
+"""Where nothing is decided: hatched on a ground of its own, so that a strip of a few points is seen."""
+
+
+@dataclass(frozen=True)
+class Limit(Layer):
+    """A straight line through the axes, level or ``upright``."""
+
+    at: float
+    upright: bool = False
+    color: str = pen.GREY
+    stroke: Any = pen.SOLID
+    width: float = 0.6
+
+    def draw(self, on: On) -> list[Artist]:
+        draw, axis = (on.ax.axvline, on.x) if self.upright else (on.ax.axhline, on.y)
+        look = {"color": self.color, "linestyle": self.stroke, "linewidth": self.width, **self.look}
+        return [draw(float(axis.of(self.at)), **look)]
+
+
+@dataclass(frozen=True)
+class Ground(Layer):
+    """Rectangles side by side, without a seam: from where to where they go both ways, in columns."""
+
+    x: Any
+    y: Any
+    color: str = pen.SHADE
+    zorder: float = 0
+
+    def draw(self, on: On) -> list[Artist]:
+        (a, b), (c, d) = on.x.of(self.x), on.y.of(self.y)
+        if not len(a):
+            return []
+        corners = np.stack([np.stack(corner, -1) for corner in ((a, c), (b, c), (b, d), (a, d))], 1)
+        style: dict[str, Any] = {"facecolors": self.color, "linewidths": 0, "antialiased": False, "zorder": self.zorder}
+        return [on.ax.add_collection(PolyCollection(list(corners), **style | self.look))]
+
+    def keys(self, _on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
+        style: dict[str, Any] = {"facecolor": self.color, "edgecolor": pen.GREY, "linewidth": 0.3, **self.look}
+        return [(self.label, Patch(**style))] if self.label and made else []
+
+
+@dataclass(frozen=True)
+class Discs(Layer):
+    """A disc about each point of the plane whose radius is known."""
+
+    centres: Any
+    radii: Any
+    color: str
+
+    def draw(self, on: On) -> list[Artist]:
+        seen = np.isfinite(self.radii) & (self.radii > 0)
+        circles = [Circle((c.real, c.imag), r) for c, r in zip(self.centres[seen], self.radii[seen], strict=True)]
+        style: dict[str, Any] = {"facecolor": self.color, "edgecolor": self.color, "alpha": 0.28, "linewidth": 0.6}
+        return [on.ax.add_collection(PatchCollection(circles, zorder=1, **style))] if circles else []
+
+    def keys(self, _on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
+        style: dict[str, Any] = {"markerfacecolor": self.color, "markeredgecolor": self.color, "alpha": 0.4}
+        return [(self.label, handle(pen.GREY, "none", "", **dots(6, "o", **style)))] if self.label and made else []
+
+
+@dataclass(frozen=True)
+class Shape(Layer):
+    """A patch of matplotlib, as it is."""
+
+    patch: Patch
+
+    def draw(self, on: On) -> list[Artist]:
+        return [on.ax.add_patch(self.patch)]
+
+
+@dataclass(frozen=True)
+class Origin(Layer):
+    """Thin lines through 0, both ways or ``level`` alone."""
+
+    level: bool = False
+
+    def draw(self, on: On) -> list[Artist]:
+        if on.number:
+            return []
+        lines = [on.ax.axhline] if self.level else [on.ax.axhline, on.ax.axvline]
+        return [draw(0, color=pen.GREY, linewidth=0.4, zorder=0) for draw in lines]
+
+
+@dataclass(frozen=True)
+class Words(Layer):
+    """An entry of the legend alone: words, with a line or a mark of a look where one is given."""
+
+    def draw(self, on: On) -> list[Artist]:
+        style: dict[str, Any] = {"color": pen.INK, "linestyle": "none", **self.look}
+        return [Line2D([], [], **{**style, "color": on.ink(style["color"])})]
+
+
+@dataclass(frozen=True)
+class Note(Layer):
+    """A sentence in the middle of the axes, at the top."""
+
+    text: str
+
+    def draw(self, on: On) -> list[Artist]:
+        place: dict[str, Any] = {"transform": on.ax.transAxes, "ha": "center", "va": "top", "fontsize": pen.SMALL}
+        return [on.ax.text(0.5, 0.97, self.text, bbox=plate(pen.SHADE), zorder=6, **place)]
+
+
+@dataclass(frozen=True)
+class Above(Layer):
+    """Texts side by side on top of the axes, each tied to its place; those that are there already move for new ones.
+
+    Where they have no room beside each other, only those that were there first stay.
+    """
+
+    places: Sequence[tuple[float, str]]
+
+    def draw(self, on: On) -> list[Artist]:
+        ax, ink = on.ax, on.color
+        before = [x for x in ax.texts if isinstance(x, Annotation) and x.get_label() == _ABOVE]
+        rows = [(float(x.xy[0]), x.get_text(), str(x.get_color())) for x in before]
+        new = [(float(on.x.of(x)), text, ink) for x, text in self.places]
+        if rows and sum(text_width(ax, text) for _, text, _ in [*rows, *new]) > 1:
+            new = []
+        for old in before:
+            old.remove()
+        for x, _, _ in new:
+            color = ink if on.given or on.number else pen.GREY
+            ax.axvline(x, color=color, linewidth=0.5, linestyle=pen.DOTTED, zorder=1)
+        ordered = sorted([*rows, *new])
+        places = spread([share_of(ax, x) for x, _, _ in ordered], [text_width(ax, text) for _, text, _ in ordered])
+        return [
+            ax.annotate(
+                text, xy=(x, 1), xytext=(place, 1.05), xycoords=ax.get_xaxis_transform(), textcoords="axes fraction",
+                ha="center", va="bottom", fontsize=pen.SMALL, color=own, arrowprops=pen.LEADER, label=_ABOVE,
+            )
+            for (x, text, own), place in zip(ordered, places, strict=True)
+        ]  # fmt: skip
+
+
+_ABOVE = "_above"
+"""The mark of labels above the axes, by which those of a scene drawn before are found."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """What is seen on one pair of axes: layers from back to front, and what is along the axes.
+
+    ``height`` : inches of a sheet; ``equal`` : scales both ways, where that leaves a drawing; ``title`` : above the legend.
+    """
+
+    layers: Sequence[Layer]
+    x: Axis = field(default_factory=Axis)
+    y: Axis = field(default_factory=Axis)
+    height: float = 2.1
+    equal: bool = False
+    title: str = ""
+
+
+_GROUP = "haptisym "
+"""With a number the mark of what belongs to one scene on the axes."""
+
+
+def draw(ax: Axes, chart: Chart, *, color: str | None = None, label: str = "", **style: Any) -> list[Any]:
+    """Draw a chart on axes, on those of scenes before it; the artists that take ``style``, which are its curves where it has any.
+
+    ``color``, ``label`` : of the scene, in the drawing and behind its entries in the legend.
+
+    >>> from matplotlib.figure import Figure
+    >>> ax = Figure().add_subplot()
+    >>> [line] = draw(ax, Chart([Curve([0, 1], [2, 3], label="a line"), Limit(2.5, label="limit", shared=True)]), label="one")
+    >>> [line] = draw(ax, Chart([Curve([0, 2], [5, 3], label="a line"), Limit(2.5, label="limit", shared=True)]))
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['a line, one', 'limit', 'a line (2)']
+    """
+    return fill(frame(ax, chart, color=color, label=label), chart, **style)
+
+
+def frame(ax: Axes, chart: Chart, *, color: str | None = None, label: str = "") -> On:
+    """Limits, numbers and labels of the axes; for layers to be drawn on."""
+    number = len({x.get_gid() for x in ax.get_children() if str(x.get_gid()).startswith(_GROUP)})
+    suffix = f", {label}" if label else f" ({number + 1})" if number else ""
+    x, y = chart.x, chart.y
+    if number:
+        x, y = _kept_unit(x, ax.get_xlabel()), _kept_unit(y, ax.get_ylabel())
+    if chart.y.names:
+        before = [t.get_text() for t in ax.get_yticklabels()] if number else []
+        y = replace(y, names=list(dict.fromkeys([*before, *y.names])))
+    thin(ax)
+    for axis, get, put in ((x, ax.get_xlim, ax.set_xlim), (y, ax.get_ylim, ax.set_ylim)):
+        if axis.ends:
+            (low, high), ends = get() if number else axis.of(axis.ends), axis.of(axis.ends)
+            put(min(low, ends[0]), max(high, ends[1]))
+    _dress(ax, "x", x)
+    _dress(ax, "y", y)
+    if chart.equal:
+        width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
+        ax.set_aspect("equal" if 0.25 < width / height < 4 else "auto", adjustable="box")
+    return On(ax, x, y, number, color or pen.SCENES[number % len(pen.SCENES)], color is not None, suffix)
+
+
+def fill(on: On, chart: Chart, **style: Any) -> list[Any]:
+    """The layers of a chart on axes that are framed, and the legend."""
+    ax, before = on.ax, set(on.ax.get_children())
+    handles, styled, every = list[Artist](), list[Artist](), list[Artist]()
+    rest = ax.get_xlim(), ax.get_ylim()
+    for layer in chart.layers:
+        made = layer.draw(on)
+        every += made
+        for words, key in layer.keys(on, made):
+            key.set_label(words if layer.shared else f"{words}{on.suffix}")
+            handles.append(key)
+            if layer.styled and key not in made:
+                key.set(**style)
+        if layer.styled:
+            styled += made
+            for artist in made:
+                artist.set(**style)
+    _refit(on, chart, rest)
+    rows = legend(ax, handles, lines=int(any(isinstance(x, Above) for x in chart.layers)))
+    if chart.title and not on.number:
+        ax.set_title(chart.title, fontsize=pen.TEXT, pad=(0.8 + 1.42 * rows) * pen.SMALL)
+    for artist in set(ax.get_children()) - before:
+        artist.set_gid(f"{_GROUP}{on.number + 1}")
+    return styled or every
+
+
+def _refit(on: On, chart: Chart, rest: tuple[Span, Span]) -> None:
+    """What found its own limits: those of scenes before stay in sight, and large numbers get their unit."""
+    for which, axis, (low, high) in (("x", chart.x, rest[0]), ("y", chart.y, rest[1])):
+        if axis.ends is None and not axis.names:
+            a, b = getattr(on.ax, f"get_{which}lim")()
+            if on.number and a < b:
+                getattr(on.ax, f"set_{which}lim")(min(a, low), max(b, high))
+            if axis.large:
+                _dress(on.ax, which, axis)
+
+
+# Words: legends, and labels that do not meet.
+
+
+def entries(ax: Axes) -> dict[str, Any]:
+    """What the legend of the axes holds: from each label to its handle."""
+    found = ax.get_legend()
+    return dict(zip([x.get_text() for x in found.get_texts()], found.legend_handles, strict=True)) if found else {}
+
+
+def legend(ax: Axes, handles: Iterable[Artist], *, lines: int = 0) -> int:
+    """The legend above the axes, where no curve is, and above that many lines of other text; how many rows it has.
+
+    Entries of a legend that is there already stay; no label occurs twice.
+    """
+    told = entries(ax)
+    for x in handles:
+        told.setdefault(str(x.get_label()), x)
+    if not told:
+        return 0
+    columns = _columns(ax, list(told))
+    up = ScaledTranslation(0, (0.5 + 1.9 * lines) * pen.SMALL / 72, ax.figure.dpi_scale_trans)
+    ax.legend(
+        handles=list(told.values()), labels=list(told), ncols=columns, loc="lower left",
+        bbox_to_anchor=(0, 1), bbox_transform=ax.transAxes + up, borderaxespad=0, borderpad=0, fontsize=pen.SMALL,
+        frameon=False, handlelength=2.2, handletextpad=0.5, columnspacing=1.2, labelspacing=0.3,
+    )  # fmt: skip
+    return -(-len(told) // columns)
+
+
+def _columns(ax: Axes, labels: Sequence[str]) -> int:
+    """The most columns of a legend that together are no wider than the axes."""
+    widths = [text_width(ax, re.sub(r"\\[a-z]+|[\\${}_,]", "", label)) + 3.2 * em(ax) for label in labels]
+    for columns in range(len(labels), 1, -1):
+        if sum(max(column) for column in np.array_split(widths, columns)) - 1.2 * em(ax) <= 1.05:
+            return columns
+    return 1
+
+
+def text_width(ax: Axes, text: str) -> float:
+    """About the width of a small text with a margin, as a fraction of the axes."""
+    return (0.54 * max(map(len, text.split("\n"))) + 0.7) * em(ax)
+
+
+def em(ax: Axes) -> float:
+    """The size of a small text, as a fraction of the width of the axes."""
+    return pen.SMALL * ax.figure.dpi / (72 * ax.bbox.width)
+
+
+def share_of(ax: Axes, x: float) -> float:
+    """Where a place is along the axes, from 0 to 1."""
+    low, high = ax.get_xlim()
+    return (x - low) / (high - low)
+
+
+def handle(color: str, stroke: Any, label: str, width: float = 1.1, **more: Any) -> Line2D:
+    """An entry of the legend: a line, a mark, or words alone."""
+    return Line2D([], [], **{"color": color, "linestyle": stroke, "linewidth": width, "label": label, **more})
+
+
+def dots(size: float, shape: str = "o", **more: Any) -> dict[str, Any]:
+    """The style of marks that no line joins."""
+    return {"linestyle": "none", "marker": shape, "markersize": size, **more}
+
+
+def plate(color: str) -> dict[str, Any]:
+    """What keeps a text readable on a curve."""
+    return {"facecolor": color, "edgecolor": "none", "pad": 0.6}
+
+
+def spread(centres: Sequence[float], widths: Sequence[float]) -> Array:
+    """Places near the wanted ones, in the same order, at which labels of these widths stand side by side within 0 to 1.
+
+    >>> spread([0.1, 0.5, 0.52], [0.1, 0.1, 0.1]).round(2).tolist()
+    [0.1, 0.46, 0.56]
+    """
+    offsets = np.cumsum(widths) - np.asarray(widths) / 2
+    free = np.asarray(centres) - offsets
+    free = (np.maximum.accumulate(free) + np.minimum.accumulate(free[::-1])[::-1]) / 2
+    return np.clip(free, 0, max(0.0, 1 - sum(widths))) + offsets
+
+
+_WIDE, _HIGH = 0.51, 0.95
+"""Of a letter, and of a line, in sizes of the font."""
+_MARK = 3.0  # half of a point's width, pt
+_NEAR, _FAR = 5.0, 14.0  # pt from a point to its name
+_OUTSIDE, _MET, _DOUBTFUL, _CROSSED, _LONG = 50.0, 20.0, 12.0, 8.0, 0.35
+"""What a place costs: to leave the axes, to meet something, to seem another point's, to be crossed by a line; per pt away."""
+
+Box = tuple[float, float, float, float]
+"""Left, bottom, right, top, in points of the page."""
+
+
+@dataclass
+class Room:
+    """What is on the axes already, in points of the page: boxes, lines and points that names beside points should not meet."""
+
+    ax: Axes
+    boxes: list[Box] = field(default_factory=list)
+    lines: list[Array] = field(default_factory=list)
+    points: list[Span] = field(default_factory=list)
+
+    def at(self, x: float, y: float) -> Span:
+        """A place of the data, in points of the page."""
+        [[a, b]] = self._on_page([x], [y])
+        return float(a), float(b)
+
+    def _on_page(self, x: Any, y: Any) -> Array:
+        transform: Any = self.ax.transData
+        found: Array = transform.transform(np.column_stack([x, y])) * 72 / self.ax.figure.dpi
+        return found
+
+    def take_point(self, x: float, y: float, half: float = _MARK) -> None:
+        """Nothing is written over a point."""
+        a, b = self.at(x, y)
+        self.points.append((a, b))
+        self.boxes.append((a - half, b - half, a + half, b + half))
+
+    def take_line(self, x: Any, y: Any) -> None:
+        """Nothing is written over a line, if there is another place."""
+        found = self._on_page(x, y)
+        self.lines.append(_dense(found[np.isfinite(found).all(axis=1)]))
+
+    def beside(self, x: float, y: float, text: str, size: float) -> Span:
+        """Where a name is best: from its point, pt, to its lower left corner. That place is taken then."""
+        a, b = self.at(x, y)
+        wide, high = _WIDE * size * len(text), _HIGH * size
+
+        def cost(place: Box) -> float:
+            return self._cost(place) + _DOUBTFUL * any(_apart(place, p) <= _apart(place, (a, b)) for p in others)
+
+        others = [p for p in self.points if p != (a, b)]
+        places = [(gap, (a + i, b + j, a + i + wide, b + j + high)) for gap, i, j in _tried(wide, high)]
+        _, _, best = min((cost(box) + _LONG * gap, n, box) for n, (gap, box) in enumerate(places))
+        self.boxes.append(best)
+        return best[0] - a, best[1] - b
+
+    def crowded(self, place: Span, size: float) -> float:
+        """What it costs to write a number about a place."""
+        a, b = self.at(*place)
+        return self._cost((a - 0.6 * size, b - 0.6 * size, a + 0.6 * size, b + 0.6 * size))
+
+    def away(self, one: Span, other: Span) -> float:
+        """How far two places are from each other, pt."""
+        return float(np.hypot(*np.subtract(self.at(*one), self.at(*other))))
+
+    def _cost(self, box: Box) -> float:
+        left, bottom, right, top = box
+        extents: Any = self.ax.bbox.extents
+        edge = extents * 72 / self.ax.figure.dpi
+        cost = _OUTSIDE * (left < edge[0] + 1 or bottom < edge[1] + 1 or right > edge[2] - 1 or top > edge[3] - 1)
+        cost += _MET * sum(left < x1 and x0 < right and bottom < y1 and y0 < top for x0, y0, x1, y1 in self.boxes)
+        for line in self.lines:
+            x, y = line.T
+            cost += _CROSSED * bool(((x > left) & (x < right) & (y > bottom) & (y < top)).any())
+        return float(cost)
+
+
+def _tried(wide: float, high: float) -> Iterable[tuple[float, float, float]]:
+    """How far places of a name are, and where, the usual ones first: to the right, above and below, to the left; then farther."""
+    for gap in (_NEAR, _FAR, 2 * _FAR):
+        sides = (-high / 2, gap / 2, -high - gap / 2, gap, -high - gap)
+        yield from ((gap, gap, up) for up in sides)
+        yield from ((gap, -wide / 2, up) for up in (gap, -high - gap))
+        yield from ((gap, -wide - gap, up) for up in sides)
+
+
+def _apart(box: Box, point: Span) -> float:
+    """How far a point is from a box."""
+    (left, bottom, right, top), (x, y) = box, point
+    return float(np.hypot(max(left - x, 0.0, x - right), max(bottom - y, 0.0, y - top)))
+
+
+def _dense(points: Array) -> Array:
+    """A line as points that are no more than about a point of the page apart."""
+    if len(points) < 2:
+        return points
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    fine = np.linspace(0, along[-1], min(int(along[-1]) + 2, 20_000))
+    return np.column_stack([np.interp(fine, along, points[:, i]) for i in (0, 1)])
