@@ -118,9 +118,9 @@ def test_no_text_lies_on_another_in_any_shipped_scene(name: str) -> None:
         lambda: hs.sensitivity(name).figure(), lambda: hs.relevance(name).figure(),
         lambda: hs.metrics(name).figure(),
     ]  # fmt: skip
-    for draw in drawings:
+    for made in drawings:
         try:
-            figure = draw()
+            figure = made()
         except hs.SceneError:  # nothing to draw
             continue
         figure.draw_without_rendering()

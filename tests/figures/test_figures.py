@@ -415,12 +415,12 @@ def test_a_frequency_off_the_band_or_at_a_pole_has_no_square() -> None:
 
 def test_units_are_those_of_the_motion_and_large_numbers_are_told_in_thousands() -> None:
     for scene, unit in ((ROTATION, "(N·m/rad)"), (PAPER, "(N/m)"), (PAPER.with_band(1000, 5000), "(kN/m)")):
-        for draw, *more in (
+        for chart, *more in (
             (evaluation_charts.nyquist,),
             (evaluation_charts.projections, Part.REAL),
             (evaluation_charts.square, float(scene.band[1])),
         ):
-            assert any(unit in x for x in words(drawn(scene, draw, *more))), (unit, draw)
+            assert any(unit in x for x in words(drawn(scene, chart, *more))), (unit, chart)
     ax = drawn(PAPER.with_band(1000, 5000), evaluation_charts.projections, Part.REAL)
     assert ax.yaxis.get_major_formatter()(2.0e7) == "20000"
     assert ax.get_ylim()[1] > 1.8 * 5000**2

@@ -30,6 +30,7 @@ ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
     "effects": hs.relevance,
     "requirement": lambda s: hs.require(s, "zeta"),
     "designmap": lambda s: hs.design_map(s, ["zeta", "omega_n"], [("0.4", "0.6"), (50, 300)], slices=3),
+    "design": lambda s: hs.design(s, {"zeta": (0.3, 1)}),
     "stability": lambda s: hs.stability(s, ["postural-arm"]),
     "sensitivity": hs.sensitivity,
     "metrics": hs.metrics,

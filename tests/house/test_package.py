@@ -243,6 +243,7 @@ def answers(path: Path) -> list[str]:
     verified: hs.Verification = hs.verify(scene, 3)
     needed: hs.Requirement = hs.require(Path("own.toml"), "effects.filter.omega_n", (50, "200 rad/s"), part=hs.Part.REAL)
     design: hs.DesignMap = hs.design_map(scene, ["zeta", "omega_n"], [(0.4, "0.6"), (50, 500)], slices=3)
+    best: hs.Design = hs.design(scene, {"zeta": (0.3, "1")}, keep="passive", limit=20)
     slopes: hs.Sensitivities = hs.sensitivity(scene)
     boxes: hs.Tolerances = hs.tolerances(hs.load_scene("fu2019-tolerances"), samples=0)
     person: hs.Psychometric = hs.jnd("answers.csv", reference=5, lapse=None)

@@ -1,7 +1,8 @@
 """Figures of what matters: influences of effects, sensitivities to parameters, and other measures beside the JND's.
 
-Influences: what each effect changes along the band, and which one changes most. Sensitivities: for each frequency bars of the
-elasticities, the parameter that moves it most on top. Measures: ``|Gamma|``, relative distortion and ratios, with the bands of each.
+Influences: what each effect changes along the band, and which one changes most. Sensitivities: for each frequency bars of
+the elasticities, the parameter that moves it most on top. Measures: ``|Gamma|``, relative distortion and ratios, with the
+bands of each.
 """
 
 from __future__ import annotations

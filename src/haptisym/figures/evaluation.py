@@ -1,8 +1,8 @@
 """Figures of an evaluation: when a display is noticed and how it is felt (the paper's Figs. 2, 3 and 5 to 7).
 
-``ratios``: r_r and r_i over the band with thresholds, crossings and transparent bands. ``nyquist``: H_env and H_perc in the complex
-plane. ``projections``: the magnitude of one part of both, with what is felt. ``square``: the JND at one frequency. ``regions``: the
-distortion's way among other JND regions. ``bandwidths``: the bandwidth over a threshold that has a range.
+``ratios``: r_r and r_i over the band with thresholds, crossings and transparent bands. ``nyquist``: H_env and H_perc in the
+complex plane. ``projections``: the magnitude of one part of both, with what is felt. ``square``: the JND at one frequency.
+``regions``: the distortion's way among other JND regions. ``bandwidths``: the bandwidth over a threshold that has a range.
 """
 
 from __future__ import annotations
@@ -464,8 +464,9 @@ class Percepts(Layer):
             return Note("never exceeds the threshold").draw(on)
         made: list[Artist] = []
         shown = [x._replace(low=float(on.x.of(x.low)), high=float(on.x.of(x.high))) for x in self.felt]
-        for omega in sorted({end for x in shown for end in (x.low, x.high)} - set(ax.get_xlim())):
-            made.append(ax.axvline(omega, color=pen.GREY, linewidth=0.5, linestyle=pen.DOTTED, zorder=1))
+        ends = sorted({end for x in shown for end in (x.low, x.high)} - set(ax.get_xlim()))
+        look: dict[str, Any] = {"color": pen.GREY, "linewidth": 0.5, "linestyle": pen.DOTTED, "zorder": 1}
+        made = [ax.axvline(omega, **look) for omega in ends]
         fitting, numbers, _ = self._parted(on)
         texts = [
             (x, fitting.get(i) or numbers.get(own.words, ""))
@@ -574,7 +575,7 @@ def _joint(region: Joint, tip: Array, omega: float, size: float) -> Outline:
 
 @dataclass(frozen=True)
 class Region(Layer):
-    """An outline: filled for the first scene, its border alone for a further one; what is not noticed of one part, on the axes."""
+    """An outline: filled for the first scene, its border alone for a further one."""
 
     around: Outline
     color: str = pen.GREY
@@ -597,9 +598,9 @@ class Region(Layer):
 def square(e: Evaluation, omega: float | None = None) -> Chart:
     """H_env and H_perc at one frequency of the band, rad/s, with the region of changes that are not noticed (Fig. 2).
 
-    The square is c_real ``|H_env|`` wide and c_imag ``|H_env|`` high to each side of the tip of H_env; other regions are drawn as
-    they are. What is not noticed of one part alone are bars on the axes. The frequency is in the middle of the first percept if it
-    is not given. Raises SceneError outside the band and where H_env or H_perc is infinite.
+    The square is c_real ``|H_env|`` wide and c_imag ``|H_env|`` high to each side of the tip of H_env; other regions are
+    drawn as they are. What is not noticed of one part alone are bars on the axes. The frequency is in the middle of the
+    first percept if it is not given. Raises SceneError outside the band and where H_env or H_perc is infinite.
 
     >>> from haptisym import evaluate, load_scene
     >>> square(evaluate(load_scene("fu2019")), 10).title

@@ -1,4 +1,4 @@
-"""Figures of several environments: each one's ratios, the largest and the environments that limit it; bandwidths by JND region."""
+"""Figures of several environments: the ratios of each, the largest, and what limits it; bandwidths by JND region."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def worst(w: FamilyEvaluation, which: int = 0, *, shared: tuple[Array, dict[str,
         look = {"zorder": 4, "clip_on": False}
         marks.append(Mark([float(x.omega)], [c], looks[x.environment][0], size=3.8, look=look, styled=True))
     layers = [
-        Curve(omega, envelope, width=2.2, label="largest", styled=False, look={"alpha": 0.35, "zorder": 2, "solid_capstyle": "butt"}),
+        Curve(omega, envelope, width=2.2, label="largest", styled=False, look=_ENVELOPE),
         *lines, *marks, Limit(c, stroke=pen.DOTTED, label="threshold"),
         Band([ends_of(x) for x in w.transparent], label="all transparent", firm=True),
     ]  # fmt: skip
@@ -55,6 +55,9 @@ def worst(w: FamilyEvaluation, which: int = 0, *, shared: tuple[Array, dict[str,
     top = min(max(1.08 * float(finite.max(initial=0.0)), 1.6 * c), 4 * c)
     axis = frequency(w.family.frequency, (float(omega[0]), float(omega[-1])))
     return Chart(layers, axis, Axis(name_of(criterion), ends=(0, top)), height=1.3)
+
+
+_ENVELOPE = {"alpha": 0.35, "zorder": 2, "solid_capstyle": "butt"}
 
 
 def _sampled(w: FamilyEvaluation) -> tuple[Array, dict[str, Array]]:

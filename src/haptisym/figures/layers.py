@@ -1,10 +1,11 @@
 """A figure as a list of layers on axes that it is given: curves, marks, bands, limits, grounds, arrows and words.
 
-A ``Chart`` says what is seen: its layers from back to front, and what is along its two axes. Numbers are in SI and rad/s; an
-``Axis`` has the unit in which they are drawn, which is the scene's. ``draw`` puts a chart on axes of matplotlib, and alone decides
-what a second scene on the same axes looks like: the next colour, a label behind each entry of the legend, bars at the top in
-place of grey grounds, limits that leave the first scene in sight, the unit of frequency that is there already. What scenes
-share (thresholds, the ends of the band) has one entry. A new kind of figure is one function that lists layers.
+A ``Chart`` says what is seen: its layers from back to front, and what is along its two axes. Numbers are in SI and rad/s;
+an ``Axis`` has the unit in which they are drawn, which is the scene's. ``draw`` puts a chart on axes of matplotlib, and
+alone decides what a second scene on the same axes looks like: the next colour, a label behind each entry of the legend,
+bars at the top in place of grey grounds, limits that leave the first scene in sight, the unit of frequency that is there
+already. What scenes share (thresholds, the ends of the band) has one entry. A new kind of figure is one function that lists
+layers.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Figures of measurements: ratios with their discs against the thresholds, both responses in the plane, and fitted models.
 
-Of very many lines every so many is drawn. Discs and bars that are smaller than the marks which they belong to are left out, and so
-is their entry.
+Of very many lines every so many is drawn. Discs and bars that are smaller than the marks which they belong to are left out,
+and so is their entry.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """What all figures are drawn with, and what files they are written as; loads no matplotlib.
 
-A wrong name of a file is refused before anything is computed, so the endings stand where the command line can ask for them at no cost.
+A wrong name of a file is refused before anything is computed, so the endings stand where the command line can ask for them
+at no cost.
 """
 
 from __future__ import annotations

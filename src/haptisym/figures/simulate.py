@@ -1,4 +1,4 @@
-"""Figures of simulations: force and motion in time, force-displacement loops, recovered against closed-form H_perc, and a release."""
+"""Figures of simulations: force and motion in time, loops, recovered against closed-form H_perc, and a release."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _middle(found: Runs) -> Simulation:
 
 
 def in_time(runs: Runs) -> Chart:
-    """Force at the hand over the last periods of a run, the motion of the hand with an axis of its own at the right, limits of the force.
+    """Force at the hand over the last periods of a run, the motion of the hand (axis at the right), limits of the force.
 
     Of a further run on the same axes the force alone is drawn.
 

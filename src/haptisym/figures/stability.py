@@ -1,7 +1,8 @@
 """Figures of stability and of tolerances: the plane of a hand or of a wall, and where ratios may cross for all values in ranges.
 
-The plane of a hand: where the display is stable, the boundary, published hands, and the ranges of a hand that has some. Of a display
-with ranges: where it is stable for all its values, where for none. The plane of a wall, of a display with a clock.
+The plane of a hand: where the display is stable, the boundary, published hands, and the ranges of a hand that has some. Of
+a display with ranges: where it is stable for all its values, where for none. The plane of a wall, of a display with a
+clock.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def hands(found: Stability) -> Chart:
 
 
 def wall(found: Stability) -> Chart:
-    """Damping against stiffness of the wall that is rendered: a ground where it is not stable, with the number of unstable poles."""
+    """Damping against stiffness of the wall that is rendered: a ground where it is not stable, with its unstable poles."""
     if not has_plane(found.scene):
         raise NothingToDrawError(
             "with a clock the plane is that of a wall's stiffness and damping, and the scene has none"
@@ -95,7 +96,7 @@ def wall(found: Stability) -> Chart:
 
 
 def hand_plane(found: Stability, hand: Hand | None = None) -> Chart:
-    """Stiffness against damping of hands of one mass: a ground where the display is not stable, with the number of unstable poles.
+    """Stiffness against damping of hands of one mass: a ground where the display is not stable, with its unstable poles.
 
     ``hand`` : whose mass it is; the first that was asked about, or 0.5 kg (or 0.01 kg m^2) where none was. Filled: the hands that
     were asked about, if they are of that mass; hollow: published ones, whatever theirs.
@@ -169,7 +170,7 @@ def _boundary(drawn: Plane, label: str = "boundary") -> list[Layer]:
     is_here = bool(((drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)).any())
     made: list[Layer] = [Curve(drawn.k, drawn.b, pen.BLUE, label=label if is_here else f"{label} (elsewhere)")]
     if drawn.at_0 is not None and low < drawn.at_0 < high:
-        made.append(Limit(drawn.at_0, True, pen.RED, pen.DASHED, 0.9, label="pole at 0"))
+        made.append(Limit(drawn.at_0, upright=True, color=pen.RED, stroke=pen.DASHED, width=0.9, label="pole at 0"))
     return made
 
 

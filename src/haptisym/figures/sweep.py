@@ -1,7 +1,7 @@
 """Design charts of sweeps: first crossings and bandwidth over one parameter, or a map of the bandwidth over two.
 
-The data of a sweep are an xarray Dataset in SI; axes are in the scene's units where the scene is at hand. A curve is broken where it
-jumps because crossings come or go: nothing was computed in between.
+The data of a sweep are an xarray Dataset in SI; axes are in the scene's units where the scene is at hand. A curve is broken
+where it jumps because crossings come or go: nothing was computed in between.
 """
 
 from __future__ import annotations

@@ -263,7 +263,7 @@ class SampledLoop:
             return next(n for n, x in enumerate(self.plant.denominator) if x != 0)
         with flint.ctx.workprec(256):
             if self.about_one({})[1].contains(0):
-                raise UndecidedError("how many roots of a loop with a clock lie at z = 1")
+                raise UndecidedError("how many roots of a sampled loop lie at z = 1")
         return 1
 
     @cached_property
