@@ -904,9 +904,10 @@ def test_where_a_formula_is_divided_by_zero_the_curve_has_a_gap_and_only_there(f
         assert [*np.isnan(worst)] == [*((w == 0) & gap)]
 
 
-def test_a_range_in_hz_is_drawn_in_hz() -> None:
+def test_a_parameter_in_hz_is_drawn_in_hz() -> None:
     ax = Figure().add_subplot()
-    found = hs.require(PAPER, "omega_n", ("5 Hz", "50 Hz"))
+    scene = replace(PAPER, effects=(effects.second_order_lowpass("12.5 Hz", "0.5", name="filter"),))
+    found = hs.require(scene, "omega_n", ("5 Hz", "50 Hz"))
     draw(ax, requirement_charts.requirement(found))
     assert (ax.get_xlabel(), ax.get_xlim()) == (r"$\omega_n$ (Hz)", (5, 50))
     [dots] = [line for line in ax.lines if line.get_marker() == "o"]

@@ -8,6 +8,7 @@ import pickle
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise, product
@@ -921,7 +922,8 @@ def test_charts_show_the_numbers_of_the_sweep_in_the_units_of_the_scene(few: Any
     assert exact is not None
     assert np.asarray(line.get_ydata())[1] == pytest.approx(float(exact) / (2 * np.pi))
     ax = Figure().add_subplot()
-    draw(ax, sweep_charts.curves(hs.sweep(PAPER, {NATURAL: ["5 Hz", "20 Hz", "50 Hz"]})))
+    hertz = replace(PAPER, effects=(hs.effects.second_order_lowpass("12.5 Hz", "0.5", name="filter"),))
+    draw(ax, sweep_charts.curves(hs.sweep(hertz, {NATURAL: ["5 Hz", "20 Hz", "50 Hz"]}), hertz))
     assert (ax.get_xlabel(), ax.get_xlim()) == (r"$\omega_n$ (Hz)", (5, 50))
 
 

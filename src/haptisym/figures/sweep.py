@@ -159,6 +159,8 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Chart:
     lines, marks = list[Layer](), list[Layer]()
     for variable, parts, color, stroke, name, width, look in rows:
         y = data[variable].values
+        if name != "bandwidth" and np.isnan(y).all():
+            continue
         jumps = _jumps(y, counts[parts], high - low)
         lines.append(
             Curve(np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan), color, stroke, width, label=name, look=look)

@@ -39,17 +39,17 @@ def measured_words(m: Measurement) -> Phrase:
     return lines, f"; coherence {seen}, {m.averages:g} averages"
 
 
-def linearity(w: Welch) -> Phrase | None:
+def linearity(found: Welch) -> Phrase | None:
     """How far the force follows the cube of what the response predicts; None where that was not asked."""
-    if w.cube is None or w.cube_chance is None:
+    if found.cube is None or found.cube_chance is None:
         return None
     told: Phrase = (
-        "the force follows the cube of the predicted one by ", w.near(w.cube), " standard errors; as many or more have a ",
-        "probability of ", w.near(w.cube_chance), " if the display is linear",
+        "the force follows the cube of the predicted one by ", w.near(found.cube), " standard errors; as many or more have a ",
+        "probability of ", w.near(found.cube_chance), " if the display is linear",
     )  # fmt: skip
-    if w.cube_chance >= _UNLIKELY:
+    if found.cube_chance >= _UNLIKELY:
         return told
-    as_if = "saturating" if w.cube < 0 else "hardening, or with play"
+    as_if = "saturating" if found.cube < 0 else "hardening, or with play"
     words = f"{{}} ({as_if}): {{}}. The response is that of a motion of this size; another gives another"
     return w.phrased(words, Strong("not linear"), told)
 
