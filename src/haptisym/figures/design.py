@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -122,7 +123,7 @@ class _Levels(Layer):
     z: Array
 
     def draw(self, on: On) -> list[Artist]:
-        style = {"colors": pen.BLUE, "linewidths": 0.7, "zorder": 2}
+        style: dict[str, Any] = {"colors": pen.BLUE, "linewidths": 0.7, "zorder": 2}
         lines = on.ax.contour(on.x.of(self.x), on.y.of(self.y), self.z, 8, **style)
         on.ax.clabel(lines, fontsize=pen.SMALL - 1, fmt="%g", inline_spacing=2)
         return [handle(pen.BLUE, pen.SOLID, "", 0.7)]

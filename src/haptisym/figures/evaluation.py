@@ -208,7 +208,7 @@ def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Chart:
     at = np.asarray(marks if marks is not None else _default_marks(e, f, (low, high)), dtype=float)
     curves, arrows = list[Layer](), list[Layer]()
     for points, (color, stroke, name), share in zip(values, pen.CURVES, (0.42, 0.58), strict=True):
-        curves.append(Curve(*points.T, color, stroke, label=f"${name}$"))
+        curves.append(Curve(points[:, 0], points[:, 1], color, stroke, label=f"${name}$"))
         length = _visible_length((points - low) / (high - low))
         for tail, head in _directions(length, np.interp(at, omega, length), share):
             arrows.append(Arrow(points[tail], points[head], color))
@@ -717,7 +717,8 @@ def regions(e: Evaluation) -> Chart:
         shapes += [*([replace(shape, color=color, look=look)] if shape else []), entry]
         reach = max(reach, 1.6 * float(np.abs(corners).max()))
     met = [(x, color) for x, (color, *_) in rows if x.crossing]
-    spots = [Mark(*_way(f(np.array([float(x.crossing.omega)]))).T, color) for x, color in met if x.crossing]
+    at = [(_way(f(np.array([float(x.crossing.omega)]))), color) for x, color in met if x.crossing]
+    spots = [Mark(place[:, 0], place[:, 1], color) for place, color in at]
     way = Curve(*_way(f(sampled(e))).T, label=r"$\Delta H$ over the band")
     return Chart([way, Origin(), *shapes, *spots], *changes(reach), height=2.9, equal=True)
 

@@ -108,7 +108,7 @@ def regions(w: FamilyEvaluation) -> Chart:
         look = {"zorder": 3, "clip_on": False}
         marks = Mark([a for a, _ in at], [b for _, b in at], color, shape, 3.4, look=look, label=x.name, styled=True)
         layers.append(marks if at else Words(label=f"{x.name}: none"))
-    layers += [_Said("no bandwidth", row) for row in np.flatnonzero(empty)]
+    layers += [_Said("no bandwidth", int(row)) for row in np.flatnonzero(empty)]
     layers.append(Limit(len(names) - 1.5, width=0.5))
     rows = [fill(x, _BROAD, max_lines=3, placeholder="…") for x in names]
     axis = frequency(w.family.frequency, (low, high))

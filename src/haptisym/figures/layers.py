@@ -294,7 +294,7 @@ class Band(Layer):
                 made.append(on.ax.axvline(low, color=self.color, linewidth=2, zorder=0))
             else:
                 style: dict[str, Any] = {"facecolor": self.color, "linewidth": 0, "zorder": 0}
-                made.append(on.ax.axvspan(low, high, **style | self.look))
+                made.append(on.ax.axvspan(low, high, **{**style, **self.look}))
         return made
 
     @staticmethod
@@ -341,7 +341,7 @@ class Ground(Layer):
             return []
         corners = np.stack([np.stack(corner, -1) for corner in ((a, c), (b, c), (b, d), (a, d))], 1)
         style: dict[str, Any] = {"facecolors": self.color, "linewidths": 0, "antialiased": False, "zorder": self.zorder}
-        return [on.ax.add_collection(PolyCollection(list(corners), **style | self.look))]
+        return [on.ax.add_collection(PolyCollection(list(corners), **{**style, **self.look}))]
 
     def keys(self, _on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
         style: dict[str, Any] = {"facecolor": self.color, "edgecolor": pen.GREY, "linewidth": 0.3, **self.look}

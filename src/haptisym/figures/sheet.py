@@ -111,9 +111,10 @@ def sheet(*charts: Chart, wide: bool = False, joined: bool = True) -> Figure:
     heights = [chart.height for chart in charts]
     width = 1.5 * pen.WIDTH if wide else pen.WIDTH
     figure = Figure(figsize=(width, sum(heights)), layout="compressed")
-    axes: Sequence[Axes] = figure.subplots(
+    grid: Any = figure.subplots(
         len(charts), 1, sharex="all" if joined else "none", squeeze=False, height_ratios=heights
-    )[:, 0]
+    )
+    axes: Sequence[Axes] = grid[:, 0]
     frames = [frame(ax, chart) for ax, chart in zip(axes, charts, strict=True)]
     for ax in axes[:-1] if joined else ():
         ax.tick_params(labelbottom=False)

@@ -77,7 +77,7 @@ def _axis(data: xr.Dataset, path: str, scene: Scene | None) -> Axis:
     element = "_" + "_".join(path.split(".")[:-1]).removeprefix("effects_").replace("-", "_") if shared else ""
     x, units = data[path].values, str(data[path].attrs.get("units", ""))
     unit = unit_of(np.array([x.min(), x.max()])) if units == "rad/s" else Unit("" if units == "1" else units)
-    if scene is not None and path in scene.knobs:
+    if scene is not None and path in {one for x in scene.knobs for one in x.paths}:
         knob = scene.knobs[path]
         unit = knob.shown_unit(knob.motion)
     label = f"${formula(Symbol(keys[path] + element))}$"
@@ -153,7 +153,9 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Chart:
     [path] = _dimensions(data, 1)
     data = data.load()
     x, (low, high), counts = data[path].values, data.attrs["band"], _counts(data)
-    rows = [(f"first_crossing_{name}", [i], *_CURVES[name], 1.1, {}) for i, name in enumerate(_judged_in(data))]
+    rows: list[tuple[Any, ...]] = [
+        (f"first_crossing_{name}", [i], *_CURVES[name], 1.1, {}) for i, name in enumerate(_judged_in(data))
+    ]
     wide = {"alpha": 0.5, "solid_capstyle": "butt", "zorder": 1.5}
     rows.append(("bandwidth", list(range(len(rows))), pen.GREY, pen.SOLID, "bandwidth", 3.2, wide))
     lines, marks = list[Layer](), list[Layer]()

@@ -770,8 +770,8 @@ def _worst(many: FamilyEvaluation) -> Iterator[Block]:
             w.Field("environment", lambda x: x.environment), w.Field("part", lambda x: x.criterion.name),
         )  # fmt: skip
         yield doc.Section("Further limits", (shown,))
-    shown = "The largest ratio of all environments, with the thresholds; grey: the band on which all are transparent."
-    yield doc.Figure("worst-case", shown, many.figure)
+    words = "The largest ratio of all environments, with the thresholds; grey: the band on which all are transparent."
+    yield doc.Figure("worst-case", words, many.figure)
 
 
 def _proven_family(many: FamilyEvaluation) -> Iterator[Phrase]:

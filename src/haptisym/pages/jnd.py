@@ -63,7 +63,8 @@ def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
         without = "lapses" if choices else "guesses and lapses"
         seen = _percent(float(curve(np.array([level]))[0]))
         yield "JND", (_estimate(p, p.jnd), f", where without {without} {share} of the responses would be {of}{where}")
-        inner, there = (p.asked.proportion - curve.guess) / (1 - curve.guess - curve.lapse), "at no level"
+        inner = (p.asked.proportion - curve.guess) / (1 - curve.guess - curve.lapse)
+        there: Phrase = "at no level"
         if 0 < inner < 1:
             there = near(curve.mu * bool(choices) + NormalDist().inv_cdf(inner) * curve.sigma)
         yield "with lapses", (f"{seen} of all responses are {of} there; {share} of all: ", there)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import islice
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -78,9 +79,13 @@ def _groups(e: MeasuredEvaluation) -> Any:
     return code
 
 
+def _verdict_at(own: Any) -> w.Cell:
+    return lambda i: verdict(CODES[int(own[i])].value)
+
+
 def _lines(e: MeasuredEvaluation) -> Block:
     """All lines."""
-    judged = [w.Field(name, lambda i, own=own: verdict(CODES[int(own[i])].value)) for name, own in _judgements(e)]
+    judged = [w.Field(name, _verdict_at(own)) for name, own in _judgements(e)]
     caption = "Each frequency point: exceeds or below where the whole uncertainty disc does, else unresolved."
     if len(e) <= MOST_ROWS:
         rows = list(e.rows)
@@ -107,7 +112,7 @@ def cut(e: MeasuredEvaluation) -> Iterator[Block]:
 def _each(*headings: Phrase) -> Iterator[w.Field]:
     """The columns of rows of cells."""
     for i, x in enumerate(headings):
-        yield w.Field(x, lambda row, i=i: row[i], number=x == "points")
+        yield w.Field(x, itemgetter(i), number=x == "points")
 
 
 def verdict(word: str) -> Phrase:

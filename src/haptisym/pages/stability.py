@@ -130,13 +130,17 @@ def _why_open(p: Passivity) -> Phrase:
 # Each hand, and the limits.
 
 
+def _of_hand(i: int) -> w.Cell:
+    return lambda x: w.near(ExactNumber(x.hand.parameters[i].value))
+
+
 def _hands(found: Stability) -> Iterator[Block]:
     if not found.held:
         return
     where = "unstable poles (|z|\xa0≥\xa01)" if found.sampled is not None else ("unstable poles (", _RIGHT, ")")
     units = [w.unit(x, found.scene.motion) for x in (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)]
     keys = (
-        w.number((named(key), f" ({unit_})"), lambda x, i=i: w.near(ExactNumber(x.hand.parameters[i].value)))
+        w.number((named(key), f" ({unit_})"), _of_hand(i))
         for i, (key, unit_) in enumerate(zip("mbk", units, strict=True))
     )
     notes = [_box(x.hand, box) for x, box in zip(found.held, found.boxes, strict=True) if box]
@@ -168,8 +172,8 @@ def _count(x: Held) -> str:
 
 def _box(hand: Hand, box: Box) -> Phrase:
     """In which hands of given ranges it is stable."""
-    within = [(p, *map(ExactNumber, p.interval)) for p in hand.parameters if p.interval]
-    ranges = listed((named(p.key), " from ", w.near(low), " to ", w.near(high)) for p, low, high in within)
+    within = [(p.key, *map(ExactNumber, p.interval)) for p in hand.parameters if p.interval]
+    ranges = listed((named(str(key)), " from ", w.near(low), " to ", w.near(high)) for key, low, high in within)
     if box.share is None:
         return w.undecided((f"{hand.name} with ", ranges, f": {box.reason}"))
     verdict: dict[Share, Phrase] = {

@@ -409,11 +409,13 @@ class _Search:
 
     def losses(self) -> Iterator[Loss]:
         """What it costs to miss the best values."""
-        for relative in _MISSED if self.best is not None else ():
+        best = self.best
+        for relative in () if best is None else _MISSED:
+            assert best is not None
             try:
                 with limited(_MOST_LOSS):
-                    share = self.question.worst(self.best, relative)
-                    kept = self.question.all_keep(self.best, relative)
+                    share = self.question.worst(best, relative)
+                    kept = self.question.all_keep(best, relative)
             except (LimitError, UndecidedError, SceneError):
                 continue
             yield Loss(relative, self.frequency(share) if share > 0 else 0.0, kept)

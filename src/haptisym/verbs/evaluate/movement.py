@@ -123,7 +123,7 @@ def _integrals(f: RationalFunction, ends: tuple[Expr, Expr], weight: int) -> Sum
         return found
 
     moments = [(b ** (n + weight + 1) - a ** (n + weight + 1)) / (n + weight + 1) for n in (0, 2, 4)]
-    return tuple(moments), (integral(0).real, integral(2).real), integral(1).imag  # type: ignore[return-value]
+    return tuple(moments), (integral(0).real, integral(2).real), integral(1).imag
 
 
 def _response(f: RationalFunction) -> Callable[[Any, bool], Any]:
