@@ -315,7 +315,7 @@ def measures(m: Metrics) -> Chart:
 
     >>> from haptisym import load_scene, metrics
     >>> [layer.label for layer in measures(metrics(load_scene("fu2019"))).layers][:2]
-    ['$r_\\mathrm{r}$', '$r_\\mathrm{i}$']
+    ['$r_\\\\mathrm{r}$', '$r_\\\\mathrm{i}$']
     """
     e = m.evaluation
     omega = sampled(e)

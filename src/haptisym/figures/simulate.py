@@ -215,7 +215,7 @@ def release(r: Release) -> Chart:
 
     >>> from haptisym import Hand, release as let_go
     >>> found = let_go("delayed-spring", "1 cm", Hand("own", m="0.5 kg", b="3.6 N*s/m"))
-    >>> [layer.label for layer in release(found).layers if layer.label]
+    >>> list(dict.fromkeys(layer.label for layer in release(found).layers if layer.label))
     ['motion', 'envelope of the closed form']
     """
     end, places = _shown(r), np.linspace(0, 1, 12)

@@ -118,6 +118,7 @@ def display(formulas: Sequence[doc.Line], parts: Parts | None = None) -> Html:
     """The formulas in one block, aligned at their relations, which scrolls by itself where it is too wide.
 
     >>> from haptisym.kernel.rings import s
+    >>> from haptisym.writing.document import Line
     >>> from haptisym.writing.layout import QUANTITIES
     >>> display([Line(QUANTITIES["H_env"][0], s)]).count("<mtr>")
     1
@@ -297,6 +298,7 @@ def _nothing(_figure: doc.Figure) -> Html:
 def phrase(words: Phrase) -> Html:
     """A phrase as markup.
 
+    >>> from haptisym.writing.document import Number
     >>> phrase(("at ", Number("2.5", 2.5), " < 3"))
     'at <data value="2.5">2.5</data> &lt; 3'
     """

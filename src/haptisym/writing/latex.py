@@ -221,6 +221,7 @@ def align(rows: Sequence[doc.Line], names: Names | None = None) -> str:
     r"""The rows as an ``align*``; nothing where all are left out.
 
     >>> from haptisym.kernel.rings import s, symbols
+    >>> from haptisym.writing.document import Line
     >>> from haptisym.writing.layout import named
     >>> k, b = symbols("k b")
     >>> print(align([Line(named("H"), k + b * s)]))
@@ -435,6 +436,7 @@ _TEMPLATE = r"""\documentclass[a4paper]{article}
 def latex(document: Document, figures: Mapping[str, str] = _NONE) -> str:
     """The whole document, in full. ``figures`` : the files of its figures, by their names; others are left out.
 
+    >>> from haptisym.writing.document import Document, Paragraph
     >>> latex(Document("A title", (), (Paragraph("5 % more"),))).count("5 \\\\% more")
     1
     """

@@ -40,6 +40,7 @@ def plain(
     ``spell`` : how words are spelt in the characters that there are. ``digits`` : of its
     numbers. ``formulas`` : whether it has them.
 
+    >>> from haptisym.writing.document import Document, Paragraph, Section
     >>> print(plain(Document("A title", (), (Section("When?", (Paragraph("Never on this band."),)),)), 40))
     A title
     <BLANKLINE>
@@ -58,6 +59,7 @@ def plain(
 def said(phrase: Phrase) -> str:
     """A phrase as plain text.
 
+    >>> from haptisym.writing.document import Number
     >>> from haptisym.writing.layout import named
     >>> said(("at ", named("omega"), " = ", Number("2.5", 2.5)))
     'at ω = 2.5'
