@@ -50,7 +50,7 @@ _NAMES = {
     "verbs.require.required": "Requirement require",
     "verbs.sensitivity.entry": "Sensitivities sensitivity",
     "verbs.simulate.entry": "EncoderQuantisation ForceSaturation Simulation check simulate",
-    "verbs.simulate.motions": "chirp multisine recording sine",
+    "model.motions": "chirp multisine recording sine",
     "verbs.simulate.release": "Release release",
     "verbs.stability.entry": "Stability stability",
     "verbs.sweep.entry": "sweep",

@@ -14,6 +14,7 @@ from haptisym.model.jnd import Part, Published, Threshold
 from haptisym.model.measured import Measurement
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.measuring import measured, sampled
+from haptisym.model.motions import chirp, multisine, recording, sine
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import SceneFamily, load_scene, load_scenes, parse_scene, parse_scenes
 from haptisym.model.shipped import family_names, scene_names
@@ -36,7 +37,6 @@ from haptisym.verbs.require.designmap import DesignMap, design_map
 from haptisym.verbs.require.required import Requirement, require
 from haptisym.verbs.sensitivity.entry import Sensitivities, sensitivity
 from haptisym.verbs.simulate.entry import EncoderQuantisation, ForceSaturation, Simulation, check, simulate
-from haptisym.verbs.simulate.motions import chirp, multisine, recording, sine
 from haptisym.verbs.simulate.release import Release, release
 from haptisym.verbs.stability.entry import Stability, stability
 from haptisym.verbs.sweep.entry import sweep

@@ -25,10 +25,10 @@ from haptisym.kernel.budget import timed_by
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.rings import s
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, effect, environment
+from haptisym.model.motions import Recording
 from haptisym.model.parameters import Slot, Stiffness
 from haptisym.model.quantities import Dimension
 from haptisym.verbs.simulate.entry import Estimate, Simulations, band_frequencies, motion, run
-from haptisym.verbs.simulate.motions import Recording
 from haptisym.verbs.simulate.network import rates_and_weights
 
 SPRING = environments.mass_spring_damper(k=100)

@@ -177,7 +177,7 @@ def _recorded(scene: Scene, path: Path) -> Movement:
     import numpy as np
     from scipy.signal import periodogram
 
-    from haptisym.verbs.simulate.motions import recording
+    from haptisym.model.motions import recording
 
     motion = recording(path)
     times = np.linspace(motion.times[0], motion.times[-1], len(motion.times))

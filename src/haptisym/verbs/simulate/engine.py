@@ -21,8 +21,8 @@ import numpy as np
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import SceneError
+from haptisym.model.motions import Motion
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.motions import Motion
 from haptisym.verbs.simulate.network import MOTION, Network, Step, Switch, at_rest
 from haptisym.verbs.simulate.statespace import (
     NODES,

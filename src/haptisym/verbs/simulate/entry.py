@@ -25,13 +25,13 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.rootcount import is_stable
 from haptisym.model.catalogue import Effect
+from haptisym.model.motions import Motion, Sines, chirp, multisine, positive, recording, sine
 from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.engine import Engine
-from haptisym.verbs.simulate.motions import Motion, Sines, chirp, multisine, positive, recording, sine
 from haptisym.verbs.simulate.network import (
     MOTION,
     Network,

@@ -23,6 +23,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import titled
 from haptisym.kernel.rootcount import RootChain, at_least, order_at_0
 from haptisym.model.catalogue import Hand, how_to_give
+from haptisym.model.motions import LettingGo, positive
 from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.scene import Scene, clocks
@@ -30,7 +31,6 @@ from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.engine import Engine
 from haptisym.verbs.simulate.entry import build, in_time, same_kind
-from haptisym.verbs.simulate.motions import LettingGo, positive
 from haptisym.verbs.simulate.network import MOTION, Network, Port, SignalSum, at_rest, exact, name_of
 from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost_root
 from haptisym.verbs.simulate.statespace import Record
