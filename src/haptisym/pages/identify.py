@@ -159,22 +159,7 @@ def _remarks(a: Identification) -> Iterator[Phrase]:
         step, more = near(2 * np.pi / a.fit.period), near(a.fit.period)
         words = "Points {} rad/s apart do not distinguish a delay from one that is {} s longer; the shortest is kept."
         yield phrased(words, step, more)
-    for x in a.estimates:
-        if not x.told:
-            yield (
-                "The data do not identify ",
-                _name(a, x),
-                ". Leave it out, or fix it: ",
-                doc.Code("model:key=value"),
-                ".",
-            )
-    shares = np.triu(np.abs(correlation(a.fit)), 1)
-    for i, j in np.argwhere(shares > _CORRELATED).tolist():
-        one, other = (_name(a, a.estimates[k]) for k in (i, j))
-        words = (
-            f"{{}} and {{}} are correlated ({correlation(a.fit)[i, j]:.3g}): the data hardly identify them separately."
-        )
-        yield phrased(words, one, other)
+    yield from _unidentified(a)
     if a.has_ranges:
         yield (
             "The scene file (",
@@ -189,6 +174,21 @@ def _remarks(a: Identification) -> Iterator[Phrase]:
             doc.Code("--scene FILE"),
             ") has values and no ranges: here a range would mean nothing.",
         )
+
+
+def _unidentified(a: Identification) -> Iterator[Phrase]:
+    """What the data do not tell, or not apart."""
+    for x in a.estimates:
+        if not x.told:
+            fix = doc.Code("model:key=value")
+            yield "The data do not identify ", _name(a, x), ". Leave it out, or fix it: ", fix, "."
+    shares = np.triu(np.abs(correlation(a.fit)), 1)
+    for i, j in np.argwhere(shares > _CORRELATED).tolist():
+        one, other = (_name(a, a.estimates[k]) for k in (i, j))
+        words = (
+            f"{{}} and {{}} are correlated ({correlation(a.fit)[i, j]:.3g}): the data hardly identify them separately."
+        )
+        yield phrased(words, one, other)
 
 
 def _how_sure(a: Identification) -> Phrase:
