@@ -101,7 +101,7 @@ def test_what_an_encoding_lacks_is_said_in_words_on_both_streams() -> None:
     assert headings.index("Hz") == first.index("1.270")
     assert set(rule.strip()) == {"-"}
     assert refused.status == 2
-    assert "error: fu2019 omega: neither a scene file" in refused.text.replace("\r\n", " ")
+    assert "error: fu2019 omega: no such scene" in refused.text.replace("\r\n", " ")
 
 
 @pytest.mark.few("40")

@@ -51,7 +51,7 @@ ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
     ),
     "jnd": lambda _: hs.jnd(Answers("answers", tuple(Row(4.4 + 0.3 * i, 3 + 5 * i, 40) for i in range(6)))),
 }  # fmt: skip
-NOTHING = {("evaluation", "bandwidths"), ("metrics", "verdicts"), ("hardcosts", "cases")}
+NOTHING = {("evaluation", "bandwidths"), ("measured", "plane"), ("metrics", "verdicts"), ("hardcosts", "cases")}
 """What a scene without a range has not; and what is told apart by its place."""
 
 

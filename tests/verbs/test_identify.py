@@ -310,9 +310,9 @@ def test_a_record_in_time_is_named_as_what_it_is(call: Called) -> None:
     record = str(Path(hs.__file__).parent / "benches" / "fu2019-bench.csv")
     status, out, err = call("identify", record, "--environment", "mass-spring-damper")
     assert (status, out, err.count("\n")) == (2, "", 1)
-    way = re.search(r'as (--estimator \S+ --segment "[^"]+")', err)
+    way = re.search(r'or (--estimator \S+ --segment "[^"]+")', err)
     assert way is not None
-    assert "a record in time" in err
+    assert "records in time" in err
     status, out, err = call("identify", record, "--environment", "mass-spring-damper", *shlex.split(way[1]))
     assert status == 0
     assert "Parameters" in out

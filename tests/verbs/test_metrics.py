@@ -412,7 +412,7 @@ def test_effective_properties_stand_at_both_ends_and_at_every_crossing_with_thei
     assert [x["unit"] for x in m.to_dict()["metrics"] if x["name"] == "impedance range"] == [
         "N m/rad" if turning else "N/m"
     ]
-    with pytest.raises(hs.SceneError, match="no measure is called"):
+    with pytest.raises(hs.SceneError, match="unknown measure"):
         m["transparency"]
 
 

@@ -938,7 +938,7 @@ def test_the_bandwidth_is_drawn_in_pieces_that_end_where_crossings_come_or_go() 
         return float(found.bandwidth), len(found.crossings)
 
     ax = Figure().add_subplot()
-    [line, *_] = draw(ax, sweep_charts.curves(hs.sweep(PAPER, {MASS: np.linspace(0.5, 5, 46)})))
+    [*_, line] = draw(ax, sweep_charts.curves(hs.sweep(PAPER, {MASS: np.linspace(0.5, 5, 46)})))
     x, y = (np.asarray(values, dtype=float) for values in line.get_data())
     jumps = []
     for i in np.flatnonzero(np.isnan(x)):

@@ -461,7 +461,7 @@ class Chart:
     title: str = ""
 
 
-_GROUP = "haptisym "
+_GROUP = "haptisym-"
 """With a number the mark of what belongs to one scene on the axes."""
 
 
@@ -482,7 +482,8 @@ def draw(ax: Axes, chart: Chart, *, color: str | None = None, label: str = "", *
 
 def frame(ax: Axes, chart: Chart, *, color: str | None = None, label: str = "") -> On:
     """Limits, numbers and labels of the axes; for layers to be drawn on."""
-    number = len({x.get_gid() for x in ax.get_children() if str(x.get_gid()).startswith(_GROUP)})
+    marks = (str(x.get_gid()) for x in ax.get_children())
+    number = len({x.partition(".")[0] for x in marks if x.startswith(_GROUP)})
     suffix = f", {label}" if label else f" ({number + 1})" if number else ""
     x, y = chart.x, chart.y
     if number:
@@ -524,8 +525,8 @@ def fill(on: On, chart: Chart, **style: Any) -> list[Any]:
     rows = legend(ax, handles, lines=int(any(isinstance(x, Above) for x in chart.layers)))
     if chart.title and not on.number:
         ax.set_title(chart.title, fontsize=pen.TEXT, pad=(0.8 + 1.42 * rows) * pen.SMALL)
-    for artist in set(ax.get_children()) - before:
-        artist.set_gid(f"{_GROUP}{on.number + 1}")
+    for n, artist in enumerate(x for x in ax.get_children() if x not in before):
+        artist.set_gid(f"{_GROUP}{on.number + 1}.{n}")  # SVG wants each once
     return styled or every
 
 
