@@ -184,7 +184,12 @@ def test_the_page_of_figures_asks_for_every_kind() -> None:
     modules = [importlib.import_module(f"haptisym.figures.{x.name}") for x in pkgutil.iter_modules(figures.__path__)]
     every = {id(x): x for module in modules for x in vars(module).values() if isinstance(x, Drawings)}
     kinds = {kind for x in every.values() for kind in list(x.kinds)[1:]}
-    assert kinds <= asked | {"wishes", "plane", "jnd-square"}  # drawn unasked of several, and by their own functions
+    assert kinds <= asked | {
+        "wishes",
+        "slices",
+        "plane",
+        "jnd-square",
+    }  # drawn unasked of several, and by their own functions
 
 
 def test_the_notebook_has_the_scripts_cells(tmp_path: Path) -> None:

@@ -640,4 +640,6 @@ def design_map(found: DesignMap) -> Chart:
     return wishes(found) if found.that != ("transparent",) or found.thresholds else slices(found)
 
 
-DESIGN_MAP = Drawings[DesignMap]({"map": design_map, "wishes": wishes}, {"map": lambda m: sheet(design_map(m))})
+DESIGN_MAP = Drawings[DesignMap](
+    {"map": design_map, "wishes": wishes, "slices": slices}, {"map": lambda m: sheet(design_map(m))}
+)
