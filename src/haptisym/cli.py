@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 from haptisym import __version__
-from haptisym.commands.terminal import ReaderLeft, interrupts, note, prepare, to_standard_output
+from haptisym.commands.terminal import ReaderLeft, interrupts, loading, note, prepare, to_standard_output
 from haptisym.kernel.errors import HaptisymError, UndecidedError, meant
 
 VERBS = {
@@ -51,7 +51,8 @@ class _Sisters(click.Group):
         if name not in VERBS:
             return None
         module = "shipped" if name in LIGHT else "verbs"
-        found: click.Command = resolve_name(f"haptisym.commands.{module}:{name}")
+        with loading():
+            found: click.Command = resolve_name(f"haptisym.commands.{module}:{name}")
         if context.obj is not None:
             context.obj()
         return found

@@ -114,7 +114,7 @@ def test_parts_of_effects_and_of_families_are_those_of_their_names() -> None:
 def test_a_map_of_something_else_than_transparency_is_drawn_by_wishes_unless_asked_otherwise() -> None:
     plane = ["k", "tau"], [(20, 1000), ("0.001", "0.05")]
     found = hs.design_map("delayed-spring", *plane, slices=3, that=["stable"], hand="light-touch")
-    assert any(x.endswith(", axis") for x in told(found.plot(axes(), kind="slices")))
+    assert any(x.endswith("poles on the axis") for x in told(found.plot(axes(), kind="slices")))
     assert told(found.plot(axes())) == told(found.plot(axes(), kind="wishes"))
 
 

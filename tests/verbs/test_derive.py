@@ -226,7 +226,8 @@ def test_what_leading_terms_leave_falls_with_the_next_power_of_how_fast_devices_
 
 @pytest.mark.few("fu2019", "delayed-spring", "undamped-resonance")
 @pytest.mark.parametrize(
-    "name", [x for x in hs.scene_names() if x not in ("admittance-display", "control-stick-in-detail")]
+    "name",
+    [x for x in hs.scene_names() if x not in ("admittance-display", "control-stick-in-detail", "inertia-compensation")],
 )
 def test_no_frequency_of_the_band_has_a_larger_error_than_the_bound_and_one_has_it(name: str) -> None:
     scene = hs.load_scene(name)

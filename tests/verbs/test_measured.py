@@ -877,8 +877,8 @@ def test_where_neither_part_is_noticed_alone_both_are_named(tmp_path: Path, call
     assert document == hs.evaluate(tmp_path / "bench.toml").to_dict()
     assert {x.name for x in tmp_path.glob("*.png")} == {"ratios.png", "nyquist.png", "plane.png"}
     text = " ".join(call("evaluate", str(tmp_path / "bench.toml"))[1].split())
-    assert "The change lies outside the diamond at 1 of 2 lines" in text
-    assert "both" in text
+    assert "The change lies outside the diamond at 1 of 2 points" in text
+    assert "(both)" in text
 
 
 def test_where_the_environment_is_zero_the_floor_is_what_is_noticed() -> None:

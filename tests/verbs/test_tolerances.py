@@ -753,7 +753,9 @@ def test_a_document_holds_what_its_parts_say(top: int) -> None:
     for p in (5, 50, 95):
         first = quantile([np.inf if x.first is None else float(x.first) for x in found.samples], p)
         width = quantile([-np.inf if x.bandwidth is None else float(x.bandwidth) for x in found.samples], p)
-        assert (estimates["first_crossing"][str(p)], estimates["bandwidth"][str(p)]) == (first, width)
+        # Drawn sets are answered in floats, their roots to within a few units of the last place; those here are exact.
+        assert estimates["first_crossing"][str(p)] == (first if first is None else pytest.approx(first, rel=1e-14))
+        assert estimates["bandwidth"][str(p)] == (width if width is None else pytest.approx(width, rel=1e-14))
     [row], [x] = told["crossings"], found.enclosures
     assert (row["part"], row["omega"], row["count"], row["monotonic"]) == (
         "imag",

@@ -352,6 +352,20 @@ def _interrupt() -> None:
 
 
 @contextmanager
+def loading() -> Iterator[None]:
+    """Ctrl-C ends the process at once: packages that are being loaded have handlers that would drop what it raises."""
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield
+        return
+    signal.signal(signal.SIGINT, lambda *_: os._exit(130))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
 def interrupts() -> Iterator[list[int]]:
     """Ctrl-C raises KeyboardInterrupt, once; what it yields then is not empty, even if an import made another error of it.
 
