@@ -277,26 +277,21 @@ def _lines(row: doc.Line, room: float, names: Names) -> Iterator[str]:
 
 
 def _equation(left: str, box: Box, room: float, names: Names, relation: str) -> Iterator[str]:
-    minus, quotient = ("-", box.terms[0][1]) if isinstance(box, boxes.Sum) and len(box.terms) == 1 else ("", box)
-    text = tex(box)
-    if not isinstance(quotient, boxes.Fraction):
-        yield from _broken(left, text, room)
-    elif width(text) <= room:
-        yield left + text
-    else:
-        yield from _parted(left + minus, quotient, room, names, relation)
-
-
-def _parted(left: str, quotient: boxes.Fraction, room: float, names: Names, relation: str) -> Iterator[str]:
-    """A fraction whose long parts get names, and what the names stand for, as exactly as the fraction does."""
-    texts = {"N": tex(quotient.above), "D": tex(quotient.below)}
-    named = [
-        (text, *names.name(text, x)) if width(text) > room - 2 else (text, text, False) for x, text in texts.items()
-    ]
-    yield rf"{left}\frac{{{named[0][1]}}}{{{named[1][1]}}}"
-    for text, name, is_new in named:
-        if is_new:
-            yield from _broken(f"{name} &{relation} ", text, room)
+    """An equation, and what the names stand for that long parts of its fractions get, as exactly as the fractions do."""
+    text, meant = tex(box), []
+    terms = [x for _, x in box.terms] if isinstance(box, boxes.Sum) else [box]
+    for term in terms:
+        shown = tex(term)
+        if isinstance(term, boxes.Fraction) and width(shown if len(terms) > 1 else text) > room - 3 * (len(terms) > 1):
+            parts = []
+            for letter, part in (("N", tex(term.above)), ("D", tex(term.below))):
+                name, is_new = names.name(part, letter) if width(part) > room - 2 else (part, False)
+                parts.append(name)
+                meant += [(name, part)] * is_new
+            text = text.replace(shown, rf"\frac{{{parts[0]}}}{{{parts[1]}}}", 1)
+    yield from _broken(left, text, room)
+    for name, part in meant:
+        yield from _broken(f"{name} &{relation} ", part, room)
 
 
 def _broken(left: str, text: str, room: float) -> Iterator[str]:
