@@ -112,9 +112,9 @@ def test_an_answer_with_nothing_to_draw_is_given_all_the_same(call, tmp_path: Pa
     scene, figure = tmp_path / "clear.toml", tmp_path / "figure.svg"
     scene.write_text(TRANSPARENT.format(k=k), encoding="utf-8")
     status, out, err = call(verb, str(scene), "--figure", str(figure))
-    assert status == 0
-    assert "No ratio meets its threshold" in out
-    assert err.startswith("no figure: ")
+    assert status == 2
+    assert "Bandwidth" in out
+    assert "no figure: " in err
     assert not figure.exists()
 
 

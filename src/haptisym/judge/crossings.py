@@ -181,7 +181,14 @@ def kept(chart: Chart) -> tuple[Interval, ...]:
 
 
 class CrossingKind(Enum):
-    """How a ratio r meets its threshold c as omega grows."""
+    """How a ratio r meets its threshold c as omega grows.
+
+    ``EXCEEDS`` : r goes from at most c to more. ``RETURNS`` : from more to at most c. ``TOUCHES`` : r = c at one frequency and
+    the sign of r - c is the same on both sides; touched from below, the display stays transparent there.
+
+    >>> [CrossingKind(x).name for x in ("exceeds", "returns", "touches")]
+    ['EXCEEDS', 'RETURNS', 'TOUCHES']
+    """
 
     EXCEEDS = "exceeds"
     RETURNS = "returns"
@@ -195,9 +202,18 @@ _LEAVES = {CrossingKind.EXCEEDS: "leaves", CrossingKind.RETURNS: "returns into",
 
 @dataclass(frozen=True, repr=False)
 class Crossing(Judged, Shown):
-    """A frequency at which a ratio equals its threshold; ``sign`` is that of Re dH or Im dH there, 0 where both are judged.
+    """A frequency at which a ratio equals its threshold, or dH lies on the border of a joint region.
 
-    ``jump`` : whether it is the threshold that passes the ratio there, from the one for higher to the one for lower or back.
+    ``criterion`` : which ratio and threshold; ``criterion.part`` is the part, None of a joint region.
+    ``omega`` : rad/s, an algebraic or enclosed real number; ``float(omega)``, ``omega.digits(n)`` and ``omega.enclosure(n)``
+    give it correctly rounded, and proven bounds.
+    ``kind`` : a ``CrossingKind``. ``sign`` : of Re dH or Im dH there, 0 of a joint region. ``multiplicity`` : of the root.
+    ``jump`` : whether the threshold passes the ratio there, from the one for higher to the one for lower or back.
+
+    >>> import haptisym as hs
+    >>> first, _ = hs.evaluate("fu2019").crossings
+    >>> first.kind.value, first.sign, first.multiplicity, first.omega.digits(20)
+    ('exceeds', 1, 1, '7.9789167901747077028')
     """
 
     criterion: Criterion

@@ -179,20 +179,29 @@ class Reported(Protocol):
 
 @dataclass(frozen=True, repr=False)
 class Evaluation(Answer):
-    """The answers for a scene, all proven: nothing is missed on the band and nothing is invented.
+    """The answers for a scene: when a change is noticed, and as what.
 
-    ``crossings``: where r_r or r_i meets its threshold, or dH the border of its region. ``transparent``: where neither exceeds
-    it, a union of closed intervals. ``changeovers``: where Re H_env and Re H_perc change sign. ``percepts``: what is felt where
-    a ratio exceeds; ``felt`` : the same in words, with what has no name. ``outside_model``: where Im H_perc < 0; ``unnamed`` :
-    where the imaginary part is noticed there. ``unbounded``: where a ratio is infinite. ``stable``: whether the force under
-    imposed motion is stable, which is to say all poles of H_perc lie in the open left half plane; it says nothing about a display
-    that is held in a hand (``passivity`` does, for every passive one). None where that is not decided, or the poles do not
-    tell it (a sampled loop).
-    ``digits``: decimal digits shown of each crossing. ``undecided``: where
-    something stayed open at the precision limit (a tangency of a scene with delays): empty for every rational scene.
-    ``relevance`` : what was left out, where a tolerance was given; all answers are then those of the pruned scene, ``scene``.
-    ``regions`` : where other JND models were asked about, what each says. ``movement`` : where one was given, what a fit to it
-    reports.
+    ``crossings`` : each frequency at which r_r or r_i equals its threshold, or dH lies on the border of its region.
+    ``transparent`` : closed intervals on which neither exceeds it. ``bandwidth`` : the end of the one that starts at the band's
+    low end, rad/s; None if none does.
+    ``changeovers_environment``, ``changeovers_perceived`` : where Re H_env and Re H_perc change sign, rad/s.
+    ``percepts`` : what is felt where a ratio exceeds; ``felt`` : the same in words, with what has no name.
+    ``outside_model`` : intervals with Im H_perc < 0, where the display is active; ``unnamed`` : those where the imaginary part
+    is noticed. ``unbounded`` : frequencies at which a ratio is infinite, as H_env is 0 there.
+    ``stable`` : whether the force under imposed motion is stable: all poles of H_perc in Re s < 0. None where that is undecided
+    or poles do not show it (a sampled loop). It says nothing about a display in a hand; ``hs.stability`` does.
+    ``undecided`` : where something stayed open at the precision limit, such as a tangency of a scene with delays; empty of each
+    rational scene. ``certified`` : nothing is.
+    ``digits`` : decimal digits shown of each crossing.
+    ``relevance``, ``regions``, ``movement`` : where a tolerance was given, what was left out (all answers are then those of the
+    pruned scene, ``scene``); what other JND regions say; what a fit to a movement reports. None where they were not asked for.
+
+    Guaranteed: each number is proven, no crossing on the band is missing and none invented, but for what ``undecided`` names.
+
+    >>> import haptisym as hs
+    >>> found = hs.evaluate("fu2019")
+    >>> found.bandwidth, found.transparent, found.certified
+    (7.97891679017471, (<Interval from 0 to 7.97891679017471 rad/s>,), True)
     """
 
     _schema: ClassVar[str] = "haptisym.evaluation/1"

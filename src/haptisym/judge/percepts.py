@@ -37,10 +37,19 @@ class Change(Enum):
 
 @dataclass(frozen=True, repr=False)
 class Percept(Shown):
-    """On this whole piece of the band the part's ratio exceeds its threshold, and this is how that is felt.
+    """Step 2: how what exceeds its threshold on a whole piece of the band is felt.
 
-    ``part`` : None where both are noticed together, neither by itself; ``property`` and ``change`` are then of the part that is
-    nearer its own limit, and ``other`` is how the other one has changed.
+    ``part`` : ``Part.REAL`` or ``Part.IMAG``, whose ratio exceeds its threshold on all of ``band``; None where both are noticed
+    together, neither by itself; ``property`` and ``change`` are then of the part that is nearer its own limit, and ``other`` is
+    how the other one has changed.
+    ``band`` : an ``Interval``, rad/s, on which neither ``property`` nor ``change`` changes.
+    ``property`` : of the real part stiffness where Re H is positive in both, mass where it is negative in both, else from one to
+    the other; of the imaginary part damping. ``change`` : higher or lower, by the magnitudes of that part. Source: Fu, van
+    Paassen and Mulder (2019), section 2.
+
+    >>> import haptisym as hs
+    >>> [(x.part.value, x.property.value, x.change.value) for x in hs.evaluate("fu2019").percepts]
+    [('real', 'mass', 'lower'), ('imag', 'damping', 'higher')]
     """
 
     part: Part | None

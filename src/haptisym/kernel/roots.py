@@ -229,11 +229,12 @@ Signs: TypeAlias = Mapping[Key, int]
 
 @dataclass(frozen=True)
 class Point(Viewed):
-    """A frequency where a function vanishes or has a pole, or an end of the band.
+    """A frequency ``omega``, rad/s, where a function vanishes or has a pole, or an end of the band.
 
-    ``orders``: order of each function there (positive for a zero, negative for a pole; absent if neither).
-    ``before``, ``after``: the sign of each function just below and just above. ``undecided``: the functions of which it
-    is not known whether they vanish here, twice nearby, or not at all.
+    ``orders`` : order of each function there: positive at a zero, negative at a pole, absent at neither.
+    ``before``, ``after`` : the sign of each function just below and just above, -1, 0 or 1; 0 where it vanishes everywhere.
+    ``undecided`` : the functions of which it is not known whether they vanish here, twice nearby, or not at all. Guaranteed:
+    between neighbouring points no function changes its sign. ``float(point)`` is omega, rounded.
     """
 
     omega: RealNumber
@@ -260,7 +261,10 @@ class Point(Viewed):
 
 @dataclass(frozen=True)
 class Interval(Viewed):
-    """A piece of the band, between two points; a single frequency if both are the same."""
+    """A piece of the band from ``low`` to ``high``, both ``Point``, rad/s; a single frequency if both are the same.
+
+    The sign of each function that was asked about is constant between its ends.
+    """
 
     low: Point
     high: Point

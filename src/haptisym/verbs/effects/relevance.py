@@ -210,8 +210,16 @@ class Dominance:
 class Relevance(Answer):
     """Which effects of a scene matter for a tolerance.
 
-    ``pruned`` : the scene with the kept effects only. ``bound`` : per part the largest change that leaving out all others makes,
-    jointly, on the band: proven. ``smallest`` : whether no smaller set does, proven (``docs/reference-tolerances.md``).
+    ``tolerance`` : by how much r_r and r_i may change, 1. ``pruned`` : the scene with the effects that are kept.
+    ``bound`` : of each part the largest change of its ratio on the band that leaving out all others makes together, 1; proven.
+    ``smallest`` : whether it is proven that no smaller set of effects is within the tolerance
+    (``docs/reference-tolerances.md``).
+    ``dropped``, ``effects`` : the names left out, and a row for each effect.
+
+    >>> import haptisym as hs
+    >>> found = hs.relevance("sidestick", "0.01")
+    >>> found.dropped, found.smallest
+    ((), True)
     """
 
     _schema: ClassVar[str] = "haptisym.effects/1"

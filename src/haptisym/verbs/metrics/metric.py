@@ -460,7 +460,17 @@ class Metric(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Metrics(Answer):
-    """All measures of a scene, its JND evaluation, and where they disagree (``notes``)."""
+    """The measures of other authors for a scene, beside its JND evaluation.
+
+    ``metrics`` : one ``Metric`` for each, with formula, value, unit, verdict and source. ``notes`` : where their verdicts differ
+    from that of ``evaluation``. ``measured`` : what was computed for them. Each metric says whether its number is proven or
+    computed.
+
+    >>> import haptisym as hs
+    >>> found = hs.metrics("fu2019")
+    >>> found.evaluation.bandwidth
+    7.97891679017471
+    """
 
     _schema: ClassVar[str] = "haptisym.metrics/1"
     _page: ClassVar[str] = "haptisym.pages.metrics:page"

@@ -575,11 +575,13 @@ def _thresholds(scene: Scene, free: Sequence[Knob], jnd: Sequence[Number], wante
 
 @dataclass(frozen=True, repr=False)
 class DesignMap(Answer):
-    """The transparent region of a scene in two parameters: exact along each slice, the first parameter being constant there.
+    """The values of two parameters for which a scene is transparent, or what else is asked: exact along slices.
 
-    ``slices``: in ascending order of the first parameter. How far straight lines between them are off is estimated (``gaps``).
-    ``within``: what that was to be, a share of the second range. ``proofs``: of what is transparent, or stable, what is
-    proven between the slices too.
+    ``slices`` : in ascending order of the first parameter, each with its value ``at`` and the ``Requirement`` of the second
+    there.
+    ``gaps`` : how far straight lines between slices are off, estimated; ``within`` : what that was to be, a share of the second
+    range.
+    ``proofs`` : of each criterion for which that is known, what is proven between the slices too.
     """
 
     _schema: ClassVar[str] = "haptisym.designmap/1"

@@ -180,12 +180,22 @@ _MOST_PRODUCTS = 5000
 
 @dataclass(frozen=True, repr=False)
 class Requirement(Answer):
-    """All values of one parameter for which a scene is transparent on its whole band, or what else is asked, certified.
+    """All values of one parameter for which a scene is transparent on its whole band, or what else is asked.
 
-    ``feasible``: intervals of values, SI, in order; () means proved that none will do. Each end says what binds there: which
-    condition, and where on the band. ``undecided``: values about which nothing is proven.
-    ``limit``: the seconds of a limit that cut the work short, None if none did.
-    ``domain``: the values that were asked about. ``criteria``: what is to hold.
+    ``free`` : the parameter, its path, unit and the value that the scene gives. ``domain`` : the values that were asked about,
+    SI.
+    ``feasible`` : intervals of values, SI, in order; () means proven that none will do. Each end says which condition limits
+    there, at which frequency, and whether the end is among the values.
+    ``undecided`` : intervals of which nothing is proven, SI, None for an end without bound; ``reason`` : why.
+    ``criteria`` : what is to hold; ``that`` : the words it was asked with. ``limit`` : seconds of a limit that cut the work
+    short, None if none did.
+
+    Guaranteed: every value inside ``feasible`` will do, and none outside of ``feasible`` and ``undecided`` does.
+
+    >>> import haptisym as hs
+    >>> found = hs.require("fu2019", "omega_n")
+    >>> [(float(x.low.value), x.low.closed) for x in found.feasible], found.undecided
+    ([(122.35581477043092, True)], ())
     """
 
     _schema: ClassVar[str] = "haptisym.requirement/1"

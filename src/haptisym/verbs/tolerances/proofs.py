@@ -483,7 +483,19 @@ _SHARE = 0.4  # of the time that is left, for the first search of two
 
 @dataclass(frozen=True, repr=False)
 class Tolerances(Answer):
-    """The answers for a box of parameters; ``samples`` are estimates, all else is proven."""
+    """The answers for a box of parameters.
+
+    ``box`` : the parameters that vary, each with its range, SI. ``verdict`` : noticed by none, by some or by all of its members,
+    or undecided; ``bandwidth`` : the smallest and the largest, rad/s; ``enclosures`` : of each crossing, the range it moves
+    over, where it exists for all. All of these are proven.
+    ``samples`` : members that were drawn, with ``seed``, for quantiles: estimates. ``held`` : of each hand, whether all members
+    are stable in it. ``budget`` : what the search was allowed.
+
+    >>> import haptisym as hs
+    >>> found = hs.tolerances("fu2019-tolerances", samples=3)
+    >>> [float(x) for x in found.bandwidth], len(found.samples)
+    ([7.173627271034527, 12.873476301962626], 3)
+    """
 
     _schema: ClassVar[str] = "haptisym.tolerances/1"
     _page: ClassVar[str] = "haptisym.pages.tolerances:page"
