@@ -7,63 +7,22 @@
 -omega**2/(omega**2 + omega_c**2)
 """
 
+import re
 from importlib import import_module
+from pkgutil import get_data
 
 __version__ = "0.1.0"
 
-_NAMES = {
-    "": "effects environments interop",
-    "judge.crossings": "Crossing CrossingKind",
-    "judge.evaluation": "Evaluation",
-    "judge.peaks": "Peak Peaks peaks",
-    "judge.percepts": "Change Percept Property",
-    "kernel.errors": "ExpressionError HaptisymError SceneError UndecidedError",
-    "kernel.reals": "RealNumber",
-    "kernel.rings": "omega s symbols",
-    "kernel.roots": "Interval Point",
-    "model.catalogue": "Effect Environment Hand hands",
-    "model.distortion": "Distortion distort",
-    "model.estimating": "estimated",
-    "model.jnd": "Part Published Threshold",
-    "model.measured": "Measurement",
-    "model.measuredscene": "MeasuredScene",
-    "model.measuring": "measured sampled",
-    "model.scene": "Scene",
-    "model.scenefile": "SceneFamily load_scene load_scenes parse_scene parse_scenes",
-    "model.shipped": "family_names scene_names",
-    "pages.notebook": "latex",
-    "programs.accuracy": "Accuracy",
-    "verbs.cost.entry": "Cost cost",
-    "verbs.cost.hardcosts": "HardCosts hard_costs",
-    "verbs.derive.derivation": "Derivation derive",
-    "verbs.derive.verify": "Verification verify",
-    "verbs.design.entry": "Design design",
-    "verbs.effects.relevance": "Relevance relevance",
-    "verbs.evaluate.entry": "evaluate",
-    "verbs.family.entry": "FamilyEvaluation evaluate_all",
-    "verbs.identify.entry": "Identification identify",
-    "verbs.jnd.entry": "Psychometric PublishedThresholds jnd published",
-    "verbs.measured.entry": "MeasuredEvaluation",
-    "verbs.metrics.entry": "metrics",
-    "verbs.metrics.metric": "Metrics",
-    "verbs.require.designmap": "DesignMap design_map",
-    "verbs.require.required": "Requirement require",
-    "verbs.sensitivity.entry": "Sensitivities sensitivity",
-    "verbs.simulate.entry": "EncoderQuantisation ForceSaturation Simulation check simulate",
-    "model.motions": "chirp multisine recording sine",
-    "verbs.simulate.release": "Release release",
-    "verbs.stability.entry": "Stability stability",
-    "verbs.sweep.entry": "sweep",
-    "verbs.tolerances.proofs": "Tolerances tolerances",
-    "writing.code": "Language distortion_code scene_code",
-    "writing.mathml": "mathml",
-    "writing.schemas": "json_schema",
+_MODULES = {
+    name: module
+    for module, several, names in re.findall(
+        r"^from haptisym\.?(\S*) import (?:\(([^)]+)\)|(.+))$",
+        (get_data(__name__, "__init__.pyi") or b"").decode(),
+        re.MULTILINE,
+    )
+    for name in re.findall(r"(\w+) as", several or names)
 }
-"""The public names by the modules that have them, each loaded when one of its names is used: not even SymPy is before.
-
-Type checkers and editors read ``__init__.pyi``, which names the same.
-"""
-_MODULES = {name: module for module, names in _NAMES.items() for name in names.split()}
+"""The public names and the modules that have them, as the stub says; each is loaded when it is used: not even SymPy is before."""
 __all__ = sorted(_MODULES)
 
 

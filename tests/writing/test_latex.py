@@ -200,7 +200,10 @@ def read_values(aligned: str, known: dict[str, float]) -> dict[str, list[float]]
     known = dict(known)
     for left in sorted((x for x in sides if x.startswith(r"\mathcal")), key=lambda x: int(re.findall(r"\d+", x)[0])):
         known[left] = value(sides[left][0], known)
-    closed = {left: [x for x in right if not re.search(r"H|k_\{\\mathrm\{(?:env|perc)\}\}", x)] for left, right in sides.items()}
+    closed = {
+        left: [x for x in right if not re.search(r"H|k_\{\\mathrm\{(?:env|perc)\}\}", x)]
+        for left, right in sides.items()
+    }
     return {
         left: [value(x, known) for x in right] for left, right in closed.items() if not left.startswith(r"\mathcal")
     }
