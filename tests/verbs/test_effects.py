@@ -245,7 +245,7 @@ def test_an_unbounded_influence_is_told_and_never_left_out_but_a_bounded_one_of_
     assert names(found) == ["shunt"]
     check(scene, frozenset({1}))
     assert [x["influence"]["imag"] is None for x in found.to_dict()["effects"]] == [False, True]
-    assert "unbounded" in str(found)
+    assert "Unbounded: " in str(found)
 
 
 # --- on pieces of the band -------------------------------------------------------------------------------------------

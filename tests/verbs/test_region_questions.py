@@ -126,7 +126,7 @@ def test_a_delay_of_a_spring_may_be_as_long_as_its_turn_stays_in_the_region_at_t
     late = hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.delay("5 ms"),), (0, 15), jnd)
     found = hs.require(late, "tau")
     angle = mpmath.findroot(lambda a: condition(1 - mpmath.cos(a), mpmath.sin(a)), (0.05, 0.2), solver="anderson")
-    assert found.undecided == ()
+    assert all(float(low) > 1000 for low, _ in found.undecided)  # seconds, thousands of turns within the band
     [span] = found.feasible
     assert (float(span.low.value), span.low.closed, span.high.closed) == (0, True, True)
     assert float(span.high.value) == pytest.approx(float(angle) / 15, rel=1e-13)
