@@ -742,9 +742,9 @@ def test_a_measured_scene_gives_what_should_be_felt_its_band_its_jnd_and_its_tit
     assert found.wanted.words == "kelvin-voigt, shunt"
     both = hs.MeasuredScene(lines_of("radius"), lines_of("radius"))
     for call, told in (
-        ((scene, "maxwell"), "what should be felt is given by the scene"), ((scene,), "nothing is free: what should be felt is given; say what stands behind it"),
-        ((both, "maxwell"), "[environment] is measured, too"), ((Hand("x"), "maxwell"), "Hand is no measured response"),
-        (("fu2019", "maxwell"), "its simulated bench run is fu2019-bench"), (("palpation-device", "maxwell"), "a scene of formulas that is shipped"),
+        ((scene, "maxwell"), "environment: the scene gives it: leave it out"), ((scene,), "no parameter is free: name the effects to fit"),
+        ((both, "maxwell"), "environment and perceived are both measured"), ((Hand("x"), "maxwell"), "Hand is no measured response"),
+        (("fu2019", "maxwell"), "its simulated bench run is fu2019-bench"), (("palpation-device", "maxwell"), "this shipped scene has formulas"),
     ):  # fmt: skip
         assert told in refusal(hs.identify, *call)
     assert "averages: is for a file of frequency points" in refusal(hs.identify, scene, effects=["delay"], averages=9)

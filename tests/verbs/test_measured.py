@@ -1130,7 +1130,7 @@ def test_lines_that_contradict_the_bound_are_said_to_and_nothing_is_told_there()
     assert e.between.contradicted == ((4.0, 6.0),)
     assert all(code == 0 or high <= 4 for _, high, code in stretches(e, hs.Part.REAL))
     assert e.to_dict()["between"]["contradicted"] == [[4.0, 6.0]]
-    assert "CONTRADICTED: in 1 gap" in " ".join(str(e).split())
+    assert "Contradiction: in 1 gap" in " ".join(str(e).split())
 
 
 def test_a_line_whose_disc_is_the_whole_plane_is_passed_over() -> None:
