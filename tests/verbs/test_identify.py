@@ -748,7 +748,7 @@ def test_a_measured_scene_gives_what_should_be_felt_its_band_its_jnd_and_its_tit
     ):  # fmt: skip
         assert told in refusal(hs.identify, *call)
     assert "averages: is for a file of frequency points" in refusal(hs.identify, scene, effects=["delay"], averages=9)
-    assert "confidence: is for a file of lines alone" in refusal(
+    assert "confidence: is for a file of frequency points" in refusal(
         hs.identify, lines_of("none"), "maxwell", confidence=0.9
     )
 
