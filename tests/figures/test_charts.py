@@ -58,11 +58,13 @@ def test_the_worst_case_of_a_requirement_is_that_of_both_ratios_at_each_value() 
     """Behind a delay of tau they are 1 - cos(tau w) and sin(tau w)."""
     late, ax = hs.Scene(mass_spring_damper(k=100), (delay("20 ms"),), (0, 15), "0.1"), axes()
     real, imag = draw(ax, requirement_charts.requirement(hs.require(late, "tau", (0, "0.1"))))
-    tau, worst = places(imag)
+    ms, worst = places(imag)
+    tau = ms / 1000
     omega = np.linspace(0, 15, 4001)[:, None]
     assert worst == pytest.approx(np.abs(np.sin(omega * tau)).max(axis=0) / 0.1, rel=1e-3)
     assert places(real)[1] == pytest.approx((1 - np.cos(omega * tau)).max(axis=0) / 0.1, rel=1e-3)
     assert len(curves(ax)) == 2
+    assert "(ms)" in ax.get_xlabel()
 
 
 def test_what_is_undecided_of_a_requirement_is_hatched_and_open_intervals_end_with_the_axis() -> None:
@@ -79,10 +81,8 @@ def test_what_is_undecided_of_a_requirement_is_hatched_and_open_intervals_end_wi
 
 def test_a_number_of_a_hand_is_drawn_though_it_has_no_course_along_the_band() -> None:
     ax = axes()
-    assert (
-        draw(ax, requirement_charts.requirement(hs.require("satellite-contact", "hand.m", that=["stable"], hand=HEAVY)))
-        == []
-    )
+    draw(ax, requirement_charts.requirement(hs.require("satellite-contact", "hand.m", that=["stable"], hand=HEAVY)))
+    assert not curves(ax)
     assert [places(x)[0].tolist() for x in marked(ax, "o")] == [[500]]
 
 
@@ -100,9 +100,8 @@ def test_a_map_has_strokes_marks_and_grounds_where_the_set_and_its_boundary_are(
     strokes, *marks = draw(ax, requirement_charts.slices(designed()))
     ways = [[tuple(map(float, p)) for p in x] for x in strokes.get_segments()]  # type: ignore[attr-defined]
     assert ways == [[(b, 150 * b), (b, 500)] for b in (1, 2, 3)]
-    assert [(x.get_label(), points(x)) for x in marks] == [
-        ("imaginary part, at the band's edge", [(b, 150 * b) for b in (1, 2, 3)])
-    ]
+    assert [points(x) for x in marks] == [[(b, 150 * b) for b in (1, 2, 3)]]
+    assert "imaginary part, at the band's edge" in told(ax)
     kept, open_ = (np.array(filled(ax, x)) for x in (pen.SHADE, "#f2c14e"))
     assert (kept[:, 1] >= 150 * kept[:, 2] - 1e-9).all()
     assert ((open_[:, 1] <= 150 * open_[:, 2]) & (open_[:, 3] >= 150 * open_[:, 0])).all()
@@ -177,16 +176,16 @@ def test_curves_of_a_sweep_go_through_its_table_and_break_where_crossings_come_o
     some, open_ = np.zeros(10, int), np.zeros(10, int)
     some[:3], open_[7] = 2, UNKNOWN
     data, ax = swept(x, one=some, other=open_), axes()
-    names = ["bandwidth", "first_crossing_real", "first_crossing_imag"]
-    for line, name, gaps in zip(draw(ax, sweep_charts.curves(data)), names, ([4], [4], []), strict=True):
+    names = ["first_crossing_real", "first_crossing_imag", "bandwidth"]
+    for line, name, gaps in zip(draw(ax, sweep_charts.curves(data)), names, ([4], [], [4]), strict=True):
         own = points(line)
         assert [i for i, p in enumerate(own) if np.isnan(p[0])] == gaps
         assert [p for p in own if not np.isnan(p[0])] == list(zip(x, data[name].values, strict=True))
     assert [points(y) for y in marked(ax, "o")] == [
-        [(x[i], float(data[n].values[i])) for i in (3, 4)] for n in names[:2]
+        [(x[i], float(data[n].values[i])) for i in (3, 4)] for n in names[::2]
     ]
     assert (ax.get_xlim(), ax.get_xlabel(), ax.get_ylabel()) == ((10, 100), r"$\omega_n$ (rad/s)", r"$\omega$ (rad/s)")
-    assert {"end of the band", "crossings come or go", "not stable in one", "stability not decided in other"} <= set(
+    assert {"end of the band", "crossings come or go", "unstable in one", "stability undecided in other"} <= set(
         told(ax)
     )
     assert [(a, b) for a, _, b, _ in hatched(ax)] == [(10, 35), (75, 85)]  # halfway to the neighbours
@@ -225,7 +224,7 @@ def test_a_map_of_a_sweep_shows_its_table_its_jumps_and_what_contours_do_not_tel
     assert upright == [[(55, a), (55, b)] for a, b in ((1, 1.5), (1.5, 2.5), (2.5, 3))]
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\omega_n$ (rad/s)", "$m$ (kg)")
     assert told(ax) == [
-        "bandwidth (rad/s)", "bandwidth jumps", "not at the low end", "whole band, 20 rad/s", "not stable in mine",
+        "bandwidth (rad/s)", "bandwidth jumps", "not at the low end", "whole band, 20 rad/s", "unstable in mine",
     ]  # fmt: skip
 
 
@@ -300,19 +299,19 @@ def test_grounds_of_a_held_display_are_what_is_counted_at_single_values_of_hand_
     ax = axes()
     scene = hs.Scene(mass_spring_damper(k=100), (shunt(b=["-6", "-4"]),), (0, 15), "0.1")
     draw(ax, stability_charts.held(hs.tolerances(scene, samples=0, hand=MINE)))
-    white, tinted, open_ = (np.array(filled(ax, x)) for x in ("#ffffff", pen.UNSTABLE, pen.SHADE))
+    white, tinted, open_ = (np.array(filled(ax, x)) for x in ("#ffffff", pen.UNSTABLE, pen.OPEN))
     assert (white[:, 1] >= 6 - 1e-9).all()
     assert (tinted[:, 3] <= 4 + 1e-9).all()
     assert (
-        (open_[:, 3] > 4 - 0.1) & (open_[:, 1] < 6 + 0.1) | (open_[:, 0] < 0)
+        (open_[:, 3] > 4 - 0.25) & (open_[:, 1] < 6 + 0.25) | (open_[:, 0] < 0)
     ).all()  # there it depends; k_h < 0 is at the edge
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     for b, area in ((8, white), (2, tinted)):
         assert any(x0 <= 100 <= x1 and y0 <= b <= y1 for x0, y0, x1, y1 in area)
     assert left < 0 < 400 < right
     assert bottom < 0 < 9 < top
-    assert told(ax)[:3] == ["stable for all values", "for none", "it depends, or not shown"]
-    assert "for a hand of 0.5 kg" in ax.get_xlabel()
+    assert told(ax)[:3] == ["stable for all values", "for none", "it depends, or undecided"]
+    assert "mass 0.5 kg" in ax.get_xlabel()
 
 
 def test_without_a_hand_there_is_no_plane() -> None:
@@ -348,8 +347,8 @@ def test_the_plane_of_a_hand_has_its_boundary_where_roots_lie_on_the_axis() -> N
             k, b = text.xy  # type: ignore[attr-defined]
             assert (k > 50, above is None or b > 5) == (right, above is None or above)
     assert {"0", "1", "2", "mine", "other"} <= {x.get_text() for x in ax.texts}
-    assert ax.get_xlabel() == r"$k_\mathrm{h}$ (N/m), for a hand of 0.5 kg"
-    assert ax.get_ylabel() == r"$b_\mathrm{h}$ (N·s/m)"
+    assert ax.get_xlabel() == r"hand's stiffness $k_\mathrm{h}$, mass 0.5 kg (N/m)"
+    assert ax.get_ylabel() == r"hand's damping $b_\mathrm{h}$ (N·s/m)"
 
 
 @pytest.mark.slow
@@ -540,7 +539,7 @@ def test_a_measured_jnd_is_drawn_with_its_shares_its_curve_and_where_it_is_taken
     share = float(p.fit.curve(np.array([at]))[0])
     ends = [points(x) for x in ax.lines if to_hex(x.get_color()) == pen.RED]
     assert ends[0][1] == pytest.approx((at, share))
-    assert ends[2] == [pytest.approx((p.middle.value + x, share)) for x in (p.jnd.low, p.jnd.high)]
+    assert ends[1] == [pytest.approx((p.middle.value + x, share)) for x in (p.jnd.low, p.jnd.high)]
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("level", "share of “more”")
     assert f"JND at {100 * p.asked.proportion:.4g} %" in told(ax)
 

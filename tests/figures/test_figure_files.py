@@ -288,6 +288,8 @@ def test_drawing_needs_no_pyplot_and_new_axes_are_those_of_pyplot() -> None:
 import sys, matplotlib
 matplotlib.use("agg")
 import haptisym as hs
+from haptisym.figures.evaluation import ratios
+from haptisym.figures.layers import draw
 from matplotlib.figure import Figure
 e, before = hs.evaluate("fu2019"), dict(matplotlib.rcParams)
 draw(Figure().add_subplot(), ratios(e))

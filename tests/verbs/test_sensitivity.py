@@ -417,7 +417,7 @@ def test_a_derivative_from_one_side_is_the_slope_of_certified_frequencies_there(
 
 def test_one_sided_derivatives_are_said_in_text_and_document() -> None:
     found = hs.sensitivity(filtered(0))
-    assert "-8.4063 above" in str(found)
+    assert "-8.406 above" in str(found)
     row = found.to_dict()["changeovers"]["perceived"][-1]["parameters"][-1]
     assert (row["name"], row["side"], row["reason"]) == ("zeta", "above", "from above; below there is no scene")
     assert row["digits"]["derivative"] == "-8.40630472854641"  # -960/114.2
