@@ -251,7 +251,7 @@ def test_what_psignifit_saves_is_read_with_what_it_was_told(file: Callable[..., 
     assert read.asked.alternatives == 2
     assert [(x.count, x.trials) for x in read.answers.rows] == [(52, 90), (65, 90), (80, 90), (88, 90)]
     assert "psignifit found threshold 0.0046 and width 0.0047" in str(read)
-    with pytest.raises(hs.SceneError, match="there were 2 alternatives, not 3"):
+    with pytest.raises(hs.SceneError, match="gives 2 alternatives, not 3"):
         hs.jnd(file(text, "saved.json"), alternatives=3)
 
 
@@ -292,10 +292,10 @@ BAD = {
     "no header": ("4.4,5,40\n4.7,11,40\n", "the first line has numbers"),
     "never": ("level,k,n\n5,0,10\n6,0,10\n", "no answer counts"),
     "always": ("level,k,n\n5,10,10\n6,10,10\n", "every answer counts"),
-    "a jump": ("level,k,n\n5,0,10\n6,0,10\n7,10,10\n8,10,10\n", "jump from one kind to the other between 6 and 7"),
-    "one level in between": ("level,k,n\n5,0,10\n6,4,10\n7,10,10\n", "jump from one kind to the other"),
-    "flat": ("level,k,n\n5,5,10\n6,5,10\n7,5,10\n", "do not go from one kind to the other"),
-    "the wrong answers": ("level,k,n\n5,9,10\n6,5,10\n7,1,10\n", "count the other answers"),
+    "a jump": ("level,k,n\n5,0,10\n6,0,10\n7,10,10\n8,10,10\n", "change from one kind to the other between 6 and 7"),
+    "one level in between": ("level,k,n\n5,0,10\n6,4,10\n7,10,10\n", "change from one kind to the other between 6 and 7"),
+    "flat": ("level,k,n\n5,5,10\n6,5,10\n7,5,10\n", "do not change from one kind to the other"),
+    "the wrong answers": ("level,k,n\n5,9,10\n6,5,10\n7,1,10\n", "count the other responses"),
     "two that may be it": ("level,a.corr,b.corr\n5,1,0\n", 'columns "a.corr" or "b.corr" both fit: choose one with --answer'),
     "a null character": ("level,k,n\n5,1\0,10\n6,5,10\n", "answers.csv: "),
     "no JSON": ('{"data": [', "not valid JSON"),
@@ -352,7 +352,7 @@ def test_the_line_of_a_forced_choice_tells_no_proportion_that_could_be_converted
     rows = tuple(Row(0.04 * i, k, 40) for i, k in enumerate((20, 24, 31, 36, 40)))
     found = hs.jnd(Answers("choices", rows), alternatives=2, reference=1)
     assert "proportion" not in found.table
-    with pytest.raises(hs.SceneError, match="does not tell its own"):
+    with pytest.raises(hs.SceneError, match="the JND has none of its own"):
         hs.parse_scene(
             f'environment = {{ model = "mass-spring-damper", k = 1 }}\n[evaluation]\n{found.line}\n'
         ).threshold.at_proportion("0.84")

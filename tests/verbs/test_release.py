@@ -171,7 +171,7 @@ def test_the_scenes_own_hand_is_taken_and_a_run_lasts_as_long_as_is_asked() -> N
         ("fu2019", "-1 cm", "postural-arm", "must be > 0"),
         ("fu2019", "3 deg", "postural-arm", "rotation"),
         ("fu2019", "1 kg", "postural-arm", "release"),
-        ("satellite-contact", "1 cm", hs.Hand("none"), "not determined"),
+        ("satellite-contact", "1 cm", hs.Hand("none"), "do not determine a signal"),
         (hs.Scene(SPRING, hands=(hs.Hand("a", m=1), hs.Hand("b", m=1))), "1 cm", None, "which one of a, b"),
         (
             hs.Scene(hs.environments.mass_spring_damper(k="100 N/m")),
