@@ -205,11 +205,11 @@ def test_a_sampled_wall_is_told_all_over_its_plane() -> None:
     spans = {"environment.b": (0, 1), "environment.k": (1000, 3000)}
     told = told_of(own, spans, finest=2.0**-6)
     need_filled(told, 64)
-    assert area(told.left) < 0.5
-    for at, critical in ((0.0, 1605.35113477512), (0.4, 2384.3034697805)):
+    assert area(told.stable) > 0.4
+    assert area(told.unstable) > 0.1
+    for at, critical in ((0.0, 1605.35113477512), (0.4, 2384.3034697805)):  # cells beside them may be undecided
         for cells, side in ((told.stable, 1), (told.unstable, -1)):
             there = cells[(cells[:, 0, 0] <= at) & (cells[:, 0, 1] >= at)]
-            assert len(there) or at == 0
             assert (side * (critical - 1000 - 2000 * there[:, 1, (1 + side) // 2]) > 0).all()
     need_counted(own, told, spans)
 
