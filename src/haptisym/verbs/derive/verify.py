@@ -17,7 +17,7 @@ from typing import Any
 
 import mpmath
 from flint import fmpq
-from sympy import Rational, Symbol, lambdify
+from sympy import Abs, Rational, Symbol, lambdify
 
 from haptisym.kernel.budget import SECONDS, limited, tick
 from haptisym.kernel.errors import UndecidedError
@@ -215,7 +215,11 @@ def _made(arguments: list[Symbol], forms: Any) -> Callable[..., Any]:
     put = _plainly(arguments)
 
     def own(form: Any) -> Any:
-        return [own(x) for x in form] if isinstance(form, list | tuple) else form.xreplace(put)
+        if isinstance(form, list | tuple):
+            return [own(x) for x in form]
+        if isinstance(form, Abs):  # which multiplies out what it is given, for minutes
+            return Abs(form.args[0].xreplace(put), evaluate=False)
+        return form.func(*map(own, form.args)) if form.has(Abs) else form.xreplace(put)
 
     made: Callable[..., Any] = lambdify([put[x] for x in arguments], own(forms), "mpmath")
     return made
