@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import click
 from click.core import ParameterSource
 
-from haptisym.commands.terminal import note, progress, quiet, say, say_document, to_file
+from haptisym.commands.terminal import note, progress, say, say_document, to_file
 from haptisym.figures.pen import checked, checked_report
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import NothingToDrawError, SceneError
@@ -247,7 +247,6 @@ def keep(what: str, path: Path, save: Callable[[], Any]) -> None:
     """Write a file (or a folder of them) and report it on standard error; what it cannot be written for is a sentence."""
     with to_file(what, path):
         found = save()
-    quiet()
     note(f"{f'{len(found)} figures' if what == 'figures' else what} written to {path}")
 
 
@@ -278,12 +277,9 @@ def hand_over(found: Answer, ask: Ask) -> None:
         keep_text("certificate", ask.certificate, found.certificate)
     keep_pages(found, ask)
     if ask.json:
-        quiet()
         say_document(found.to_json())
     else:
-        page = found.document()
-        quiet()
-        say(page, ask.digits, formulas=bool(ask.formulas))
+        say(found.document(), ask.digits, formulas=bool(ask.formulas))
     end(found)
     if not is_drawn:
         sys.exit(2)
@@ -301,7 +297,6 @@ def draw(found: Answer, ask: Ask) -> bool:
     try:
         keep("figure", path, lambda: found.save_figure(path))
     except NothingToDrawError as error:
-        quiet()
         note(f"no figure: {error}")
         return False
     return True

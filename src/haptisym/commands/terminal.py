@@ -129,7 +129,10 @@ def _bar() -> Progress:
         for x in ("{task.fields[count]}", "{task.description}")
     )
     times = (TimeElapsedColumn(), TimeRemainingColumn()) if roomy else ()
-    return Progress(BarColumn(30 if roomy else 8), count, *times, what, console=console, transient=True)
+    # Pages ask standard output for its encoding while the bar is there: Rich must not stand in front of it.
+    return Progress(
+        BarColumn(30 if roomy else 8), count, *times, what, console=console, transient=True, redirect_stdout=False
+    )
 
 
 _SIGNS = {
@@ -281,6 +284,7 @@ def write(text: str) -> None:
     """Text on standard output as it is. ReaderLeft or CannotWriteError where it does not get there."""
     if sys.stdout is None:
         raise CannotWriteError("standard output cannot be written: it is closed")
+    quiet()
     with to_standard_output():
         sys.stdout.write(text)
         sys.stdout.flush()
@@ -288,6 +292,7 @@ def write(text: str) -> None:
 
 def note(message: str) -> None:
     """A message on standard error; lost where that is closed or full."""
+    quiet()
     if sys.stderr is None:
         return
     with suppress(OSError, ValueError):
