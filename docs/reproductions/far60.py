@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 14 CFR Part 60: control dynamics
 #
-# Appendix A, table A2A, and appendix C, table C2A, 2.b. Read: both tables. They publish tolerances, no results; the case is $m = 1.8$ kg,
+# Appendix A, table A2A, 2.b, and appendix C, table C2A, 2.a.5. Read: both tables. They publish tolerances, no results; the case is $m = 1.8$ kg,
 # $b = 3$ N s/m, $k = 100$ N/m with a handle of 0.3384 kg and 0.6 N s/m, whose numbers follow from
 # $x(t) = e^{-\sigma t}(\cos\omega t + \sigma/\omega\,\sin\omega t)$.
 
@@ -33,7 +33,7 @@ aeroplane, helicopter = checks(stick, "aeroplanes"), checks(stick, "helicopters"
 rows = Table(
     [
         row("from 0.9 A_d to the first zero crossing", "A2A, 2.b", aeroplane["P_0"], "10 %"),
-        row("from release to the first zero crossing", "C2A, 2.b", helicopter["P_0"], "10 %"),
+        row("from release to the first zero crossing", "C2A, 2.a.5", helicopter["P_0"], "10 %"),
         row("first period", "A2A, 2.b", aeroplane["P_1"], "20 %"),
         row(
             "overdamped, from 0.9 to 0.1 A_d", "A2A, 2.b", checks(damped, "aeroplanes")["time from 90 % to 10 % of A_d"], "10 %"

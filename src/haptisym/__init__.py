@@ -22,6 +22,7 @@ _NAMES = {
     "kernel.rings": "omega s symbols",
     "kernel.roots": "Interval Point",
     "model.catalogue": "Effect Environment Hand hands",
+    "model.devices": "devices",
     "model.distortion": "Distortion distort",
     "model.estimating": "estimated",
     "model.jnd": "Part Published Threshold",

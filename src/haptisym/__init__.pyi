@@ -8,6 +8,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import omega, s, symbols
 from haptisym.kernel.roots import Interval, Point
 from haptisym.model.catalogue import Effect, Environment, Hand, hands
+from haptisym.model.devices import devices
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.estimating import estimated
 from haptisym.model.jnd import Part, Published, Threshold
@@ -103,6 +104,7 @@ __all__ = [
     "derive",
     "design",
     "design_map",
+    "devices",
     "distort",
     "distortion_code",
     "effects",

@@ -10,7 +10,7 @@ certified zeros. The whole response is judged, not its slowest pair. 14 CFR Part
 * Table A2A, 2.b (aeroplanes). Underdamped: P_0, from 90 % of A_d to the first zero crossing, within 10 %; each period P_n after
   it within 10 (n + 1) %; each overshoot above 5 % of A_d within 10 % of the first, A_1; as many of them to within one.
   Overdamped: the time from 90 % to 10 % of A_d within 10 %.
-* Table C2A, 2.b (helicopters): the same, but P_0 is the time of the first zero crossing from the release on, and second and later
+* Table C2A, 2.a.5 (helicopters): the same, but P_0 is the time of the first zero crossing from the release on, and second and later
   overshoots are each within 20 %.
 """
 
