@@ -20,7 +20,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
         "After this page you can call every command from Python: a function each, which returns a result.",
         (
             "evaluate", "evaluate_all", "derive", "relevance", "require", "design_map", "stability", "sensitivity", "tolerances",
-            "sweep", "metrics", "peaks", "cost", "hard_costs", "jnd", "published", "simulate", "check", "release", "identify",
+            "sweep", "metrics", "control_loading", "peaks", "cost", "hard_costs", "jnd", "published", "simulate", "check", "release", "identify",
         ),
     ),
     "api-answers": (

@@ -45,6 +45,7 @@ _NAMES = {
     "verbs.identify.entry": "Identification identify",
     "verbs.jnd.entry": "Psychometric PublishedThresholds jnd published",
     "verbs.measured.entry": "MeasuredEvaluation",
+    "verbs.metrics.controlloading": "ControlLoading control_loading",
     "verbs.metrics.entry": "metrics",
     "verbs.metrics.metric": "Metrics",
     "verbs.require.designmap": "DesignMap design_map",

@@ -32,6 +32,7 @@ from haptisym.verbs.family.entry import FamilyEvaluation, evaluate_all
 from haptisym.verbs.identify.entry import Identification, identify
 from haptisym.verbs.jnd.entry import Psychometric, PublishedThresholds, jnd, published
 from haptisym.verbs.measured.entry import MeasuredEvaluation
+from haptisym.verbs.metrics.controlloading import ControlLoading, control_loading
 from haptisym.verbs.metrics.entry import metrics
 from haptisym.verbs.metrics.metric import Metrics
 from haptisym.verbs.require.designmap import DesignMap, design_map
@@ -51,6 +52,7 @@ __version__: str
 __all__ = [
     "Accuracy",
     "Change",
+    "ControlLoading",
     "Cost",
     "Crossing",
     "CrossingKind",
@@ -100,6 +102,7 @@ __all__ = [
     "Verification",
     "check",
     "chirp",
+    "control_loading",
     "cost",
     "derive",
     "design",

@@ -259,6 +259,7 @@ def answers(path: Path) -> list[str]:
     family: hs.SceneFamily = hs.load_scenes("fu2019", ["fu2019", "helicopter-cyclic"])
     together: hs.FamilyEvaluation = hs.evaluate_all(family)
     arm: hs.Hand = hs.hands["postural-arm"]
+    loading: hs.ControlLoading = hs.control_loading(scene, sweeps=["4 s"])
     carried: tuple[hs.Effect, ...] = hs.devices["one-axis"].effects()
     let_go: hs.Release = hs.release(scene, "1 cm", arm)
     shakes: hs.Stability = hs.stability(scene, [arm, "firm-grip", hs.Hand("own", m="0.5 kg")])
