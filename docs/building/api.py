@@ -11,7 +11,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
         "Scenes",
         "After this page you can build scenes in Python: environment, effects, band, threshold, hands. Quantities are strings with a unit, or numbers in SI and rad/s; numbers are exact.",
         (
-            "load_scene", "parse_scene", "scene_names", "Scene", "Environment", "Effect", "Threshold", "Part", "Hand", "hands",
+            "load_scene", "parse_scene", "scene_names", "Scene", "Environment", "Effect", "Threshold", "Part", "Hand", "hands", "devices",
             "load_scenes", "parse_scenes", "family_names", "SceneFamily", "measured", "sampled", "Measurement", "MeasuredScene",
         ),
     ),
@@ -20,7 +20,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
         "After this page you can call every command from Python: a function each, which returns a result.",
         (
             "evaluate", "evaluate_all", "derive", "relevance", "require", "design_map", "stability", "sensitivity", "tolerances",
-            "sweep", "metrics", "peaks", "cost", "hard_costs", "jnd", "published", "simulate", "check", "release", "identify",
+            "sweep", "metrics", "control_loading", "peaks", "cost", "hard_costs", "jnd", "published", "simulate", "check", "release", "identify",
         ),
     ),
     "api-answers": (

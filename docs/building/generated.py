@@ -31,6 +31,7 @@ def write(folder: Path) -> None:
         "verbs": verbs,
         "schemas": schemas,
         "thresholds": thresholds,
+        "devices": devices,
         "derivations": derivations,
         **api.PAGES,
     }
@@ -98,6 +99,21 @@ def _threshold(x: hs.Published) -> str:
     reference = f"{x.reference}; not for a scene: {x.apart}" if x.apart else x.reference
     cells = f"`{x.name}`", x.written, criterion, x.quantity, reference, source, x.read
     return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
+
+
+def devices() -> str:
+    """Return the page of known devices: a row for each number, with its source and how much of it was read."""
+    lead = (
+        'After this page you can choose a device by its name, `[device]` with `like = "NAME"` ([scene files](../scenes.md)): the hand carries '
+        "`m`, `b` and `friction`; `force`, `stiffness` and `damping` are the most that it renders. What was not read is not listed.\n"
+    )
+    head = "| device | number | value | source | read |\n|---|---|---|---|---|"
+    rows = [
+        f"| `{device.name}` | {key} | {x.written} | {x.source} | {x.read} |"
+        for device in hs.devices.values()
+        for key, x in device.numbers.items()
+    ]
+    return "\n".join(["# Devices\n", lead, head, *rows, ""])
 
 
 def derivations() -> str:

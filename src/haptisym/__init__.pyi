@@ -13,6 +13,7 @@ from haptisym.kernel.reals import RealNumber as RealNumber
 from haptisym.kernel.rings import omega as omega, s as s, symbols as symbols
 from haptisym.kernel.roots import Interval as Interval, Point as Point
 from haptisym.model.catalogue import Effect as Effect, Environment as Environment, Hand as Hand, hands as hands
+from haptisym.model.devices import devices as devices
 from haptisym.model.distortion import Distortion as Distortion, distort as distort
 from haptisym.model.estimating import estimated as estimated
 from haptisym.model.jnd import Part as Part, Published as Published, Threshold as Threshold
@@ -47,6 +48,7 @@ from haptisym.verbs.jnd.entry import (
     published as published,
 )
 from haptisym.verbs.measured.entry import MeasuredEvaluation as MeasuredEvaluation
+from haptisym.verbs.metrics.controlloading import ControlLoading as ControlLoading, control_loading as control_loading
 from haptisym.verbs.metrics.entry import metrics as metrics
 from haptisym.verbs.metrics.metric import Metrics as Metrics
 from haptisym.verbs.require.designmap import DesignMap as DesignMap, design_map as design_map

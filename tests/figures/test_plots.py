@@ -34,6 +34,7 @@ ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
     "stability": lambda s: hs.stability(s, ["postural-arm"]),
     "sensitivity": hs.sensitivity,
     "metrics": hs.metrics,
+    "controlloading": hs.control_loading,
     "peaks": hs.peaks,
     "published": lambda _: hs.published(),
     "evaluations": lambda s: hs.evaluate_all(hs.load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]), regions=True),

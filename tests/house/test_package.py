@@ -259,6 +259,8 @@ def answers(path: Path) -> list[str]:
     family: hs.SceneFamily = hs.load_scenes("fu2019", ["fu2019", "helicopter-cyclic"])
     together: hs.FamilyEvaluation = hs.evaluate_all(family)
     arm: hs.Hand = hs.hands["postural-arm"]
+    loading: hs.ControlLoading = hs.control_loading(scene, sweeps=["4 s"])
+    carried: tuple[hs.Effect, ...] = hs.devices["one-axis"].effects()
     let_go: hs.Release = hs.release(scene, "1 cm", arm)
     shakes: hs.Stability = hs.stability(scene, [arm, "firm-grip", hs.Hand("own", m="0.5 kg")])
     lines: hs.Measurement = hs.measured([1.0, 2.0], [99 + 2j, 98 + 4j], coherence=[0.9, 0.9], averages=10)
@@ -310,7 +312,7 @@ def test_a_users_mistakes_are_found_by_a_type_checker(tmp_path: Path) -> None:
 
 def test_a_users_script_uses_every_function_and_type() -> None:
     used = set(re.findall(r"\bhs\.(\w+)", USER))
-    spared = "Effect Environment ExpressionError HaptisymError Peaks Percept UndecidedError family_names interop json_schema parse_scenes recording"
+    spared = "Environment ExpressionError HaptisymError Peaks Percept UndecidedError family_names interop json_schema parse_scenes recording"
     assert used <= set(hs.__all__)
     assert set(hs.__all__) - used == {*spared.split(), "scene_names"}
 

@@ -79,6 +79,7 @@ PAGES: dict[str, Callable[[], Any]] = {
     "stability": lambda: hs.stability("delayed-spring", ["light-touch", "postural-arm"]),
     "stability-clock": lambda: hs.stability("virtual-wall", "light-touch"),
     "metrics": lambda: hs.metrics("fu2019"),
+    "control-loading": lambda: hs.control_loading("sidestick", sweeps=["4 s"]),
     "peaks": lambda: hs.peaks("steering-wheel"),
     "family": lambda: hs.evaluate_all(hs.load_scenes("palpation-device")),
     "jnd": lambda: hs.jnd(

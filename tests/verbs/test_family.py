@@ -304,7 +304,7 @@ def test_the_document_and_the_page_hold_each_evaluation_and_the_worst_case(call:
     assert (status, err, document["schema"]) == (0, "", "haptisym.evaluations/1")
     for row in document["environments"]:
         alone = hs.evaluate(hs.load_scene("palpation-device", row["name"])).to_dict()
-        assert row == {"name": row["name"], **alone, "title": "Palpation device (Touch) on four tissues"}
+        assert row == {"name": row["name"], **alone, "title": "Palpation device (Touch) on four tissues (illustrative)"}
     [bound] = document["binding"]
     assert (bound["at"], bound["environment"], bound["part"]) == (document["bandwidth"], "fat", "real")
     assert document["transparent"] == [[0.0, document["bandwidth"]]]

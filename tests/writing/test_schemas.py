@@ -42,6 +42,7 @@ OTHERS: dict[str, tuple[str, ...]] = {
     "evaluations": ("evaluate", "palpation-device", "--regions"),
     "effects": ("effects", "fu2019"),
     "metrics": ("metrics", "fu2019"),
+    "controlloading": ("metrics", "fu2019", "--rule", "14cfr60-a2a", "--sweep", "4 s"),
     "derivation": ("derive", "fu2019"),
     "stability": ("stability", "fu2019", *HAND),
     "sensitivity": ("sensitivity", "fu2019"),

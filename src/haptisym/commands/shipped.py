@@ -32,7 +32,7 @@ def scenes(ask: Ask) -> None:
             "name": name,
             "title": x["title"],
             "source": x["source"],
-            "effects": [e.get("name", e["model"]) for e in x.get("effects", ())],
+            "effects": [*(e.get("name", e["model"]) for e in x.get("effects", ())), *({"device"} & x.keys())],
             "environments": len(x.get("environments", [x])),
         }
         for name, x in found

@@ -537,10 +537,23 @@ def sweep(ask: Ask) -> Answer:
     choice("--to", "Language of the output.", "text", "latex", default="text", show_default=True),
     figure("the measures over the band"),
     option("--absolute-stability", "Print absolute stability even where it does not hold."),
+    choice(
+        "--rule RULE",
+        "Test a control by 14 CFR Part 60: table A2A (aeroplanes) or C2A (helicopters).",
+        "14cfr60-a2a",
+        "14cfr60-c2a",
+    ),
+    option("--control NAME", "pitch, roll, pedals or nosewheel; cyclic, collective or pedals."),
+    option("--travel LENGTH", "From neutral to the stop, for tolerances in pounds."),
+    option("--sweep DURATION", 'How long a full sweep lasts, as "4 s"; repeatable.', multiple=True),
     JSON,
     LIMIT,
     EVERYTHING,
-    apart=[("--json", "--to", "--json prints one document, and --to another output")],
+    apart=[
+        ("--json", "--to", "--json prints one document, and --to another output"),
+        *(("--rule", x, "--rule prints a report of its tests") for x in ("--absolute-stability", "--all", "--to")),
+    ],
+    needs=[(x, "--rule", "the tests of a rule") for x in ("--control", "--travel", "--sweep")],
 )
 def metrics(ask: Ask) -> Answer | None:
     """Compare the JND with other measures of transparency.
@@ -556,7 +569,12 @@ def metrics(ask: Ask) -> Answer | None:
       haptisym metrics fu2019
       haptisym metrics steering-wheel --figure metrics.svg
       haptisym metrics fu2019 --to latex > metrics.tex
+      haptisym metrics fu2019 --rule 14cfr60-a2a --travel "10 cm" --sweep "4 s" --report qtg.pdf
     """
+    if ask.rule:
+        from haptisym.verbs.metrics.controlloading import control_loading
+
+        return control_loading(ask.scene, ask.rule, ask.control, travel=ask.travel, sweeps=ask.sweep, limit=None)
     from haptisym.verbs.metrics.entry import metrics as of
 
     found = of(ask.scene, absolute_stability=ask.absolute_stability, limit=None)

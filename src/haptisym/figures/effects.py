@@ -13,6 +13,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from flint import arb
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -27,10 +28,13 @@ from haptisym.figures.layers import Axis, Chart, Curve, Layer, Limit, On, draw, 
 from haptisym.figures.sheet import Drawings, sheet
 from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.model.jnd import Part
+from haptisym.model.quantities import Unit
 from haptisym.programs.links import series_arithmetic
 from haptisym.programs.values import Array
 from haptisym.verbs.effects.differences import BandPiece
 from haptisym.verbs.effects.relevance import Relevance
+from haptisym.verbs.metrics.controlloading import ControlLoading
+from haptisym.verbs.metrics.freeresponse import motion_of
 from haptisym.verbs.metrics.metric import Metrics
 from haptisym.verbs.sensitivity.entry import Sensitive, Sensitivities
 from haptisym.writing.latex import formula
@@ -372,6 +376,27 @@ def verdict_bands(m: Metrics) -> list[tuple[str, list[tuple[float, float]]]]:
     return [(name, [ends_of(x) for x in bands]) for name, bands in rows]
 
 
+def released(found: ControlLoading) -> Chart:
+    """The free response of environment and display, over the displacement; the 5 % from which overshoots count."""
+    d, layers = found.distortion, list[Layer]()
+    motions = [motion_of(x) for x in (d.env, d.perc)]
+    known = [x for x in motions if not isinstance(x, str)]
+    if len(known) < 2:
+        raise NothingToDrawError(f"there is no free response to draw: {next(x for x in motions if isinstance(x, str))}")
+    end = max(float(x.end) for x in known)
+    time = np.linspace(0, end, _TIMES)
+    for motion, color, stroke, name in zip(
+        known, (pen.INK, pen.RED), (pen.SOLID, pen.DASHED), ("environment", "display"), strict=True
+    ):
+        height = [float(motion.value(arb(t)).mid()) for t in time]
+        layers.append(Curve(time, np.array(height), color, stroke, label=name))
+    layers += [Limit(y, stroke=pen.DOTTED, label="5 %", shared=True) for y in (0.05, -0.05)]
+    return Chart(layers, Axis("time", Unit("s"), (0, end)), Axis("displacement / $A_d$"), height=2.0)
+
+
+_TIMES = 400  # of a drawn free response
+
+CONTROL = Drawings[ControlLoading]({"free-response": released})
 METRICS = Drawings[Metrics](
     {"measures": measures, "verdicts": verdicts}, {"metrics": lambda m: sheet(measures(m), verdicts(m))}
 )

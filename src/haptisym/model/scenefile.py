@@ -22,6 +22,7 @@ from haptisym.kernel.errors import SceneError, meant, need, within
 from haptisym.kernel.objects import Shown, titled
 from haptisym.kernel.rings import c
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Hand, Model, read_hand
+from haptisym.model.devices import read_device
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Threshold, read_threshold
 from haptisym.model.measuredscene import MeasuredScene
@@ -167,13 +168,13 @@ Table: TypeAlias = Mapping[str, Any]
 
 MOST_EFFECTS = 100
 _TABLES = (
-    "title", "source", "environment", "environments", "rendered", "perceived", "effects", "hand", "hands", "evaluation",
+    "title", "source", "environment", "environments", "rendered", "perceived", "effects", "device", "hand", "hands", "evaluation",
 )  # fmt: skip
 MEASURED = (
     "this scene is measured: only evaluate and identify take it. All others need a model in [environment], and [[effects]] "
     "in place of [perceived]; haptisym identify fits one"
 )
-_APART = ("environments", "rendered", "effects", "hand", "hands")
+_APART = ("environments", "rendered", "effects", "device", "hand", "hands")
 """Tables that a scene with a measured response does not have."""
 _DEFAULT_BAND = (Integer(0), Integer(15))  # rad/s, the band of the paper
 _TOML_HINTS = {
@@ -235,6 +236,8 @@ def _formulas(table: Table, text: str) -> SceneFamily:
     evaluation = _table(table.get("evaluation", {}), "evaluation")
     _only(evaluation, ("band", "jnd", "confidence", "friction"), "evaluation")
     effects = tuple(_effects(table.get("effects", [])))
+    if "device" in table:
+        effects = *effects, *read_device(_table(table["device"], "device"))
     band = _band(evaluation["band"]) if "band" in evaluation else _DEFAULT_BAND
     with within("evaluation: jnd"):
         threshold = read_threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()

@@ -5,10 +5,26 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from haptisym.kernel.objects import counted
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import RationalFunction, omega, s
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import both, caveats, near, noted, page_about, percent, proof, region, spans, undecided
+from haptisym.pages.words import (
+    Field,
+    both,
+    caveats,
+    near,
+    noted,
+    number,
+    page_about,
+    percent,
+    proof,
+    region,
+    spans,
+    table,
+    undecided,
+)
+from haptisym.verbs.metrics.controlloading import ControlLoading, Trial
 from haptisym.verbs.metrics.metric import Form, Metric, Metrics, Value
 from haptisym.writing import boxes
 from haptisym.writing import document as doc
@@ -35,7 +51,71 @@ def page(m: Metrics) -> Document:
     )
 
 
-def jnd_verdict(m: Metrics) -> Phrase:
+def control_page(found: ControlLoading) -> Document:
+    """The report on a control by a rule: the tests, what was not tested and why, the JND's verdict."""
+    tested = [x for x in found.trials if x.passes is not None]
+    failed, left = len(found.failed), len(found.untested)
+    result: Phrase = (
+        Strong(f"fails {failed} of {counted(len(tested), 'test')}")
+        if failed
+        else f"passes {counted(len(tested), 'test')}"
+    )
+    answer = (
+        ("Result", (result, f"; {left} not tested" if left else "")),
+        ("Rule", f"14 CFR Part 60, table {found.rule.value}, {found.control}"),
+        ("JND", jnd_verdict(found)),
+    )
+    caption = "The tests: the environment is the aircraft's control, the display is the device's."
+    judged = {True: "yes", False: "no", None: ""}
+    shown = table(
+        tested, caption, Field("entry", lambda x: x.entry, full=True), Field("test", _test), Field("tolerance", _tolerance),
+        number("aircraft", lambda x: _plain(x.environment)), number("display", lambda x: _plain(x.display)),
+        number("margin", lambda x: "" if x.margin is None else f"{100 * x.margin:.1f}\xa0%"),
+        Field("result", lambda x: "passes" if x.passes else Strong("fails")), Field("noticed", lambda x: judged[x.noticed]),
+    )  # fmt: skip
+    untested = doc.Section("Not tested", noted((f"{x.entry} {x.name}", f": {x.why}") for x in found.untested))
+    figure = doc.Figure(
+        "free-response", "Free response of environment and display; grey: 5 % of the displacement.", found.figure
+    )
+    blocks: tuple[Block, ...] = (
+        shown, doc.Notes(tuple(map(formulated, _MEANINGS))), untested, doc.Versions((), lambda: [figure]),
+        *caveats(found.evaluation.caveats)
+    )  # fmt: skip
+    proven = (
+        (undecided("a test"),)
+        if not found.certified
+        else (proof(found.scene, "results, and all digits printed but margins"),)
+    )
+    return page_about(found.scene, answer, blocks, proven, "Control loading", found.asides(), ())
+
+
+_MEANINGS = (
+    (
+        "P_0: to the first zero crossing, from 90 % of A_d (aeroplanes) or the release (helicopters); P_1, P_2: periods; "
+        "A_1, A_2: overshoots. Sweep: force above the slow one, per travel."
+    ),
+    (
+        "Margin: share of the tolerance left (100 %: no change, 0: at the limit). Noticed: by the JND, at the frequency of "
+        "the test; of a free response, on the band."
+    ),
+)
+
+
+def _test(x: Trial) -> Phrase:
+    """A test in a few letters; what they mean is below the table."""
+    short = x.name.partition(",")[0].replace("time from ", "").replace(" of A_d", "").replace("above", ">")
+    return (formulated(short), f" ({unit_text(x.unit)})" if x.unit else "")
+
+
+def _tolerance(x: Trial) -> Phrase:
+    return formulated(x.tolerance.replace("the same number to within ", "±").replace(" above static", ""))
+
+
+def _plain(x: RealNumber | int | None) -> Phrase:
+    return "none" if x is None else near(x) if isinstance(x, RealNumber) else str(x)
+
+
+def jnd_verdict(m: Metrics | ControlLoading) -> Phrase:
     """What the JND evaluation says, in a line."""
     c, found = m.scene.threshold, m.evaluation.transparent
     if not c.is_plain:

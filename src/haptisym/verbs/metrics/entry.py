@@ -86,8 +86,8 @@ def metrics(scene: Scene | str | Path, *, absolute_stability: bool = False, limi
         found = (
             _ratio(m), _relative(m), _range(m), _sensitivity(m),
             passivity_measure(m), absolute_stability_measure(m), _effective(m),
-            _free(m.free, m, "aeroplanes", "A, attachment 2, table A2A"),
-            _free(m.free_of_a_helicopter, m, "helicopters", "C, attachment 2, table C2A"),
+            _free(m.free, m, "aeroplanes", "A, attachment 2, table A2A, 2.b"),
+            _free(m.free_of_a_helicopter, m, "helicopters", "C, attachment 2, table C2A, 2.a.5"),
         )  # fmt: skip
         return Metrics(m.evaluation, found, tuple(disagreements(m)), m, absolute_stability)
 
@@ -230,7 +230,7 @@ def _free(found: FreeResponse, m: Measured, of: str, table: str) -> Metric:
         f"free response, {of}",
         (),
         tuple(values),
-        f"14 CFR Part 60, appendix {table}, 2.b",
+        f"14 CFR Part 60, appendix {table}",
         "verified; the whole response from rest",
         f"{passed}{how}",
     )

@@ -10,8 +10,8 @@ certified zeros. The whole response is judged, not its slowest pair. 14 CFR Part
 * Table A2A, 2.b (aeroplanes). Underdamped: P_0, from 90 % of A_d to the first zero crossing, within 10 %; each period P_n after
   it within 10 (n + 1) %; each overshoot above 5 % of A_d within 10 % of the first, A_1; as many of them to within one.
   Overdamped: the time from 90 % to 10 % of A_d within 10 %.
-* Table C2A, 2.b (helicopters): the same, but P_0 is the time of the first zero crossing from the release on, and second and later
-  overshoots are each within 20 %.
+* Table C2A, 2.a.5 (helicopters): the same, but P_0 is the time of the first zero crossing from the release on, and second
+  and later overshoots are each within 20 %.
 """
 
 from __future__ import annotations
@@ -300,7 +300,10 @@ def _exceeds(x: RealNumber, limit: Rational) -> bool:
 
 @dataclass(frozen=True)
 class Check:
-    """One tolerance: what the environment does, what is felt instead (None: nothing such), and whether that is close enough."""
+    """One tolerance: what the environment does, what is felt instead (None: nothing such), and whether that is close enough.
+
+    ``margin`` : the share of the tolerance that is left, in floats: 1 with no change, 0 at the limit, negative beyond it.
+    """
 
     name: str
     environment: RealNumber | int
@@ -308,6 +311,7 @@ class Check:
     unit: str
     tolerance: str
     passes: bool
+    margin: float | None = None
 
 
 @dataclass(frozen=True)
@@ -414,8 +418,9 @@ def _checks(env: Swings, perc: Swings, rule: Rule) -> Iterator[Check]:
                 yield _ratio_check(f"P_{n}, period", own, perc.period(n), 10 * (n + 1))
         yield from _amplitudes(env, perc, rule)
     count, own_count = env.significant, perc.significant
+    apart = abs(count - own_count)
     yield Check(
-        "overshoots above 5 % of A_d", count, own_count, "", "the same number to within 1", abs(count - own_count) <= 1
+        "overshoots above 5 % of A_d", count, own_count, "", "the same number to within 1", apart <= 1, 1.0 - apart
     )
 
 
@@ -437,9 +442,15 @@ def _ratio_check(name: str, env: RealNumber | None, perc: RealNumber | None, per
     share = expression_ball(Rational(percent, 100))
     passes = perc is env or (
         perc is not None
-        and _at_most(lambda bits: abs(perc.ball(bits) - env.ball(bits)) - share * env.ball(bits), Rational(0))
+        and at_most(lambda bits: abs(perc.ball(bits) - env.ball(bits)) - share * env.ball(bits), Rational(0))
     )
-    return Check(name, env, perc, "s", f"{percent} %", passes)
+    own = _float(env)
+    margin = None if perc is None or not own else 1 - 100 * abs(_float(perc) / own - 1) / percent
+    return Check(name, env, perc, "s", f"{percent} %", passes, margin)
+
+
+def _float(x: RealNumber) -> float:
+    return float(x.ball(64).mid())
 
 
 def _amplitudes(env: Swings, perc: Swings, rule: Rule) -> Iterator[Check]:
@@ -452,7 +463,9 @@ def _amplitudes(env: Swings, perc: Swings, rule: Rule) -> Iterator[Check]:
     if len(rows) > 3:
         fourth = rows[3]
         name = f"A_4/A_d to A_{count}/A_d" if count > 4 else fourth.name
-        yield Check(name, fourth.environment, fourth.perceived, "", fourth.tolerance, all(x.passes for x in rows[3:]))
+        least = min(x.margin for x in rows[3:] if x.margin is not None)
+        passes = all(x.passes for x in rows[3:])
+        yield Check(name, fourth.environment, fourth.perceived, "", fourth.tolerance, passes, least)
 
 
 def _overshoot(n: int, env: Swings, perc: Swings, rule: Rule) -> Check:
@@ -464,9 +477,10 @@ def _overshoot(n: int, env: Swings, perc: Swings, rule: Rule) -> Check:
     def off(bits: int) -> Ball:
         return abs((arb(0) if own is None else own.ball(bits)) - known.ball(bits)) / of.ball(bits)
 
-    return Check(f"A_{n}/A_d", known, own, "", f"{100 * limit} % of A_{n if later else 1}", _at_most(off, limit))
+    margin = 1 - float(off(64).mid()) / float(limit)
+    return Check(f"A_{n}/A_d", known, own, "", f"{100 * limit} % of A_{n if later else 1}", at_most(off, limit), margin)
 
 
-def _at_most(value: Callable[[int], Ball], limit: Rational) -> bool:
+def at_most(value: Callable[[int], Ball], limit: Rational) -> bool:
     """Whether a number is at most a limit; one that cannot be told from it at the last precision is not."""
     return at_rising_precision(lambda bits: -sign_of(value(bits) - expression_ball(limit)) or None, 64, _BITS) == 1
