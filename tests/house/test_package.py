@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import ast
 import importlib
+import json
 import os
 import re
 import subprocess
 import sys
+from collections.abc import Iterable
 from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 from textwrap import dedent
+from typing import Any
 
 import pytest
 from marks import required
+from questions import answers
 
 import haptisym as hs
 
@@ -331,3 +335,59 @@ def test_stub_and_package_agree_by_the_type_checkers_own_test(tmp_path: Path) ->
     assert lines
     # what lies below the top level is not written twice: stubs are the sources themselves there
     assert not [line for line in lines if re.match(r"haptisym(\.(?!__main__)\w+)? ", line)]
+
+
+# The exact core without arrays and pictures
+
+
+def asked(without: str, names: Iterable[str]) -> Any:
+    script = Path(__file__).parents[1] / "witnesses" / "questions.py"
+    done = subprocess.run([sys.executable, script, without, *names], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        pytest.param(("fu2019",), id="fu2019"),
+        pytest.param(hs.scene_names(), id="all", marks=[pytest.mark.slow, pytest.mark.core]),
+    ],
+)
+def test_the_exact_core_gives_the_same_digits_without_numpy_and_matplotlib(names: tuple[str, ...]) -> None:
+    told = asked("numpy,matplotlib,scipy", names)["answers"]
+    for name in names:
+        assert told[name] == answers(name)
+
+
+def test_evaluating_deriving_and_stability_load_neither_numpy_nor_matplotlib() -> None:
+    loaded = python("""
+        import sys
+        import haptisym as hs
+        scene = hs.load_scene("fu2019")
+        for answer in (hs.evaluate(scene), hs.stability(scene, "firm-grip"), hs.derive(scene)):
+            answer.to_json(), str(answer)
+        hs.evaluate(scene).certificate()
+        print(*sys.modules)
+        scene.distortion().compile()([1.0, 2.0])
+        print(*sys.modules)
+    """).splitlines()
+    arrays, pictures = {"numpy"}, {"matplotlib", "scipy", "click"}
+    assert not (arrays | pictures) & set(loaded[0].split())
+    assert arrays <= set(loaded[1].split())
+
+
+def test_what_needs_numpy_is_undecided_without_it_and_says_so() -> None:
+    told = python("""
+        import sys
+        sys.modules["numpy"] = None
+        import haptisym as hs
+        try:
+            hs.load_scene("fu2019").distortion().compile()([1.0, 2.0])
+        except hs.UndecidedError as error:
+            print(error)
+        found = hs.require("delayed-spring", "tau", that=["passive"])
+        print(found.feasible, len(found.undecided), found.reason)
+    """)
+    needs = "this needs NumPy, which is missing: pip install numpy"
+    assert told.splitlines() == [needs, f"() 1 {needs}"]

@@ -15,9 +15,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from explorers import undrawn
 from marks import required
 from pagereader import Page, equations, value
-from reports import undrawn
 from sympy import lambdify
 
 import haptisym as hs

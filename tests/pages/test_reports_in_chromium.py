@@ -14,10 +14,9 @@ import numpy as np
 import pytest
 from browser import Browser
 from certificates import text_of
-from explorers import proven, typed
+from explorers import proven, typed, undrawn
 from jnds import inline
 from marks import required
-from reports import undrawn
 
 import haptisym as hs
 from haptisym.pages.report import save_report

@@ -1,10 +1,20 @@
-"""The explorer of a page in a browser, as a reader uses it."""
+"""Reports of HTML without their drawings, which take seconds and change no word, and the explorer as a reader uses it."""
 
 from __future__ import annotations
 
+import json
 import time
 
 from browser import Browser
+
+from haptisym.judge.answers import Answer
+from haptisym.writing.html import Html, html
+
+
+def undrawn(answer: Answer) -> str:
+    told = answer.to_dict()
+    name = told["schema"].partition("/")[0].removeprefix("haptisym.")
+    return html(answer.document(), lambda _: Html(), (name, json.dumps(told)), "Made by a test.")
 
 
 def typed(opened: Browser, identity: str, value: str | float) -> None:

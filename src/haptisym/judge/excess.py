@@ -14,12 +14,12 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TypeAlias
 
-import numpy as np
 from sympy import Expr, Integer, Rational, S
 
 from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.regions import Diamond, Ellipse, Polygon, Sided
+from haptisym.kernel.arrays import np
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import c, omega
 from haptisym.kernel.where import Curve

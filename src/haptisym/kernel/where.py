@@ -52,13 +52,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Generic, Protocol, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
-import numpy as np
-from numpy.typing import ArrayLike
-
+from haptisym.kernel.arrays import np
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 Array: TypeAlias = Any  # numpy arrays of floats, or of whole numbers and truth values where that is said
 

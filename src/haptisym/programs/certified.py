@@ -18,10 +18,10 @@ from math import inf, nan
 from typing import Any, NamedTuple, TypeAlias
 
 import flint
-import numpy as np
 from flint import arb, fmpq
 from sympy import Rational
 
+from haptisym.kernel.arrays import np
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, RealNumber

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from math import factorial, frexp, inf, isfinite, prod
 from typing import Any, NamedTuple
 
-import numpy as np
 from flint import fmpq
 from sympy import Expr, Poly, fraction, together
 
+from haptisym.kernel.arrays import np
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import omega
 from haptisym.programs.program import LAST, SMALL, Operation, Program
@@ -68,20 +68,14 @@ def _put(found: Any, out: Any) -> Any:
 BLOCK = 8192
 
 
-UFUNCS: dict[str, Callable[..., Any]] = {
-    "add": np.add,
-    "sub": np.subtract,
-    "mul": np.multiply,
-    "div": np.divide,
-    "neg": np.negative,
-    "abs": np.abs,
-    "sqrt": np.sqrt,
-    "cos": np.cos,
-    "sin": np.sin,
-    "sinc": sinc,
-    "sincm1": sincm1,
-    "power": np.power,
-}
+@cache
+def _ufuncs() -> dict[str, Callable[..., Any]]:
+    return {
+        "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative, "abs": np.abs,
+        "sqrt": np.sqrt, "cos": np.cos, "sin": np.sin, "sinc": sinc, "sincm1": sincm1, "power": np.power,
+    }  # fmt: skip
+
+
 _SELDOM = frozenset({"sinc", "sincm1"})
 
 
@@ -182,14 +176,14 @@ def _plan(program: Program, constants: Mapping[int, np.float64], are_numbers: Se
             (numbers if are_numbers[step.arguments[0]] else inputs).append((i, step.arguments[0]))
             are_single |= {i} if are_numbers[step.arguments[0]] else set()
         elif step.name != "constant" and all(x in are_single for x in step.arguments):
-            single.append((i, UFUNCS[step.name], step.arguments))
+            single.append((i, _ufuncs()[step.name], step.arguments))
             are_single.add(i)
     moving = [(i, x) for i, x in enumerate(operations) if i not in are_single and x.name != "input"]
     put, count = _places(moving, operations, results)
     steps = []
     for i, step in moving:
         x, y = (put.get(a, a) for a in (*step.arguments, -1)[:2])
-        steps.append((UFUNCS[step.name], x, None if y < 0 else y, put[i]))
+        steps.append((_ufuncs()[step.name], x, None if y < 0 else y, put[i]))
     others = []
     for n, x in enumerate(results):
         if x in are_single:
@@ -231,7 +225,6 @@ def _last_uses(operations: Sequence[Operation], results: Sequence[int]) -> dict[
     return {**last, **dict.fromkeys(results, len(operations))}
 
 
-_MIN, _MAX = np.minimum.reduce, np.maximum.reduce
 _SINE = 70.0  # no cosine, and no sine of a double of at least 2^-69, is smaller than 2^-70
 
 
@@ -296,7 +289,7 @@ def _of_number(x: float) -> MagnitudeRange:
 
 def _of_array(x: Any) -> MagnitudeRange:
     """The range of given numbers; where all are 0, that of 1."""
-    least, most = (float(_MIN(x, None)), float(_MAX(x, None))) if x.size else (inf, -inf)
+    least, most = (float(np.minimum.reduce(x, None)), float(np.maximum.reduce(x, None))) if x.size else (inf, -inf)
     low, high = least if least > 0 else float(np.min(np.abs(x), where=x != 0, initial=inf)), max(most, -least)
     if not isfinite(high) and x.size:
         return MagnitudeRange(-inf, inf)

@@ -14,10 +14,10 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 import flint
-import numpy as np
 from flint import acb, acb_series, arb
 from sympy import Expr, I, Rational, Symbol
 
+from haptisym.kernel.arrays import np
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import Polynomial, RationalFunction, s
 from haptisym.programs.balls import constant_ball
@@ -177,7 +177,7 @@ FLOATS: Mapping[str, Callable[..., Any]] = {
     **_COMMON,
     "constant": lambda value: complex(_complex(value)),
     "div": operator.truediv,
-    "exp": np.exp,
+    "exp": lambda x: np.exp(x),
     "phi": lambda x: -np.expm1(-x) / x,
     "power": lambda x, order: x**order,
 }

@@ -8,9 +8,9 @@ from functools import lru_cache
 from importlib.util import find_spec
 from typing import Any
 
-import numpy as np
 from sympy import Abs, Add, Expr, Float, Mul, Pow, Symbol, cos, lambdify, sin, sinc, sqrt
 
+from haptisym.kernel.arrays import np
 from haptisym.kernel.errors import SceneError
 from haptisym.programs.floats import Floats, nearest
 from haptisym.programs.program import LAST, SMALL, Operation, Program, sincm1

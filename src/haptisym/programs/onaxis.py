@@ -13,9 +13,9 @@ from functools import cached_property
 from math import prod
 from typing import TypeAlias
 
-import numpy as np
 from sympy import Expr, Rational, Symbol, pi
 
+from haptisym.kernel.arrays import np
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import sign_of_number

@@ -18,9 +18,9 @@ from math import prod
 from typing import Any, TypeAlias
 
 import flint
-import numpy as np
 from sympy import Add, Expr, Mul, Pow, Rational
 
+from haptisym.kernel.arrays import np
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import expression_ball

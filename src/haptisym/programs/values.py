@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
 from math import prod
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
+from haptisym.kernel.arrays import np
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import rounded, whole
@@ -23,7 +21,12 @@ from haptisym.programs.floats import Floats, Judgement, MagnitudeRange, judged, 
 from haptisym.programs.machine import Machine
 from haptisym.programs.program import Program
 
-Array: TypeAlias = NDArray[np.float64]
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array: TypeAlias = NDArray[np.float64]
+else:
+    Array = Any
 
 _LEAST = 32  # frequencies that are not taken apart to find those at which a float overflows
 _MOST_DOUBLED = 28  # decimal digits that a double-double can prove

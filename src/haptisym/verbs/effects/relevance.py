@@ -13,14 +13,13 @@ from functools import cached_property
 from itertools import combinations, groupby
 from math import comb, inf, nextafter
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
 from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, noticed
+from haptisym.kernel.arrays import np
 from haptisym.kernel.budget import SECONDS, Waiting, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import titled
@@ -34,6 +33,9 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.links import FLOATS, InSteps, series_arithmetic
 from haptisym.verbs.effects.differences import BallChain, BandPiece, Difference, Kept, Supremum, SupremumBounds
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 _DEPTH = 7  # of the pieces in whose middles ratios are sampled
 _MOST_SUBSETS = 1 << 12  # that are gone through: all of 12 effects

@@ -19,12 +19,12 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, ClassVar
 
-import numpy as np
 from sympy import Dummy, Expr, Rational
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.excess import Box, Side, excess_of
+from haptisym.kernel.arrays import np
 from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, spared
 from haptisym.kernel.errors import HaptisymError, SceneError, several
 from haptisym.kernel.objects import Shown, counted, titled

@@ -19,12 +19,12 @@ from math import inf, nextafter, prod
 from typing import TypeAlias
 
 import flint
-import numpy as np
 from sympy import Expr, I, Integer, Poly, Rational, Symbol, pi
 
 from haptisym.judge.bounds import ANY_ENVIRONMENT, is_series
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.excess import Box, Excess, LargerExcess, Side, excess_of
+from haptisym.kernel.arrays import np
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError, UndecidedError
 from haptisym.kernel.reals import expression_ball

@@ -15,11 +15,11 @@ from fractions import Fraction
 from functools import cached_property
 from math import inf, sqrt
 
-import numpy as np
 from sympy import Expr, Rational, S
 
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.peaks import Top, tops
+from haptisym.kernel.arrays import np
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot, rational_between

@@ -18,6 +18,7 @@ from sympy import Abs, Expr, Float, Symbol
 from haptisym.judge.answers import Answer
 from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import PASSIVE, Criterion, noticed, opened
+from haptisym.kernel.arrays import has_arrays
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import SECONDS, Told, limited
 from haptisym.kernel.dynamics import RealFunction, Ring
@@ -234,12 +235,10 @@ class Requirement(Answer):
     @cached_property
     def nearest(self) -> Nearest | None:
         """Where no value will do, the one that comes nearest; found in five seconds or not at all."""
-        if self.feasible or self.undecided:
+        if self.feasible or self.undecided or not has_arrays():  # without NumPy nobody guesses
             return None
-        try:
-            from haptisym.verbs.require.nearest import Question, nearest
-        except ImportError:  # without NumPy nobody guesses
-            return None
+        from haptisym.verbs.require.nearest import Question, nearest
+
         return nearest(Question(self.scene, self.free, self.domain, self.criteria))
 
     @cached_property

@@ -36,6 +36,7 @@ from sympy import Expr, Rational, S, Symbol, pi
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.peaks import Largest, Top, tops
 from haptisym.judge.regions import Sided
+from haptisym.kernel.arrays import has_arrays
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
@@ -632,10 +633,10 @@ def _by_cells(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
 
 def _quick(scene: Scene, free: Knob, criteria: Sequence[Criterion], usual: float) -> Quick:
     """What floats tell of values; nothing where there is no NumPy."""
-    try:
-        from haptisym.verbs.require.floatcells import FloatCells
-    except ImportError:
+    if not has_arrays():
         return _nothing
+    from haptisym.verbs.require.floatcells import FloatCells  # which not every question needs
+
     return FloatCells(scene, free, criteria, usual).told
 
 

@@ -15,11 +15,11 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TypeAlias
 
-import numpy as np
 from flint import arb
 from sympy import Expr, Integer, Rational
 
 from haptisym.judge.peaks import ValueAt
+from haptisym.kernel.arrays import np
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, UndecidedError
@@ -55,7 +55,6 @@ _WINDOWS = 7
 _SMALLEST = Rational(1, 1024)  # as what a value of 0 counts for the first window
 _MOST_CELLS, _DEEPEST = 80_000, 60  # of one strip of values, and how often one is cut
 _THINNEST = 64  # part of the first window, for which a bound on the frequency must be known
-_COLUMNS = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 64)])
 _NEAR, _STRAIGHT, _WIDER = (
     1.6,
     0.05,
@@ -153,8 +152,9 @@ class _Cells:
 
     def settle(self) -> list[Gap]:
         """Find all pairs; values in cells that are left are in gaps."""
-        start = np.zeros((len(_COLUMNS) - 1, 2, 2))
-        start[:, 0, 0], start[:, 0, 1], start[:, 1, 1] = _COLUMNS[:-1], _COLUMNS[1:], 1.0
+        columns = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 64)])
+        start = np.zeros((len(columns) - 1, 2, 2))
+        start[:, 0, 0], start[:, 0, 1], start[:, 1, 1] = columns[:-1], columns[1:], 1.0
         looked, waiting = 0, Waiting([start], most=_DEEPEST, what="times that cells of frequency and value are cut")
         for part in waiting:
             looked += len(part)

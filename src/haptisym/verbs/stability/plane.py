@@ -8,9 +8,9 @@ from itertools import pairwise
 from typing import Any, TypeAlias
 
 import flint
-import numpy as np
 from sympy import Rational
 
+from haptisym.kernel.arrays import np
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import Roots

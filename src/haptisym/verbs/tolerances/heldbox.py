@@ -16,9 +16,9 @@ from functools import cached_property
 from itertools import islice, product
 from typing import Any
 
-import numpy as np
 from sympy import Expr, I, Rational, Symbol
 
+from haptisym.kernel.arrays import np
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
