@@ -128,6 +128,18 @@ def test_stable_in_a_hand():
             assert exact(scene, values) <= found.bandwidth[1]
 
 
+def test_a_handle_that_nothing_holds_is_designed_without_shaking():
+    """m s^2 + b s + (m s^2 + b s) exp(-s tau) with a light hand: it drifts for every delay, and shakes from 27.79 ms on."""
+    damper = hs.environments.mass_spring_damper(m="0.3 kg", b="40 N*s/m")
+    scene, light = hs.Scene(damper, (hs.effects.delay("2 ms"),)), hs.Hand("light", "0.6 kg", "2 N*s/m")
+    found = hs.design(scene, {"tau": ("1 ms", "80 ms")}, keep="steady", hand=light)
+    assert found.best
+    assert (found.best.kept, found.certified) == (True, True)
+    for keep, low in (("stable", "1 ms"), ("steady", "28 ms")):
+        none = hs.design(scene, {"tau": (low, "80 ms")}, keep=keep, hand=light)
+        assert (none.best, none.certified) == (None, True)
+
+
 def test_several_environments_have_the_least_of_their_bandwidths():
     found, family = hs.design("palpation-device", {"omega_c": ("10 Hz", "1 kHz")}), hs.load_scenes("palpation-device")
     assert found.certified

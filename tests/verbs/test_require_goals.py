@@ -10,6 +10,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from scipy.linalg import expm
 from sympy import Rational
 from valuesets import ends, shown, undecided, within
 
@@ -19,6 +20,23 @@ from haptisym import effects, environments
 POSTURAL = "postural-arm"  # 0.554 kg, 6.45 N s/m, 135 N/m
 LATE = hs.load_scene("delayed-spring")
 NOTHING = hs.Hand("nothing")
+
+
+def test_what_nothing_holds_in_place_is_steady_up_to_the_damping_at_which_it_shakes() -> None:
+    """A damper made by a clock: the eigenvalues of what a period does to place, speed and last place say the same."""
+    loop = effects.sampled_loop("1 ms", "backward-difference"), effects.shunt(m="0.2 kg", b="0.1 N*s/m")
+    free_air = hs.Scene(environments.kelvin_voigt(k=0, b=0), loop, hands=(NOTHING,))
+    [span] = hs.require(free_air, "environment.b", that="steady").feasible
+    assert (span.low.value.digits(3), span.low.closed, span.high.closed) == ("0", True, False)
+    assert hs.require(free_air, "environment.b", that="stable").feasible == ()
+    for share, most in ((0.0, 1), (0.5, 1), (0.999, 1), (1.001, 3)):
+        force = share * float(span.high.value) / 1e-3  # held on the place's change in the last period
+        A = np.array([[0, 1, 0], [0, -0.1 / 0.2, 1 / 0.2], [0, 0, 0]]) * 1e-3
+        P = expm(A)
+        step = np.array([[1, P[0, 1], 0], [0, P[1, 1], 0], [1, 0, 0]])
+        step[:2, 0] -= P[:2, 2] * force
+        step[:2, 2] += P[:2, 2] * force
+        assert (abs(np.linalg.eigvals(step)) > 1 - 1e-9).sum() == most
 
 
 def test_a_delayed_spring_is_stable_in_the_published_hand_up_to_the_known_stiffness() -> None:

@@ -262,10 +262,10 @@ def effects(ask: Ask) -> Answer:
     ),
     choice("--part", "Require the condition of one part only.", "real", "imag"),
     choice(
-        "--that", "What is required; repeatable, for all of them together.", "transparent", "stable", "passive",
+        "--that", "What is required; repeatable, for all of them together.", "transparent", "stable", "steady", "passive",
         multiple=True, default=["transparent"], show_default=True,
     ),
-    option("--hand NAME", "Hand of --that stable, of the scene or shipped."),
+    option("--hand NAME", "Hand of --that stable or steady, of the scene or shipped."),
     option("--jnd C", "Add the transparent set for this JND to a map; repeatable.", multiple=True),
     option("--friction F", "Coulomb friction of the device, for the bound 2 f_c/Delta in a map."),
     option("--resolution DELTA", "Step of the encoder, for the same bound."),
@@ -288,7 +288,8 @@ def require(ask: Ask) -> Answer:
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Required is that the display is transparent on its whole band, stable in a hand, or passive. The result is a proven
+    Required is that the display is transparent on its whole band, stable in a hand, steady in it (a drift is allowed), or
+    passive. The result is a proven
     union of intervals, with what limits it at each end.
 
     \b

@@ -202,7 +202,7 @@ _VISIBLE = 2.5e-3
 _ROOM = 0.12
 """Of what is there: the room about it, where a map is empty beyond."""
 _LEFT = {"transparent": pen.OPEN, "stable": "#f0b3a6"}
-_COLORS = {"transparent": pen.BLUE, "stable": pen.RED, "passive": "#d0701f"}
+_COLORS = {"transparent": pen.BLUE, "stable": pen.RED, "steady": pen.RED, "passive": "#d0701f"}
 _STROKES: Sequence[Any] = (pen.DASHED, pen.DOTTED, (0, (6, 1.5, 1, 1.5)))
 _CLASSICAL = 160
 

@@ -17,9 +17,9 @@ from haptisym.model.quantities import Unit
 from haptisym.model.scene import THRESHOLD, Knob, clocks
 from haptisym.pages import words as w
 from haptisym.verbs.require.designmap import DesignMap
-from haptisym.verbs.require.feasible import Binding, End, Kind, Span
+from haptisym.verbs.require.feasible import IN_HANDS, STABLE, Binding, End, Kind, Span
 from haptisym.verbs.require.freeparameter import searched
-from haptisym.verbs.require.required import STABLE, Requirement, is_quick, require
+from haptisym.verbs.require.required import Requirement, is_quick, require
 from haptisym.writing import document as doc
 from haptisym.writing.document import Block, Document, Phrase, Strong, listed
 from haptisym.writing.layout import layout, named
@@ -39,7 +39,7 @@ _MOST_LIMITS = 2  # that the answer has; more are a table
 
 def page(r: Requirement) -> Document:
     """The page of one parameter."""
-    judged = any(x.name not in ("stable", "passive") for x in r.criteria)
+    judged = any(x.name not in (*IN_HANDS, "passive") for x in r.criteria)
     worst = "The worst case over the band against the parameter, with the threshold; grey: " if judged else "Grey: "
     caption = (worst, required(r.criteria), "; hatched: undecided." if r.undecided else ".")
     blocks = (
@@ -156,14 +156,14 @@ def heading(free: Knob) -> Phrase:
 def _part(b: Binding) -> Phrase:
     if b.criterion.name == "passive":
         return "passivity"
-    if b.criterion.name == "stable":
-        return "stability" if " in " not in b.criterion.kept else f"stability{b.criterion.kept.removeprefix('stable')}"
+    if b.criterion.name in IN_HANDS:
+        return f"stability{b.criterion.kept.removeprefix(b.criterion.name)}"
     return f"the {w.PART_NAMES[b.part]} part" if isinstance(b.part, Part) else w.symbol(b.criterion.symbol)
 
 
 def _where(b: Binding, r: Requirement) -> Phrase:
     place = _OF_ALL[b.kind] if b.criterion.name == "passive" else _PLACES[b.kind]
-    if b.kind is Kind.AXIS and b.criterion.name == "stable" and clocks(r.scene):
+    if b.kind is Kind.AXIS and b.criterion.name in IN_HANDS and clocks(r.scene):
         place = "poles on the unit circle"
     joined = " at " if b.kind is Kind.AXIS else ", "
     return place, "" if b.omega is None else (joined, w.both(b.omega))

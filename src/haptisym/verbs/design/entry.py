@@ -232,10 +232,11 @@ class Question:
     def _held(self) -> tuple[Array, Array]:
         """Cells, in shares, that hold all values with which the display may be stable, and such with which it is not."""
         whole = np.tile([0.0, 1.0], (1, len(self.free), 1))
-        if STABLE not in self.keep or self.robust:
+        alone = len(self.free) == 1
+        if self.robust or not ({STABLE, STEADY} if alone else {STABLE}) & {*self.keep}:
             return whole, whole[:0]
         try:
-            return self._held_alone() if len(self.free) == 1 else self._held_plane()
+            return self._held_alone() if alone else self._held_plane()
         except UndecidedError:
             return whole, whole[:0]
 
@@ -256,7 +257,7 @@ class Question:
         from haptisym.verbs.require.required import require
 
         (low, high), [free] = self.ranges[0], self.free
-        found = require(self.scenes[0], free.path, (low, high), that=[STABLE], limit=None)
+        found = require(self.scenes[0], free.path, (low, high), that=[x for x in self.keep if x != PASSIVE], limit=None)
         spans = [*((x.low.value, x.high.value) for x in found.feasible), *found.undecided]
 
         def share(x: RealNumber | None, end: int, none: float) -> float:
@@ -294,7 +295,7 @@ class Question:
         """Whether all values within a relative distance of the best keep what must be kept; None where that is not proven."""
         if not self.keep:
             return True
-        if len(self.free) > 1 or STEADY in self.keep:
+        if len(self.free) > 1:
             corners = Points(self.scenes, self.free, self.ranges, self.keep, offsets(len(self.free), relative))
             found = corners.attained(best.values)
             return False if found is not None and found.kept is False else None

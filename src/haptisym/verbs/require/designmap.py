@@ -38,10 +38,10 @@ from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder
-from haptisym.verbs.require.feasible import End, Kind, Solved, together
+from haptisym.verbs.require.feasible import IN_HANDS, STABLE, End, Kind, Solved, together
 from haptisym.verbs.require.freeparameter import asked_of, conditions, domain, edge_polynomial, pieces, touch_polynomial
 from haptisym.verbs.require.hands import with_hands
-from haptisym.verbs.require.required import STABLE, SUITS_ALL, TRANSPARENT, Requirement, further, require, wishes
+from haptisym.verbs.require.required import SUITS_ALL, TRANSPARENT, Requirement, further, require, wishes
 from haptisym.verbs.tolerances.heldbox import grid, held_plane, wider_than
 
 
@@ -646,7 +646,7 @@ class DesignMap(Answer):
         Every point of the boundary is a zero of one of them. SceneError for scenes with delays or powers of s. Those of
         touches are large for devices of order 4 and more.
         """
-        judged = [x for x in self.criteria if x.name not in (STABLE, SUITS_ALL)]
+        judged = [x for x in self.criteria if x.name not in (*IN_HANDS, SUITS_ALL)]
         found = {x: pieces(own) for x, own in conditions(self.scene, self.free, judged).items()}
         return {
             (x, kind): edge_polynomial(own, end)
@@ -762,7 +762,7 @@ def design_map(
     """
     plan = Plan(slices, None if uniform else WITHIN if within is None else share_of(within))
     wanted = wishes(that)
-    scene = with_hands(as_scene(scene), hand) if STABLE in wanted else as_scene(scene)
+    scene = with_hands(as_scene(scene), hand) if {*IN_HANDS} & {*wanted} else as_scene(scene)
     asked = Asked.of(scene, paths, ranges, {"part": part, "any_environment": any_environment}, wanted, jnd)
     encoder = Encoder.of(scene, friction, resolution)
     need_encoder(scene, asked.free, encoder)

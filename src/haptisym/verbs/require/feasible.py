@@ -125,10 +125,13 @@ def runs(at: Sequence[bool], between: Sequence[bool]) -> list[tuple[int, int, bo
     return found
 
 
-def stable_in(hand: Hand) -> Criterion:
-    """The display is stable in this hand: a criterion without a function of frequency."""
-    name = f"stable in {hand.name}"
-    return Criterion("stable", name, "H_perc + Z_hand", name, _none, kept=name)
+STABLE, STEADY = IN_HANDS = "stable", "steady"
+
+
+def stable_in(hand: Hand, what: str = STABLE) -> Criterion:
+    """The display is stable in this hand, or steady: without shaking, a drift allowed; it has no function of frequency."""
+    name = f"{what} in {hand.name}"
+    return Criterion(what, name, "H_perc + Z_hand", name, _none, kept=name)
 
 
 def _none(_: object) -> Any:

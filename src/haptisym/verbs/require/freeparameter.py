@@ -368,8 +368,8 @@ class ExactSign:
         return self.at(low + 1 if high is None else (low + high) / 2)
 
 
-def missing(scene: Scene, free: Knob) -> list[RealNumber]:
-    """All such values, of either sign.
+def missing(scene: Scene, free: Knob, *, in_air: bool = False) -> list[RealNumber]:
+    """All such values, of either sign; ``in_air`` : but for those with nothing to feel.
 
     >>> from haptisym import effects, environments
     >>> spring = environments.expression("k - 5", parameters={"k": "8 N/m"})
@@ -386,13 +386,14 @@ def missing(scene: Scene, free: Knob) -> list[RealNumber]:
     for p in _vanishing(chain, ring):
         factors += [f for f in _factors(p, index) if f not in factors]
     found = (x for f in factors for x in real_roots(f, index, negative=True))
-    return [x for x in found if not (_is_rational(x) and allowed(scene, free, x.value))]  # type: ignore[attr-defined]
+    return [x for x in found if not (_is_rational(x) and allowed(scene, free, x.value, in_air=in_air))]  # type: ignore[attr-defined]
 
 
-def allowed(scene: Scene, free: Knob, value: Expr) -> bool:
-    """Whether the scene exists at a value of the parameter."""
+def allowed(scene: Scene, free: Knob, value: Expr, *, in_air: bool = False) -> bool:
+    """Whether the scene exists at a value of the parameter; ``in_air`` : with nothing to feel, too."""
     try:
-        free.put(scene, value).distortion()
+        put = free.put(scene, value)
+        _ = put.closed if in_air else put.distortion()
     except SceneError:
         return False
     return True

@@ -40,7 +40,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import Rule, values
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.programs.onaxis import OnAxis
-from haptisym.verbs.require.feasible import Binding, Domain, Kind, Question, Solved, Turn, stable_in
+from haptisym.verbs.require.feasible import IN_HANDS, STEADY, Binding, Domain, Kind, Question, Solved, Turn, stable_in
 from haptisym.verbs.require.floatcells import Energy, span
 from haptisym.verbs.require.freeparameter import (
     ExactSign,
@@ -57,8 +57,9 @@ from haptisym.verbs.require.freeparameter import (
     zeros_of,
 )
 from haptisym.verbs.stability.clocked import clocked_roots, passages_in
-from haptisym.verbs.stability.critical import Tally, meetings
+from haptisym.verbs.stability.critical import Tally, meetings, moved
 from haptisym.verbs.stability.entry import chosen
+from haptisym.verbs.stability.held import drifts
 from haptisym.verbs.stability.loops import Gap, Loop, Meetings, Tendency
 from haptisym.verbs.tolerances.heldbox import count_at
 
@@ -77,21 +78,29 @@ def with_hands(scene: Scene, given: str | Hand | None) -> Scene:
 
 def of_hands(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> list[Callable[[], Solved]]:
     """What finds the values for each hand of the scene that is asked about, and for every passive one."""
-    held = [hand for hand in scene.hands if stable_in(hand) in criteria]
-    found: list[Callable[[], Solved]] = [partial(solve_stable, scene, hand, free, asked) for hand in held]
+    both = [(hand, stable_in(hand, what)) for hand in scene.hands for what in IN_HANDS]
+    held = [(hand, x) for hand, x in both if x in criteria]
+    found: list[Callable[[], Solved]] = [partial(solve_stable, scene, hand, free, asked, x) for hand, x in held]
     if any(x.name == PASSIVE.name for x in criteria):
         found.append(partial(solve_sampled if clocks(scene) else solve_passive, scene, free, asked))
     return found
 
 
-def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
-    """All values with which no root of H_perc + m s^2 + b s + k lies in Re s >= 0. UndecidedError where none is known."""
+def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Criterion) -> Solved:
+    """All values with which no root of H_perc + m s^2 + b s + k lies in Re s >= 0; of "steady" but for what drifts at s = 0.
+
+    UndecidedError where none is known.
+    """
+
+    def drifting(value: Expr) -> int | None:
+        return drifts(*moved(scene, hand, free, value)) if criterion.name == STEADY else 0
+
     if clocks(scene):
-        return _with_a_clock(scene, hand, free, asked)
+        return _with_a_clock(scene, hand, free, asked, criterion, drifting)
     loop = Loop.of(scene, hand, free)
     window = window_of(loop, free, asked)
-    one_way, tally = Tendency(loop), Tally(loop, window)
-    criterion = stable_in(hand)
+    one_way, tally = Tendency(loop), Tally(loop, window, drifts=drifting)
+    in_air = _in_air(scene, criterion)
     turns = [
         Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS if x.omega is not None else Kind.FAR),))
         for x in window.found
@@ -102,15 +111,16 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
 
     return Question(
         turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x),
-        exists=lambda x: allowed(scene, free, x), gone=missing(scene, free), gaps=window.gaps,
+        exists=lambda x: allowed(scene, free, x, in_air=in_air), gone=missing(scene, free, in_air=in_air), gaps=window.gaps,
         fails=one_way.everywhere, own=free.value,
     ).solve()  # fmt: skip
 
 
-def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
+def _with_a_clock(
+    scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Criterion, drifting: Callable[[Expr], int | None]
+) -> Solved:
     """By counts between the values at which roots of the sampled loop reach the unit circle."""
     loop, found = passages_in(scene, hand, free, searched(free, asked))
-    criterion = stable_in(hand)
     turns = [Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found.found]
     beyond = (_rational(found.low), _rational(found.high))
     alone = {x.value.value for x in found.found if isinstance(x.value, ExactNumber)} | {asked.low, asked.high}
@@ -118,11 +128,25 @@ def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved
     def verdict(value: Expr) -> bool | None:
         count, on = loop.count(Rational(value))
         is_outside = count > on + loop.always
-        return count == 0 or (value in alone and not is_outside and _is_stable_at(scene, hand, free, value))
+        still = drifting(value) if count else 0
+        if still is None and not is_outside:
+            return None
+        return count == still or (value in alone and not is_outside and _is_stable_at(scene, hand, free, value))
 
     return Question(
-        turns, verdict, asked, closed=False, beyond=beyond, gone=missing(scene, free), own=free.value
+        turns,
+        verdict,
+        asked,
+        closed=False,
+        beyond=beyond,
+        gone=missing(scene, free, in_air=_in_air(scene, criterion)),
+        own=free.value,
     ).solve()
+
+
+def _in_air(scene: Scene, criterion: Criterion) -> bool:
+    """Whether free air is among the values: where steadiness is asked, or the scene is in it."""
+    return criterion.name == STEADY or scene.closed.env.is_zero
 
 
 def _is_stable_at(scene: Scene, hand: Hand, free: Knob, value: Expr) -> bool:

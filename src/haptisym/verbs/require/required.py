@@ -35,6 +35,7 @@ from haptisym.model.quantities import Number
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.require.feasible import (
+    IN_HANDS,
     Binding,
     Domain,
     End,
@@ -123,8 +124,8 @@ def _exchanged(polynomial: Polynomial, axis: Axis, target: Axis, free: Symbol, p
     return target.context.from_dict(terms)
 
 
-TRANSPARENT, STABLE, SUITS_ALL = "transparent", "stable", "passive"
-WISHES = (TRANSPARENT, STABLE, SUITS_ALL)
+TRANSPARENT, SUITS_ALL = "transparent", "passive"
+WISHES = (TRANSPARENT, *IN_HANDS, SUITS_ALL)
 EVERY_PASSIVE_HAND = replace(
     PASSIVE, words="every passive hand", rule="every passive hand may hold it", kept="fit for every passive hand"
 )
@@ -145,13 +146,13 @@ def wishes(that: Sequence[str]) -> tuple[str, ...]:
 
 def further(scene: Scene, wanted: Sequence[str]) -> tuple[Criterion, ...]:
     """The criteria beside those of the JND: a hand each, and every passive hand."""
-    held = tuple(map(stable_in, scene.hands)) if STABLE in wanted else ()
+    held = tuple(stable_in(hand, x) for x in IN_HANDS if x in wanted for hand in scene.hands)
     return (*held, EVERY_PASSIVE_HAND) if SUITS_ALL in wanted else held
 
 
 def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> Solved:
     """All values with which every criterion is kept."""
-    found, judged = list[Solved](), [x for x in criteria if x.name not in (STABLE, SUITS_ALL)]
+    found, judged = list[Solved](), [x for x in criteria if x.name not in (*IN_HANDS, SUITS_ALL)]
     if judged:
         found.append(solve(scene, free, asked, judged))
     if len(judged) < len(criteria):
@@ -244,7 +245,7 @@ class Requirement(Answer):
     @cached_property
     def alone(self) -> tuple[Requirement, ...]:
         """Where no value will do and several things are asked: the answer for each by itself; in five seconds or not at all."""
-        judged = tuple(x for x in self.criteria if x.name not in (STABLE, SUITS_ALL))
+        judged = tuple(x for x in self.criteria if x.name not in (*IN_HANDS, SUITS_ALL))
         others = [(x,) for x in self.criteria if x not in judged]
         asked = [judged, *others] if judged else others
         if self.feasible or self.undecided or len(asked) < 2:
@@ -375,7 +376,7 @@ def _float(end: End) -> float | None:
 def _binding(b: Binding) -> dict[str, Any]:
     omega = None if b.omega is None else float(b.omega)
     part = None if b.criterion.name == ANY_ENVIRONMENT.name else b.criterion.name
-    name = b.criterion.name if b.criterion.name in ("stable", "passive") else "transparent"
+    name = b.criterion.name if b.criterion.name in WISHES else "transparent"
     return {"part": part if name == "transparent" else None, "criterion": name, "omega": omega, "kind": b.kind.value}
 
 
@@ -405,7 +406,8 @@ def require(
     ``part`` : ask for one part's condition only. ``any_environment`` : ask for |G - 1| <= c instead, which series effects G
     must keep to go unnoticed with every environment.
     ``that`` : what is asked of the display, together: "transparent", "stable" (in ``hand``, one of the scene or one that the
-    package ships; in all hands of the scene if not given), "passive" (every passive hand may hold it, at all frequencies).
+    package ships; in all hands of the scene if not given), "steady" (so but for a drift, as in free air),
+    "passive" (every passive hand may hold it, at all frequencies).
 
     ``limit`` : seconds after which what is proven so far is answered, all other values being undecided; None for no limit.
     ``told`` : is called now and then with how much is done, of how much, and what it is.
@@ -420,12 +422,13 @@ def require(
     """
     scene = as_scene(scene)
     digits = whole("digits", digits)
-    if STABLE in that:
+    wanted = wishes(that)
+    if {*IN_HANDS} & {*wanted}:
         from haptisym.verbs.require.hands import with_hands  # which much else is loaded for
 
         scene = with_hands(scene, hand)
     free = scene.knobs[path]
-    wanted, asked = wishes(that), domain(free, range)
+    asked = domain(free, range)
     judged = asked_of(scene, [free], part, any_environment=any_environment) if TRANSPARENT in wanted else ()
     criteria = (*judged, *further(scene, wanted))
     with limited(limit, told) as budget:

@@ -467,12 +467,12 @@ def critical(scene: Scene, hand: Hand, free: Knob) -> Nearest:
                 raise UndecidedError("how many roots at z = 1 only drift")
             rows = tuple(Critical(free.path, x.value, x.omega, x.below - still, x.above - still) for x in found.found)
             return Nearest(free.path, rows, low=found.low, high=found.high)
-        return _Walk(Loop.of(scene, hand, free), free, lambda x: drifts(*_moved(scene, hand, free, x))).nearest()
+        return _Walk(Loop.of(scene, hand, free), free, lambda x: drifts(*moved(scene, hand, free, x))).nearest()
     except UndecidedError as error:
         return Nearest(free.path, reason=str(error))
 
 
-def _moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Hand]:
+def moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Hand]:
     """Display and hand at a value of a number of either."""
     if any(p.symbol == free.symbol for p in hand.parameters):
         return scene, hand.with_values({free.symbol.name: value})
