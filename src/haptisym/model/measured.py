@@ -216,6 +216,8 @@ class Measurement(Shown):
     welch: Welch | None = None
     """How it was estimated, where it comes from records in time."""
     slope: Any = None
+    understood: str = ""
+    """What was understood of its file: ``10 lines; Hz, dB, deg; sorted``."""
 
     def __post_init__(self) -> None:
         try:

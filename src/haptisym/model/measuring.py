@@ -36,7 +36,8 @@ def measured(
     the path of a file, which has its own coherence or radius. ``coherence`` : with ``averages``, of the estimate H1, as
     ``scipy.signal.coherence`` gives it; ``radius`` : of discs that hold the truth with that ``confidence``, instead. ``slope`` :
     a bound on ``|dH/domega|`` between the lines, "40 N*s/m", or as a share of ``|H|``, "20 ms".
-    ``records`` : of a file of records in time the ``estimator``, and ``segment``, ``overlap``, ``window``, ``every`` as of
+    ``records`` : of a file its ``columns`` (role to header or number), ``unit`` (of a role) and ``quantity``, as in a scene; of
+    records in time the ``estimator``, and ``segment``, ``overlap``, ``window``, ``every`` as of
     ``estimated``, which takes arrays. Raises SceneError for what cannot be.
 
     >>> measured([1, 2, 3], [100 + 15j, 95 + 30j, 80 + 45j], coherence=[0.99, 0.98, 0.99], averages=20)

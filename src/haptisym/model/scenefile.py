@@ -372,15 +372,15 @@ def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
 
 def _measurement(table: Table, place: str, folder: Path) -> Measurement:
     from haptisym.model.measured import CONFIDENCE, read_slope
-    from haptisym.model.responsefile import RECORDS, read_file
+    from haptisym.model.responsefile import LAYOUT, RECORDS, read_file
 
     with within(place):
-        _only(table, ("file", "averages", "confidence", "slope", *RECORDS), "")
+        _only(table, ("file", "averages", "confidence", "slope", *RECORDS, *LAYOUT), "")
         name = table.get("file")
         if not isinstance(name, str) or not name or "\0" in name:
             raise SceneError("file: give the name of a CSV file in the folder of the scene")
         averages, confidence, overlap = (_float(table, key) for key in ("averages", "confidence", "overlap"))
-        settings = {key: table[key] for key in RECORDS if key in table}
+        settings = {key: table[key] for key in (*RECORDS, *LAYOUT) if key in table}
         if overlap is not None:
             settings["overlap"] = overlap
         slope = read_slope(table["slope"]) if "slope" in table else None

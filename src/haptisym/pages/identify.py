@@ -57,6 +57,8 @@ def _answer(a: Identification) -> Iterator[tuple[Phrase, Phrase]]:
 
 def _about(a: Identification) -> Iterator[tuple[str, Phrase]]:
     yield "measured", measured_words(a.measurement)
+    if a.measurement.understood:
+        yield "read", a.measurement.understood
     if left := len(a.measurement) - len(a.fit.lines):
         yield "left out", f"{counted(left, 'point')}, off the band, at 0 rad/s or without coherence"
     yield "model", a.wanted.words

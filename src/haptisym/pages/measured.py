@@ -259,12 +259,16 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     own, felt = e.scene.environment, e.scene.perceived
     if isinstance(own, Measurement):
         yield "environment", measured_words(own)
+        if own.understood:
+            yield "read", own.understood
     else:
         function = e.scene.frame.distortion().env
         form, is_rounded = readable(function, s)
         unit = f"  {w.stiffness_unit(e.scene.frame)}"
         yield "environment", (equation("H_env", form, relation="≈" if is_rounded else "="), unit)
     yield "perceived", measured_words(felt)
+    if felt.understood:
+        yield "read", felt.understood
     if felt.welch and (told := linearity(felt.welch)):
         yield "linear", told
     if e.left_out:

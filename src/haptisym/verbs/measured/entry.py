@@ -553,12 +553,19 @@ class MeasuredEvaluation(Answer):
         far, near = self.order(i)
         return MeasuredPercept(None, omega, *self.signs[near].label(near, i), self.signs[far].label(far, i))
 
+    @property
+    def _understood(self) -> dict[str, str]:
+        """What was understood of each file."""
+        both = {"environment": self.scene.environment, "perceived": self.scene.perceived}
+        return {key: x.understood for key, x in both.items() if isinstance(x, Measurement) and x.understood}
+
     def _body(self) -> dict[str, Any]:
         felt = self.scene.perceived
         return {
             "lines": len(self),
             "left_out": self.left_out,
             "threshold": self.scene.threshold.row(),
+            **({"understood": read} if (read := self._understood) else {}),
             "averages": felt.averages,
             **({} if felt.welch is None else {"estimate": felt.welch.row()}),
             "confidence": None if self.lines.radius is None else felt.confidence,

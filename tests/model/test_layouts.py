@@ -1,0 +1,235 @@
+"""Files as people have them: one response in many layouts, each converted here by hand, gives one set of verdicts."""
+
+from __future__ import annotations
+
+import cmath
+import json
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from refusals import refusal
+from scipy.io import savemat
+
+import haptisym as hs
+
+# the response that tools of measurement wrote: Hz, N/m, degrees
+LINES = [
+    (0.5, 798.0817, -0.04336184), (1, 792.3286, -0.0768005), (2, 769.3415, -0.07127929), (3, 731.129, 0.1159328), (4, 677.8753, 0.6260677),
+    (6, 528.0101, 3.728328), (8, 331.0191, 15.58046), (12, 405.8553, 128.8488), (16, 1257.982, 143.0886), (20, 2388.216, 142.1176),
+]  # fmt: skip
+OMEGA = [2 * math.pi * f for f, _, _ in LINES]
+H = [m * cmath.exp(1j * math.radians(p)) for _, m, p in LINES]
+SCENE = '[environment]\nmodel = "mass-spring-damper"\nm = "0.2 kg"\nb = "3 N*s/m"\nk = "800 N/m"\n[perceived]\nfile = "{}"\n{}\n'
+
+Row = Callable[[float, complex], tuple[Any, ...]]
+
+
+def table(header: str, row: Row, separator: str = ",", *, falling: bool = False, commas: bool = False) -> str:
+    """Lines of f (Hz) and H."""
+    order = range(len(H))[::-1] if falling else range(len(H))
+    text = "\n".join(separator.join(str(x) for x in row(LINES[i][0], H[i])) for i in order) + "\n"
+    return header + (text.replace(".", ",") if commas else text)
+
+
+def polar(f: float, h: complex) -> tuple[Any, ...]:
+    return f, abs(h), math.degrees(cmath.phase(h))
+
+
+def decibels(f: float, h: complex) -> tuple[Any, ...]:
+    return f, 20 * math.log10(abs(h)), math.degrees(cmath.phase(h))
+
+
+def derived(order: int, power: int) -> Row:
+    """Force over a derivative of motion, or that turned over, as real and imaginary part."""
+
+    def row(f: float, h: complex) -> tuple[Any, ...]:
+        z = (h / (2j * math.pi * f) ** order) ** power
+        return f, z.real, z.imag
+
+    return row
+
+
+def plain(f: float, h: complex) -> tuple[Any, ...]:
+    return f, h.real, h.imag
+
+
+def cell(f: float, h: complex) -> tuple[Any, ...]:
+    return f, f"{h.real!r}{h.imag:+.17g}j"
+
+
+LAYOUTS: dict[str, tuple[str, str, str, str]] = {
+    "decibels": ("a.csv", table("Frequency (Hz),Magnitude (dB),Phase [deg]\n", decibels), "", "10 lines; Hz, dB, deg"),
+    "falling": ("a.csv", table("Frequency (Hz);Magnitude (dB re 1 N/m);Phase [deg]\n", decibels, ";", falling=True), "",
+                "10 lines; Hz, dB re 1 N/m, deg; sorted"),
+    "commas": ("a.csv", table("frequency_hz;magnitude;phase_deg\n", polar, ";", commas=True), "", "10 lines; Hz, SI, deg; decimal commas"),
+    "commas, tabs": ("a.txt", table("Freq [Hz]\tMag [N/m]\tPhase [deg]\n", polar, "\t", commas=True), "", "10 lines; Hz, N/m, deg; decimal commas"),
+    "blanks": ("a.txt", table("% from the analyser\nFrequency (Hz)   Real   Imag\n", plain, "   "), "", "10 lines; Hz, SI"),
+    "blanks, commas": ("a.dat", table("* bench\n* Frequency(Hz) Real Imag\n", plain, " ", commas=True), "", "10 lines; Hz, SI; decimal commas"),
+    "radians": ("a.csv", table("omega,Gain [N/mm],Phase [rad]\n", lambda f, h: (2 * math.pi * f, abs(h) / 1000, cmath.phase(h))), "",
+                "10 lines; rad/s, N/mm, rad"),
+    "named": ("a.csv", table("no,F,Gain,Phase\n", lambda f, h: (0, *decibels(f, h))),
+              'columns = { frequency = "F", magnitude = "Gain", phase = 4 }\nunit = { frequency = "Hz", magnitude = "dB", phase = "deg" }',
+              "10 lines; Hz, dB, deg; not used: no"),
+    "numbered": ("a.csv", table("", decibels),
+                 'columns = { frequency = 1, magnitude = 2, phase = 3 }\nunit = { frequency = "Hz", magnitude = "dB", phase = "deg" }',
+                 "10 lines; Hz, dB, deg"),
+    "complex": ("a.csv", table("F,FRF\n", cell), "", "10 lines; Hz (assumed), SI"),
+    "complex, i": ("a.csv", table("f [Hz];H [N/m]\n", lambda f, h: (f, f"({h.real!r} {h.imag:+.17g}i)"), ";", commas=True), "",
+                   "10 lines; Hz, N/m; decimal commas"),
+    "frd": ("a.frd", table("* Freq(Hz) SPL(dB) Phase(degrees)\n", decibels, " "), "", "10 lines; Hz, dB, deg"),
+    "zma": ("a.zma", table("", polar, "\t"), "", "10 lines; Hz, SI, deg"),
+    "impedance": ("a.csv", table("Frequency (Hz),real [N*s/m],imag [N*s/m]\n", derived(1, 1)), 'quantity = "impedance"',
+                  "10 lines; Hz, N*s/m; impedance"),
+    "apparent mass": ("a.csv", table("Frequency (Hz),real [g],imag [g]\n", lambda f, h: (f, *(1000 * x for x in derived(2, 1)(f, h)[1:]))),
+                      'quantity = "apparent-mass"', "10 lines; Hz, g; apparent mass"),
+    "receptance": ("a.csv", table("Frequency (Hz),real [m/N],imag [m/N]\n", derived(0, -1)), 'quantity = "receptance"',
+                   "10 lines; Hz, m/N; receptance"),
+    "mobility": ("a.csv", table("Frequency (Hz),real [m/s/N],imag [m/s/N]\n0,0,0\n", derived(1, -1)), 'quantity = "mobility"',
+                 "11 lines; Hz, m/s/N; mobility; line at 0 left out"),
+    "accelerance": ("a.csv", table("Frequency (Hz),real [m/s^2/N],imag [m/s^2/N]\n", derived(2, -1)), 'quantity = "accelerance"',
+                    "10 lines; Hz, m/s^2/N; accelerance"),
+}  # fmt: skip
+
+
+def verdicts(path: Path) -> Iterator[tuple[str, str]]:
+    yield from ((x["real"], x["imag"]) for x in json.loads(hs.evaluate(path).to_json())["rows"])
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, str]]:
+    """Of arrays; by hand: the ratio of each line against 10 %."""
+    environment = [800 + 3j * w - 0.2 * w * w for w in OMEGA]
+    ratios = [((h - e).real / abs(e), (h - e).imag / abs(e)) for h, e in zip(H, environment, strict=True)]
+    return [tuple("exceeds" if abs(x) > 0.1 else "below" for x in row) for row in ratios]  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_every_layout_of_one_response_has_the_same_verdicts_and_says_what_was_understood(
+    tmp_path: Path, name: str, expected: list[tuple[str, str]]
+) -> None:
+    file, text, keys, understood = LAYOUTS[name]
+    (tmp_path / file).write_text(text, encoding="utf-8")
+    scene = tmp_path / "scene.toml"
+    scene.write_text(SCENE.format(file, keys), encoding="utf-8")
+    found = hs.evaluate(scene)
+    felt = found.scene.perceived
+    assert felt.omega == pytest.approx(OMEGA, rel=1e-13)
+    assert pytest.approx(H, rel=1e-12) == felt.H.tolist()
+    assert list(verdicts(scene)) == expected
+    assert felt.understood == understood
+    assert json.loads(found.to_json())["understood"] == {"perceived": understood}
+    assert understood in str(found).replace("\n", " ")
+    assert expected.count(("exceeds", "exceeds")) == 3
+    assert [x for _, x in expected].index("exceeds") == 4
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        {"Txy": np.array(H)[:, None], "F": np.array(OMEGA)[:, None] / (2 * np.pi), "fs": 1000.0, "x": np.zeros(7)},
+        {"run": {"Txy": np.array(H), "F": np.array(OMEGA) / (2 * np.pi), "note": "of Tuesday"}, "fs": 1000.0},
+        {"frf": {"w": np.array(OMEGA), "mag": np.abs(H), "phase_deg": np.degrees(np.angle(H))}},
+    ],
+)
+def test_variables_and_structs_of_matlab_have_the_same_verdicts(
+    tmp_path: Path, table: dict[str, Any], expected: list[tuple[str, str]]
+) -> None:
+    savemat(tmp_path / "a.mat", table)
+    scene = tmp_path / "scene.toml"
+    scene.write_text(SCENE.format("a.mat", ""), encoding="utf-8")
+    assert pytest.approx(H, rel=1e-12) == hs.measured(tmp_path / "a.mat").H.tolist()
+    assert list(verdicts(scene)) == expected
+    assert "assumed" in str(hs.evaluate(scene))
+
+
+@pytest.mark.parametrize("power", [1, -1])
+def test_discs_of_another_quantity_hold_what_its_own_discs_hold(tmp_path: Path, power: int) -> None:
+    kind, unit = ("impedance", "N*s/m") if power > 0 else ("mobility", "m/s/N")
+    rows = [derived(1, power)(f, h) for (f, _, _), h in zip(LINES, H, strict=True)]
+    text = "".join(f"{f},{a!r},{b!r},{0.3 * abs(complex(a, b))!r}\n" for f, a, b in rows)
+    (tmp_path / "a.csv").write_text(f"Frequency (Hz),real [{unit}],imag [{unit}],radius\n{text}", encoding="utf-8")
+    felt = hs.measured(tmp_path / "a.csv", quantity=kind)
+    edge = np.exp(1j * np.linspace(0, 2 * np.pi, 200))
+    for (f, a, b), h, radius in zip(rows, felt.H, felt.radius, strict=True):
+        z = complex(a, b)
+        there = (z + 0.3 * abs(z) * edge) ** power * (2j * np.pi * f)
+        assert np.abs(there - h).max() == pytest.approx(radius, rel=1e-3)
+    lines = [f"{row.rpartition(',')[0]},0.9" for row in text.splitlines()]
+    head = f"Frequency (Hz),real [{unit}],imag [{unit}],Coherence\n"
+    (tmp_path / "c.csv").write_text(head + "\n".join(lines), encoding="utf-8")
+    share = math.sqrt(math.expm1(-math.log(0.05) / 19) * (1 / 0.9 - 1))
+    by_coherence = hs.measured(tmp_path / "c.csv", averages=20, quantity=kind)
+    assert by_coherence.discs == pytest.approx(np.abs(H) * (share if power > 0 else share / (1 - share)), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "keys", "told"),
+    [
+        ("Frequency (Hz),Magnitude,Phase\n1,2,3\n", {}, 'Phase: the phase has no unit: add unit = { phase = "deg" }'),
+        ("Frequency (Hz),Magnitude,Phase [deg]\n1,-2,3\n", {}, 'add unit = { magnitude = "dB" }'),
+        ("Frequency (Hz),Impedance,Phase [deg]\n1,2,3\n", {}, 'add quantity = "impedance"'),
+        ("Frequency (Hz),real [N*s/m],imag [N*s/m]\n1,2,3\n", {}, 'this is impedance: add quantity = "impedance"'),
+        ("Frequency (Hz),real [N/m],imag [N/m]\n1,2,3\n", {"quantity": "mobility"}, "is no unit of mobility; this is stiffness"),
+        ("f,FRF\n1,2\n", {}, "FRF: has no complex numbers"), ("f,w,H\n1,2,3j\n", {}, 'two columns of frequencies, "f" and "w"'),
+        ("f,H,Coherance\n1,3j,1\n", {}, 'did you mean "coherence"'), ("f,H\n1,3j\n", {"columns": {"frequency": "g"}}, 'no column "g": there are f, H'),
+        ("f,H\n1,3j\n", {"columns": {"frequency": 3}}, "there are 2 columns"), ("f,H\n1,3j\n", {"columns": {"pitch": 3}}, 'unknown column "pitch"'),
+        ("f,H\n1,3j\n", {"columns": 3}, "columns: give a table"), ("f,H\n1,3j\n", {"unit": {"H": 3}}, "unit: H: "), ("f,H\n1,3j\n", {"quantity": "mass"}, "quantity: "),
+        ("f [Hz],H\n1,3j\n", {"unit": {"frequency": "kHz"}}, 'unit: frequency: the file has "Hz"'), ("f,H\n1,3j\n", {"unit": {"frequency": "kg"}}, "f: the unit must be"),
+        ("f,H [dB],Phase [deg],radius\n1,3,0,1\n", {}, "radius: a radius in dB"), ("f,H\n1,1j\n2,0j\n", {"quantity": "receptance"}, "line 3: receptance: is 0"),
+        ("f,H,x\n1,3j\n", {}, "line 2 has 2 cells"), ("f,H,x\n1,3j,1,7\n", {}, "line 2 has 4 cells"),
+        ("f,H\n0,3j\n", {"quantity": "mobility"}, "no line above 0"),
+        ("phase_deg [rad],f,mag\n1,2,3\n", {}, 'phase_deg: the unit must be deg, not "rad"'),
+    ],
+    ids=range(22),
+)  # fmt: skip
+def test_nothing_is_guessed_where_several_meanings_are_usual(
+    tmp_path: Path, text: str, keys: dict[str, Any], told: str
+) -> None:
+    (tmp_path / "a.csv").write_text(text, encoding="utf-8")
+    said = refusal(hs.measured, tmp_path / "a.csv", **keys)
+    assert told in said
+    assert said.startswith(("a.csv: ", "columns", "unit", "quantity"))
+
+
+@pytest.mark.parametrize(
+    ("header", "start", "tick"),
+    [
+        ("time,/joint_states/position[0],/joint_states/effort[0]", 0.0, 1.0),
+        ("%time,field.header.seq,field.position0,field.effort0", 1.6e18, 1e9),
+        ("__time,/arm/joint_states/elbow/velocity,/arm/joint_states/elbow/position,/wrench/force", 1.6e9, 1.0),
+    ],
+)
+def test_records_with_the_headers_of_ros_are_estimated_as_their_columns_are(
+    tmp_path: Path, header: str, start: float, tick: float
+) -> None:
+    rng = np.random.default_rng(4)
+    x = rng.normal(size=400)
+    f = 100 * x + rng.normal(size=400)
+    more = [0.5] * (header.count(",") - 2)
+    rows = (
+        [f"{start + tick * i / 50:.6f}", *map(str, more), repr(a), repr(b)]
+        for i, (a, b) in enumerate(zip(x.tolist(), f.tolist(), strict=True))
+    )
+    (tmp_path / "run.csv").write_text(header + "\n" + "\n".join(map(",".join, rows)) + "\n", encoding="utf-8")
+    found = hs.measured(tmp_path / "run.csv", estimator="H1", segment="1 s")
+    by_arrays = hs.estimated(x, f, 50, segment=1)
+    assert found.omega == pytest.approx(by_arrays.omega, rel=1e-4)
+    assert pytest.approx(by_arrays.H, rel=1e-9) == found.H
+    assert ("since 1970" in found.understood) == (tick > 1)
+
+
+def test_of_two_joints_the_scene_names_one(tmp_path: Path) -> None:
+    first, second, force = np.random.default_rng(2).normal(size=(3, 400)).tolist()
+    rows = "\n".join(f"{i / 50},{first[i]!r},{second[i]!r},{force[i]!r}" for i in range(400))
+    path = tmp_path / "run.csv"
+    path.write_text(f"time,position[0],position[1],effort[0]\n{rows}\n", encoding="utf-8")
+    said = refusal(hs.measured, path, estimator="H1")
+    assert 'two columns of position, "position[0]" and "position[1]"' in said
+    found = hs.measured(path, estimator="H1", columns={"position": "position[1]"})
+    one = hs.estimated(second, force, 50)
+    assert pytest.approx(one.H, rel=1e-9) == found.H
+    assert "not used: position[0]" in found.understood
