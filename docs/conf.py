@@ -1,4 +1,5 @@
 """The site: ``python -m sphinx -W -n docs build/site``. Its pages request nothing from outside: formulas are MathML.
+``try/`` runs the package itself (``building/browser.py``).
 
 Sources are the pages of this folder, the script ``plots.py``, which is run, and ``generated/``, which ``building/`` writes
 from the package for every build.
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE / "building")]
 
+import browser  # noqa: E402
 import docstrings  # noqa: E402
 import formulas  # noqa: E402
 import generated  # noqa: E402
@@ -33,7 +35,7 @@ nb_execution_cache_path = os.environ.get("HAPTISYM_CELLS", str(HERE.parent / "bu
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_merge_streams = True
-exclude_patterns = ["building", "conf.py", "house.py", "make_notebook.py", "reproductions/book.py"]
+exclude_patterns = ["building", "try", "conf.py", "house.py", "make_notebook.py", "reproductions/book.py"]
 source_suffix = {".md": "myst-nb", ".py": "myst-nb"}
 myst_enable_extensions = ["dollarmath"]
 myst_disable_syntax = ["myst_line_comment"]  # a line may begin with a per cent sign
@@ -63,4 +65,5 @@ def setup(app: Sphinx) -> dict[str, Any]:
     docstrings.setup(app)
     app.connect("source-read", lambda _app, _name, text: text.__setitem__(0, generated.linked(text[0])))
     app.connect("config-inited", lambda *_: generated.write(HERE / "generated"))
+    app.connect("build-finished", lambda _app, error: error or browser.place(browser.FOLDER, Path(app.outdir)))
     return {"parallel_read_safe": True}

@@ -2,26 +2,38 @@
 
 from __future__ import annotations
 
+import json
+import os
 import re
+import shutil
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
-from functools import cache
+from contextlib import contextmanager
+from functools import cache, partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import Any
+from threading import Thread
+from typing import Any, ClassVar
 
 import browser
 import numpy as np
 import pytest
+import questions
 from browser import Browser
 from certificates import text_of
+from click.testing import CliRunner
 from explorers import proven, typed, undrawn
 from jnds import inline
 from marks import required
 
 import haptisym as hs
+from haptisym.cli import app
 from haptisym.pages.report import save_report
 
 pytestmark = pytest.mark.slow
+ROOT = Path(__file__).parents[2]
 E, F = hs.environments, hs.effects
 JNDS: dict[str, Any] = {
     "ellipse": {"shape": "ellipse", "real": 0.1, "imag": 0.12, "tilt": 0.5},
@@ -274,3 +286,188 @@ def test_a_report_without_a_certificate_claims_no_check(shown: Any) -> None:
         assert 'id="checked"' not in text
         assert 'id="certificate"' not in text
         assert checked(shown(text)) == "nothing"
+
+
+# The page that runs haptisym itself
+
+IN_NODE = """
+import fs from "node:fs";
+const [site, witness, scenes] = [process.argv[1], process.argv[2], JSON.parse(process.argv[3])];
+const { loadPyodide } = await import(`${site}/pyodide/pyodide.mjs`);
+const { boot } = await import(`${site}/boot.mjs`);
+const read = async (name) => new Uint8Array(fs.readFileSync(`${site}/${name}`));
+const { python, answer } = await boot({ load: loadPyodide, base: `${site}/`, read });
+python.FS.writeFile("questions.py", fs.readFileSync(witness, "utf8"));
+const asked = python.runPython("import json, sys; sys.path.insert(0, '.'); import questions; lambda name: json.dumps(questions.answers(name))");
+const found = {};
+for (const [name, text, edited] of scenes) {
+  const evaluated = answer({ ask: "evaluate", scene: text });
+  const began = process.cpuUsage().user;
+  const again = answer({ ask: "evaluate", scene: edited });
+  found[name] = { json: evaluated.json, edited: again.json, seconds: (process.cpuUsage().user - began) / 1e6, answers: JSON.parse(asked(name)) };
+}
+process.stdout.write(JSON.stringify(found));
+"""
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page and its packages, as the site has them."""
+    packages = Path(os.environ.get("HAPTISYM_BROWSER") or ROOT / "build" / "browser")
+    required(f"{packages}, by python docs/building/browser.py {packages},", (packages / "pyodide").is_dir())
+    built = tmp_path_factory.mktemp("site")
+    subprocess.run([sys.executable, ROOT / "docs" / "building" / "browser.py", packages, built], check=True)
+    return built / "try"
+
+
+def edited(text: str) -> str:
+    """The scene with another threshold, and one more of a number of its environment."""
+    changed = re.sub(r'(\[environment\][^\[]*?= ")(\d+)', lambda x: f"{x[1]}{int(x[2]) + 1}", text, count=1)
+    assert changed != text
+    return changed
+
+
+@pytest.mark.core
+def test_every_shipped_scene_has_the_same_digits_in_webassembly_and_an_edit_takes_less_than_a_second(
+    site: Path,
+) -> None:
+    node = shutil.which("node")
+    required("node", node)
+    texts = {name: hs.load_scene(name).text for name in hs.scene_names()}
+    given = json.dumps([[name, text, edited(text)] for name, text in texts.items()])
+    witness = Path(questions.__file__)
+    done = subprocess.run(
+        [str(node), "--input-type=module", "-e", IN_NODE, str(site), str(witness), given],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-2000:]
+    told = json.loads(done.stdout)
+    for name, text in texts.items():
+        printed = CliRunner().invoke(app, ["evaluate", name, "--json"]).stdout
+        assert told[name]["json"].strip() == printed.strip(), name
+        assert told[name]["edited"] == hs.evaluate(hs.parse_scene(edited(text))).to_json(), name
+        assert told[name]["answers"] == questions.answers(name), name
+        assert told[name]["seconds"] < 1, name
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[str]:
+    """The address of a folder's pages."""
+
+    class Quiet(SimpleHTTPRequestHandler):
+        extensions_map: ClassVar = {**SimpleHTTPRequestHandler.extensions_map, ".mjs": "text/javascript"}
+
+        def log_message(self, *_: object) -> None:
+            pass
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(folder))) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/index.html"
+        server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def tried(site: Path) -> Iterator[Browser]:
+    """The page in Chromium, which has answered about the paper's scene."""
+    required("chromium", browser.program())
+    with browser.running() as opened, served(site) as address:
+        opened.look(1280)
+        opened.open(address)
+        until(opened, "document.getElementById('json').value")
+        yield opened
+
+
+def until(opened: Browser, script: str, seconds: float = 120) -> Any:
+    """The value of a script once it is something."""
+    ended = time.monotonic() + seconds
+    while time.monotonic() < ended:
+        if found := opened.value(script):
+            return found
+        time.sleep(0.05)
+    raise AssertionError(f"{script} is nothing: {words(opened, 'said')}; {opened.complaints()}")
+
+
+def words(opened: Browser, identity: str) -> str:
+    return str(opened.value(f"document.getElementById('{identity}').textContent"))
+
+
+def do(opened: Browser, script: str, then: str) -> str:
+    """What the page says after something was done: the words that begin so."""
+    opened.value(f"(() => {{ document.getElementById('said').textContent = ''; {script} }})()")
+    until(opened, f"document.getElementById('said').textContent.startsWith({json.dumps(then)})")
+    return words(opened, "said")
+
+
+CLICK = "document.getElementById('{}').click()"
+PUT = "const box = document.getElementById('scene'); box.value = {}; box.dispatchEvent(new Event('input'))"
+
+
+@pytest.mark.core
+def test_the_page_answers_every_shipped_scene_as_the_command_line_does_and_asks_for_nothing_from_elsewhere(
+    tried: Browser,
+) -> None:
+    for name in hs.scene_names():
+        choose = f"const names = document.getElementById('names'); names.value = '{name}'; names.dispatchEvent(new Event('change'))"
+        do(tried, choose, "Answered in")
+        assert tried.value("document.getElementById('json').value") == hs.evaluate(name).to_json(), name
+    assert tried.complaints() == []
+    assert {url.split("/")[2].partition(":")[0] for url in tried.requests() if not url.startswith("blob:")} == {
+        "127.0.0.1"
+    }
+
+
+@pytest.mark.core
+def test_a_slider_writes_its_number_into_the_scene_and_the_answer_follows(tried: Browser) -> None:
+    do(tried, PUT.format(json.dumps(text_of("fu2019"))), "Answered in")
+    typed(tried, "explorer-3", "47.5")
+    scene = text_of("fu2019").replace("80 rad/s", "47.5 rad/s")
+    until(
+        tried, f"document.getElementById('json').value === {json.dumps(hs.evaluate(hs.parse_scene(scene)).to_json())}"
+    )
+    assert tried.value("document.getElementById('scene').value") == scene
+    assert tried.value("document.activeElement.id") == "explorer-3-value"
+    tried.value(CLICK.format("explorer-reset"))
+    until(tried, f"document.getElementById('scene').value === {json.dumps(text_of('fu2019'))}")
+
+
+@pytest.mark.core
+def test_the_page_says_what_is_wrong_answers_further_questions_and_checks_certificates(
+    tried: Browser, tmp_path: Path
+) -> None:
+    wrong = text_of("fu2019").replace("zeta = 0.5", "zeta = -1")
+    do(tried, PUT.format(json.dumps(wrong)), 'scene: effects[1] "filter": second-order-lowpass needs zeta >= 0')
+    assert tried.value("document.getElementById('scene').getAttribute('aria-invalid')") == "true"
+    do(tried, PUT.format(json.dumps(text_of("fu2019"))), "Answered in")
+    do(tried, CLICK.format("ask-stability"), "Answered in")
+    assert "postural-arm" in words(tried, "further")
+    do(
+        tried,
+        "document.getElementById('paths').value = 'effects.filter.zeta';" + CLICK.format("ask-require"),
+        "Answered in",
+    )
+    assert "0 ≤ ζ ≤ 0.2643" in words(tried, "further")
+    proof = tmp_path / "proof.json"
+    for text, said in ((hs.evaluate("fu2019").certificate(), "Proven"), ("{}", "NOT proven")):
+        proof.write_text(text, encoding="utf-8")
+        tried.value("document.getElementById('said').textContent = ''")
+        tried.choose("#open", proof)
+        until(tried, f"document.getElementById('said').textContent.startsWith('{said}')")
+
+
+def test_a_long_question_is_stopped_and_the_page_fits_a_telephone_and_the_dark(tried: Browser) -> None:
+    do(tried, PUT.format(json.dumps(text_of("fu2019"))), "Answered in")
+    do(
+        tried,
+        "document.getElementById('paths').value = 'effects.filter.omega_n';" + CLICK.format("ask-require"),
+        "Proving",
+    )
+    do(tried, CLICK.format("stop"), "Stopped")
+    until(tried, "document.getElementById('loading').hidden")
+    do(tried, PUT.format(json.dumps(text_of("delayed-spring"))), "Answered in")
+    colour = "getComputedStyle(document.body).backgroundColor"
+    light = tried.value(colour)
+    tried.look(400, dark=True)
+    assert tried.value(colour) != light
+    assert tried.value("document.documentElement.scrollWidth") <= 400
+    unnamed = "[...document.querySelectorAll('button, input, select, textarea')].filter(x => !(x.labels?.length || x.ariaLabel || x.textContent.trim())).length"
+    assert tried.value(unnamed) == 0

@@ -39,7 +39,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.programs import floats as sinc_in_floats
 from haptisym.programs.balls import PointValue
 from haptisym.programs.certified import Certified
-from haptisym.programs.floats import BLOCK, UFUNCS, Floats, nearest
+from haptisym.programs.floats import BLOCK, Floats, nearest, ufuncs
 from haptisym.programs.program import Operation, Program, Writer
 from haptisym.programs.values import Values
 
@@ -468,7 +468,7 @@ def step_by_step(program: Program, inputs: Sequence[Any], size: int) -> dict[str
                 value = inputs[step.arguments[0]] if step.name == "input" else nearest(step.value)
                 known.append(np.broadcast_to(np.asarray(value, dtype=float), (size,)).copy())
             else:
-                known.append(UFUNCS[step.name](*(known[x] for x in step.arguments)))
+                known.append(ufuncs()[step.name](*(known[x] for x in step.arguments)))
     return {name: known[x] for name, x in program.results.items()}
 
 

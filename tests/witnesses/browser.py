@@ -58,10 +58,10 @@ class Browser:
             self.events.append(message)
         return message
 
-    def open(self, page: Path) -> None:
-        """Load a page and wait until it is there."""
+    def open(self, page: Path | str) -> None:
+        """Load a page, a file or an address, and wait until it is there."""
         self.events.clear()
-        self.call("Page.navigate", url=page.resolve().as_uri())
+        self.call("Page.navigate", url=page if isinstance(page, str) else page.resolve().as_uri())
         while not any(event["method"] == "Page.loadEventFired" for event in self.events):
             self._next()
 
@@ -77,6 +77,12 @@ class Browser:
         for kind in ("keyDown", "keyUp"):
             typed = {"text": text} if text and kind == "keyDown" else {}
             self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code, **typed)
+
+    def choose(self, element: str, file: Path) -> None:
+        """Choose a file in an element."""
+        root = self.call("DOM.getDocument")["root"]["nodeId"]
+        node = self.call("DOM.querySelector", nodeId=root, selector=element)["nodeId"]
+        self.call("DOM.setFileInputFiles", nodeId=node, files=[str(file.resolve())])
 
     def complaints(self) -> list[str]:
         """Everything that the console or the network has to say about the page."""

@@ -215,10 +215,13 @@ def _quotient(x: Expr) -> dict[str, list[float]]:
 # The explorer.
 
 
-def explorer(e: Evaluation, forms: SceneForms) -> Html:
-    """The explorer's controls, plots, script and data; it needs ``data/explorer.js`` and nothing from elsewhere."""
+def explorer(e: Evaluation, forms: SceneForms, *, proving: bool = True) -> Html:
+    """The explorer's controls, plots, script and data; it needs ``data/explorer.js`` and nothing from elsewhere.
+
+    ``proving`` : on a report of a rational scene it proves the crossings at its own values; not where haptisym itself does.
+    """
     is_small = forms.symbolic is not None
-    is_proven = is_small and is_provable(e)
+    is_proven = proving and is_small and is_provable(e)
     program = scene_program(e.scene, None if is_small else ())
     sliders = _parameters(e, forms) if is_small else {}
     limits = limit_sliders(e.scene)
@@ -232,7 +235,7 @@ def explorer(e: Evaluation, forms: SceneForms) -> Html:
         "region": region_record(e.scene.threshold, limits),
         "limits": list(dict.fromkeys(slider.identity for slider, _ in limits.values())),
         "sliders": [slider.record() for slider in controls],
-        "paths": _paths(e, sliders) if is_proven else [],
+        "paths": _paths(e, sliders),
         "environment": name_in_file(e.scene) if is_proven else None,
     }
     code = program.code(Language.JAVASCRIPT)
@@ -240,7 +243,7 @@ def explorer(e: Evaluation, forms: SceneForms) -> Html:
     page = "".join((own / name).read_text(encoding="utf-8") for name in ("region.js", "explorer.js"))
     shown = [slider.control(words) for slider, words in controls.items()]
     return joined([
-        _body(shown, e.scene.threshold, is_small=is_small, is_proven=is_proven),
+        _body(shown, e.scene.threshold, is_small=is_small, is_proven=is_proven, proving=proving),
         data(json.dumps(record), "explorer-data"), script(code), script(page),
     ])  # fmt: skip
 
@@ -257,18 +260,16 @@ def _paths(e: Evaluation, sliders: Mapping[Symbol, tuple[Slider, str]]) -> list[
     return found
 
 
-def _body(controls: list[Html], threshold: Threshold, *, is_small: bool, is_proven: bool) -> Html:
+def _body(controls: list[Html], threshold: Threshold, *, is_small: bool, is_proven: bool, proving: bool) -> Html:
     fixed = "" if is_small else " The parameters are too many for a formula in all of them, so only the JND moves."
-    proven = (
-        " When the sliders rest, crossings are found once more in exact arithmetic: that line is proven."
-        if is_proven
-        else ""
-    )
+    again = " When the sliders rest, crossings are found once more in exact arithmetic: that line is proven."
+    tables = " The tables above are proven, for the scene as it is."
+    answered = " A moment after they rest, their values are in the scene, and the answer is proven for them."
     note = element(
         "p", "Move the sliders, or type values: the closed forms are drawn anew, the scene's own curves stay in grey. ",
         element("strong", "This explorer computes in floating point and samples the band"),
-        "; it sees no tangency, and says nothing of stability. The tables above are proven, for the scene as it is.",
-        fixed, proven,
+        "; it sees no tangency, and says nothing of stability.", tables if proving else answered, fixed,
+        again if is_proven else "",
     )  # fmt: skip
     lines = ("band", "crossings", *(("proven",) if is_proven else ()), "probe")
     says = [element("p", given={"id": f"explorer-{x}"}) for x in lines]

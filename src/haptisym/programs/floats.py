@@ -69,7 +69,8 @@ BLOCK = 8192
 
 
 @cache
-def _ufuncs() -> dict[str, Callable[..., Any]]:
+def ufuncs() -> dict[str, Callable[..., Any]]:
+    """What computes a step on arrays, by its name."""
     return {
         "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative, "abs": np.abs,
         "sqrt": np.sqrt, "cos": np.cos, "sin": np.sin, "sinc": sinc, "sincm1": sincm1, "power": np.power,
@@ -176,14 +177,14 @@ def _plan(program: Program, constants: Mapping[int, np.float64], are_numbers: Se
             (numbers if are_numbers[step.arguments[0]] else inputs).append((i, step.arguments[0]))
             are_single |= {i} if are_numbers[step.arguments[0]] else set()
         elif step.name != "constant" and all(x in are_single for x in step.arguments):
-            single.append((i, _ufuncs()[step.name], step.arguments))
+            single.append((i, ufuncs()[step.name], step.arguments))
             are_single.add(i)
     moving = [(i, x) for i, x in enumerate(operations) if i not in are_single and x.name != "input"]
     put, count = _places(moving, operations, results)
     steps = []
     for i, step in moving:
         x, y = (put.get(a, a) for a in (*step.arguments, -1)[:2])
-        steps.append((_ufuncs()[step.name], x, None if y < 0 else y, put[i]))
+        steps.append((ufuncs()[step.name], x, None if y < 0 else y, put[i]))
     others = []
     for n, x in enumerate(results):
         if x in are_single:

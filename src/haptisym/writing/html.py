@@ -282,9 +282,9 @@ def html(document: Document, drawn: Callable[[doc.Figure], Html], record: tuple[
     return f"<!DOCTYPE html>\n{element('html', head, body, given={'lang': 'en'})}\n"
 
 
-def fragment(document: Document) -> str:
-    """The page in brief, as one element for a notebook."""
-    document = document.prepared(full=False)
+def fragment(document: Document, *, formulas: bool = False) -> str:
+    """The page in brief, as one element for a notebook; ``formulas`` : with those of the answer."""
+    document = document.prepared(full=False, formulas=formulas)
     title = element("p", element("strong", document.title))
     lead = [element("p", phrase(x)) for x in document.lead]
     inside = _Writer(_nothing).joined(document.blocks)

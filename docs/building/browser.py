@@ -1,0 +1,110 @@
+"""The page that runs haptisym in a browser, ``try/`` of the site, and the packages that it needs.
+
+``python docs/building/browser.py FOLDER`` fetches Pyodide from npm and the wheels from PyPI into a folder, once. A site that is built
+while HAPTISYM_BROWSER names that folder (``build/browser`` if it names none) holds the page; without it the page says how. By itself:
+``python docs/building/browser.py FOLDER SITE`` writes SITE/try.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tarfile
+from collections.abc import Iterator
+from pathlib import Path
+from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "try"
+FOLDER = Path(os.environ.get("HAPTISYM_BROWSER") or ROOT / "build" / "browser")
+PYODIDE, FLINT = "314.0.7", "0.9.0"
+PLATFORM = [
+    "--platform",
+    "pyemscripten_2026_0_wasm32",
+    "--implementation",
+    "cp",
+    "--abi",
+    "cp314",
+    "--python-version",
+    "314",
+]
+WHEELS = {f"python-flint=={FLINT}": PLATFORM, "sympy": [], "mpmath": []}
+CORE = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip", "pyodide-lock.json")
+MOST = 35_000_000
+"""Bytes of the page."""
+
+
+def fetch(folder: Path) -> None:
+    """Fetch what is missing from a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if not (folder / "pyodide").is_dir():
+        said = subprocess.run(
+            ["npm", "pack", "--silent", f"pyodide@{PYODIDE}"], cwd=folder, check=True, capture_output=True, text=True
+        )
+        archive = folder / said.stdout.split()[-1]
+        with tarfile.open(archive) as packed:
+            packed.extractall(folder, filter="data")
+        (folder / "package").rename(folder / "pyodide")
+        archive.unlink()
+    for name, platform in WHEELS.items():
+        if not list(folder.glob(f"{name.partition('==')[0].replace('-', '_')}-*.whl")):
+            options = ["--quiet", "--no-deps", "--only-binary=:all:", *platform, "--dest", str(folder)]
+            subprocess.run([sys.executable, "-m", "pip", "download", *options, name], check=True)
+
+
+def place(folder: Path, site: Path) -> None:
+    """Write the page into ``site/try``: with the packages of a folder, or with how they are had."""
+    target = site / "try"
+    shutil.rmtree(target, ignore_errors=True)
+    if not (folder / "pyodide").is_dir():
+        target.mkdir(parents=True)
+        (target / "index.html").write_text(_without(), encoding="utf-8")
+        return
+    shutil.copytree(PAGE, target, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "src" / "haptisym" / "data" / "report.css", target)
+    (target / "pyodide").mkdir()
+    for name in CORE:
+        shutil.copy(folder / "pyodide" / name, target / "pyodide")
+    for wheel in folder.glob("*.whl"):
+        shutil.copy(wheel, target)
+    with ZipFile(target / "haptisym.zip", "w", ZIP_DEFLATED) as archive:
+        for path in _sources():
+            entry = ZipInfo(str(path.relative_to(ROOT / "src")))
+            archive.writestr(entry, path.read_bytes(), ZIP_DEFLATED)
+    sizes = [
+        {"name": x.name, "size": x.stat().st_size} for x in sorted(target.iterdir()) if x.suffix in (".whl", ".zip")
+    ]
+    core = sum(x.stat().st_size for x in (target / "pyodide").iterdir())
+    (target / "packages.json").write_text(json.dumps({"core": core, "packages": sizes}), encoding="utf-8")
+    whole = sum(x.stat().st_size for x in target.rglob("*") if x.is_file())
+    if whole > MOST:
+        raise SystemExit(f"{target}: {whole} bytes, at most {MOST}")
+
+
+def _sources() -> Iterator[Path]:
+    for package in ("haptisym", "haptisym_check"):
+        for path in sorted((ROOT / "src" / package).rglob("*")):
+            if path.is_file() and path.suffix not in (".pyc", ".pyi"):
+                yield path
+
+
+def _without() -> str:
+    """The page where there are no packages."""
+    text = (PAGE / "index.html").read_text(encoding="utf-8")
+    head, _, rest = text.partition('<div id="loading"')
+    css = (ROOT / "src" / "haptisym" / "data" / "report.css").read_text(encoding="utf-8")
+    head = head.replace(
+        '<link rel="stylesheet" href="report.css">\n<link rel="stylesheet" href="try.css">', f"<style>{css}</style>"
+    )
+    commands = "python docs/building/browser.py build/browser\npython docs/building/browser.py build/browser build/site"
+    told = f"<p>This site was built without the packages that run here. With Node and pip they are had by</p>\n<pre>{commands}</pre>\n"
+    return head + told + rest[rest.index("</main>") :].replace('<script type="module" src="try.mjs"></script>\n', "")
+
+
+if __name__ == "__main__":
+    fetch(Path(sys.argv[1]))
+    if len(sys.argv) > 2:
+        place(Path(sys.argv[1]), Path(sys.argv[2]))
