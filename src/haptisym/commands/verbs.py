@@ -613,7 +613,7 @@ def cost(ask: Ask) -> Answer:
         )
 
 
-_MOVED = ("--motion", "--amplitude", "--omega", "--check", "--quantise", "--saturate", "--lowpass")
+_MOVED = ("--motion", "--amplitude", "--omega", "--check", "--lowpass")
 
 
 @verb(
@@ -653,13 +653,18 @@ def simulate(ask: Ask) -> Answer:
       haptisym simulate sampled-wall --check
       haptisym simulate stick-with-friction --amplitude "5 cm" --figures figures
       haptisym simulate delayed-spring --release "1 cm" --hand light-touch
+      haptisym simulate delayed-spring --release "1 cm" --hand light-touch --quantise "0.1 mm" --saturate "5 N"
       haptisym simulate fu2019 --motion hand.csv --lowpass "20 Hz" --force force.csv
     """
     with progress("s simulated") as told:
         if ask.release:
+            from haptisym.verbs.simulate.entry import extras_of
             from haptisym.verbs.simulate.release import release
 
-            found: Any = release(ask.scene, ask.release, ask.hand, duration=ask.duration, progress=told, limit=None)
+            extras = extras_of({"quantise": ask.quantise, "saturate": ask.saturate})
+            found: Any = release(
+                ask.scene, ask.release, ask.hand, duration=ask.duration, extras=extras, progress=told, limit=None
+            )
             force = found
         else:
             from haptisym.verbs.simulate.entry import run  # SciPy is loaded for this verb alone

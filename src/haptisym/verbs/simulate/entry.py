@@ -410,14 +410,21 @@ def period_of(motion: Motion) -> float:
     return 2 * pi / motion.span[0]
 
 
+_RESOLUTION = "resolution of the encoder"
+
+
 def build(net: Network, scene: Scene, extras: Sequence[Extra] = ()) -> list[Port]:
     """The scene's equations but for what the hand does; ports from the environment to the hand."""
     ports = [Port(net.signal("F"), net.signal("X")) for _ in range(len(scene.effects) + 1)]
-    near = ports[0]
+    near, sampled, resolution = ports[0], bool(scene.effects) and scene.effects[0].renders, 0.0
     for extra in extras:
-        near = _build_extra(net, extra, near, scene)
-    if scene.effects and scene.effects[0].renders:
-        build_controller(net, scene.effects[0], near)
+        if sampled and isinstance(extra, EncoderQuantisation):  # its clock reads the encoder: no other instant counts
+            resolution = max(resolution, _sized(_RESOLUTION, extra.resolution, Dimension.DISPLACEMENT, scene))
+            net.built.append("encoder-quantisation")
+        else:
+            near = _build_extra(net, extra, near, scene)
+    if sampled:
+        build_controller(net, scene.effects[0], near, resolution)
     else:
         build_environment(net, scene.rendered or scene.environment, near)
     for effect, inner, outer in zip(scene.effects, ports, ports[1:], strict=False):
@@ -429,7 +436,7 @@ def _build_extra(net: Network, extra: Extra, far: Port, scene: Scene) -> Port:
     """A quantiser or a limit between the environment and the port; the port that is left for the environment."""
     if isinstance(extra, EncoderQuantisation):
         measured = net.signal("measured")
-        size = _sized("resolution of the encoder", extra.resolution, Dimension.DISPLACEMENT, scene)
+        size = _sized(_RESOLUTION, extra.resolution, Dimension.DISPLACEMENT, scene)
         net.steps.append(Step(name_of(far.X), name_of(measured), size, "encoder-quantisation"))
         net.built.append("encoder-quantisation")
         return Port(far.F, measured)
@@ -459,10 +466,15 @@ def check_question(scene: Scene, motion: Motion, extras: Sequence[Extra]) -> Non
         given = f'recording("{motion}")' if isinstance(motion, str) and motion.lower().endswith(".csv") else ""
         makers = given or 'sine("5 cm", "2 Hz"), multisine, chirp or recording("hand.csv")'
         raise SceneError(f"motion: {motion!r:.60} is no motion: make one with {makers}")
-    if not isinstance(extras, Sequence) or not all(isinstance(x, Extra) for x in extras):
-        raise SceneError(f"extras: {extras!r:.60}: give a list of EncoderQuantisation and ForceSaturation")
+    check_extras(extras)
     scene.knobs.need_numbers()
     same_kind("motion", motion.kind, scene)
+
+
+def check_extras(extras: Sequence[Extra]) -> None:
+    """Raise SceneError for what is no list of extras."""
+    if not isinstance(extras, Sequence) or not all(isinstance(x, Extra) for x in extras):
+        raise SceneError(f"extras: {extras!r:.60}: give a list of EncoderQuantisation and ForceSaturation")
 
 
 def _check_poles(scene: Scene, engine: Engine) -> None:
@@ -739,7 +751,7 @@ def run(
         return check(scene, amplitude=options.get("amplitude"), progress=progress, limit=None)
     made = motion(scene, options)
     found = simulate(
-        scene, made, duration=options.get("duration"), extras=_extras(options), progress=progress, limit=None
+        scene, made, duration=options.get("duration"), extras=extras_of(options), progress=progress, limit=None
     )
     return Simulations([found])
 
@@ -768,7 +780,8 @@ def motion(scene: Scene, options: Mapping[str, str | None]) -> Motion:
     return recording(kind, lowpass=options.get("lowpass"), order=int(options.get("lowpass_order") or 4))
 
 
-def _extras(options: Mapping[str, str | None]) -> tuple[Extra, ...]:
+def extras_of(options: Mapping[str, str | None]) -> tuple[Extra, ...]:
+    """The encoder and the limit of the force that the options describe."""
     resolution, limit = options.get("quantise"), options.get("saturate")
     extras: list[Extra] = []
     if resolution:
