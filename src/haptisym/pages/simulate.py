@@ -62,6 +62,17 @@ def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
     yield "motion", (f"{kind}, up to ", near(first.motion.amplitude), f" {length}")
     yield "time", ("0 to ", near(max(float(run.time[-1]) for run in runs)), " s")
     yield "force", ("up to ", near(most), f" {force} at the hand")
+    if first.error:
+        x = first.error
+        yield (
+            "force error",
+            ("up to ", near(x.largest), f" {force}, RMS ", near(x.rms), f" {force}, against ideal hardware"),
+        )
+        yield (
+            "of it encoder",
+            ("up to ", near(x.quantised_largest), f" {force}, RMS ", near(x.quantised_rms), f" {force}"),
+        )
+        yield "at the limit", (near(100 * x.at_limit), "\xa0% of the time")
 
 
 def _table(runs: Sequence[Simulation]) -> Iterator[Block]:

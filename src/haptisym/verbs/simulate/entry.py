@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import exp, inf, log, pi
 from pathlib import Path
@@ -92,6 +92,26 @@ class Estimate:
         return None if self.approximate else self.difference <= self.error
 
 
+@dataclass(frozen=True)
+class ForceError:
+    """What encoder and limit make of the force at the hand, N or N m: that of the same motion without them is subtracted.
+
+    ``largest``, ``rms`` : of all of it. ``quantised_largest``, ``quantised_rms`` : the part that the encoder makes, against the
+    same with the limit alone; 0 without an encoder. ``at_limit`` : the share of the time at which the force is at its limit.
+    """
+
+    largest: float
+    rms: float
+    quantised_largest: float
+    quantised_rms: float
+    at_limit: float
+
+    def row(self) -> dict[str, Any]:
+        """As a document has it."""
+        parts = {"largest": self.quantised_largest, "rms": self.quantised_rms}
+        return {"largest": self.largest, "rms": self.rms, "quantisation": parts, "at_limit": self.at_limit}
+
+
 class _Runs(Answer):
     """Simulated runs of one scene: what is said of them together. Their errors are estimated."""
 
@@ -137,6 +157,7 @@ class _Runs(Answer):
                 "least": min(float(r.force.min()) for r in runs),
                 "most": max(float(r.force.max()) for r in runs),
             },
+            **({"error": first.error.row()} if first.error else {}),
             "estimates": [_estimate_row(x) for run in runs for x in run.estimates],
             "agrees": self.agrees,
             **({"notes": list(first.notes)} if first.notes else {}),
@@ -162,6 +183,8 @@ class Simulation(_Runs):
     extras: tuple[Extra, ...] = ()
     notes: tuple[str, ...] = ()
     """What a reader of the force should know."""
+    error: ForceError | None = None
+    """Of a recording or a chirp with extras."""
 
     def _line(self) -> str:
         return f"{titled(self.scene.title)}: {self.motion.name}, {counted(len(self.estimates), 'frequency', 'frequencies')}"
@@ -609,7 +632,8 @@ def simulate(
     """The force at the hand for a prescribed motion, and H_perc recovered from it at the frequencies of the motion.
 
     ``duration``: s, or with a unit (a step is not cut short); as long as transient and lock-in need if not given. ``extras``:
-    encoder quantisation or force saturation. ``progress`` is called with the simulated time and, as far as it is known, the
+    encoder quantisation or force saturation; of a recording or a chirp ``error`` then gives what they make of the force, by
+    further runs. ``progress`` is called with the simulated time and, as far as it is known, the
     time to simulate, s. ``limit`` : seconds that it may take, LimitError after them; None for none.
     Guaranteed: events are hit exactly, and linear parts are integrated without a stability limit; the error of each estimate is
     estimated, not proven.
@@ -638,7 +662,7 @@ def _simulated(
     fine = Run(scene, motion, extras, STEP, progress)
     if not isinstance(motion, Sines) or (length is not None and length < least_duration(motion)):
         fine.advance(length or 0.0)
-        return _result(fine, ())
+        return replace(_result(fine, ()), error=None if isinstance(motion, Sines) or not extras else _error(fine))
     found = fine.locked(length)
     coarse = Run(scene, motion, extras, STEP * _COARSER, progress)
     other = found if coarse.engine.longest == fine.engine.longest else coarse.again(fine.engine.t)
@@ -706,6 +730,28 @@ def _result(run: Run, estimates: tuple[Estimate, ...]) -> Simulation:
         run.scene, run.motion, time, hand, columns[0], columns[1], columns[2], estimates, tuple(run.net.built), run.extras,
         noise_notes(run.scene, run.motion),
     )  # fmt: skip
+
+
+def _error(run: Run) -> ForceError:
+    """Further runs of the same motion: without extras, and without the encoder where there is a limit too."""
+    limits = [x for x in run.extras if isinstance(x, ForceSaturation)]
+    record, weights = run.engine.record, run.engine.record.quadrature.ravel()
+    weights = weights / weights.sum()
+    times, force = record.instants.ravel(), run.engine.signal(name_of(run.ports[-1].F)).ravel()
+
+    def off(extras: Sequence[Extra]) -> tuple[float, float]:
+        if len(extras) == len(run.extras):
+            return 0.0, 0.0
+        other = Run(run.scene, run.motion, extras, STEP, run.progress)
+        other.advance(run.engine.t)
+        by = force - other.engine.record.at(times, [other.engine.column(name_of(other.ports[-1].F))])[:, 0]
+        return float(np.abs(by).max()), float(np.sqrt(weights @ by**2))
+
+    everything = off(())
+    most = min((positive("limit", x.limit, Dimension.FORCE) for x in limits), default=inf)
+    rendered = np.abs(run.engine.signal(name_of(run.ports[0].F)).ravel())
+    share = float(weights @ (rendered >= most * (1 - 1e-9)))
+    return ForceError(*everything, *(off(limits) if limits else everything), share)
 
 
 def _estimates(run: Run, found: Lock, other: Lock) -> tuple[Estimate, ...]:
