@@ -40,6 +40,7 @@ _NAMES = {
     "verbs.design.entry": "Design design",
     "verbs.effects.relevance": "Relevance relevance",
     "verbs.evaluate.entry": "evaluate",
+    "verbs.family.each": "FamilyAnswers answer_each",
     "verbs.family.entry": "FamilyEvaluation evaluate_all",
     "verbs.identify.entry": "Identification identify",
     "verbs.jnd.entry": "Psychometric PublishedThresholds jnd published",

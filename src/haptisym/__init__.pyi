@@ -27,6 +27,7 @@ from haptisym.verbs.derive.verify import Verification, verify
 from haptisym.verbs.design.entry import Design, design
 from haptisym.verbs.effects.relevance import Relevance, relevance
 from haptisym.verbs.evaluate.entry import evaluate
+from haptisym.verbs.family.each import FamilyAnswers, answer_each
 from haptisym.verbs.family.entry import FamilyEvaluation, evaluate_all
 from haptisym.verbs.identify.entry import Identification, identify
 from haptisym.verbs.jnd.entry import Psychometric, PublishedThresholds, jnd, published
@@ -62,6 +63,7 @@ __all__ = [
     "Environment",
     "Evaluation",
     "ExpressionError",
+    "FamilyAnswers",
     "FamilyEvaluation",
     "ForceSaturation",
     "Hand",
@@ -97,6 +99,7 @@ __all__ = [
     "Tolerances",
     "UndecidedError",
     "Verification",
+    "answer_each",
     "check",
     "chirp",
     "cost",

@@ -282,6 +282,7 @@ def effects(ask: Ask) -> Answer:
         ("--friction", "--resolution", "Abbott and Okamura's bound 2 f_c/Delta"),
         ("--resolution", "--friction", "Abbott and Okamura's bound 2 f_c/Delta"),
     ],
+    each=True,
 )  # fmt: skip
 def require(ask: Ask) -> Answer:
     """Find all values of a parameter that satisfy a requirement.
@@ -345,6 +346,7 @@ def _refuse_contradictions(free: int, ranges: int) -> None:
     JSON,
     CERTIFICATE,
     LIMIT,
+    each=True,
 )
 def stability(ask: Ask) -> Answer:
     """Find whether a display shakes, and its stability limits.
@@ -425,7 +427,7 @@ def _range_of(text: str) -> tuple[str, tuple[str, str] | None]:
     return path.strip(), (low.strip(), high.strip())
 
 
-@verb(SCENE, JSON, figure("bars of the elasticities"), LIMIT)
+@verb(SCENE, JSON, figure("bars of the elasticities"), LIMIT, each=True)
 def sensitivity(ask: Ask) -> Answer:
     """Find how each frequency moves with each parameter.
 
@@ -453,6 +455,7 @@ def sensitivity(ask: Ask) -> Answer:
     option("--hand NAME", "Test stability in this hand, for all values; repeatable.", multiple=True),
     figure("enclosures and samples, with a hand the plane of hands below them"),
     OWN_LIMIT,
+    each=True,
 )
 def tolerances(ask: Ask) -> Answer:
     """Find what holds for all values in given ranges.
@@ -541,6 +544,7 @@ def sweep(ask: Ask) -> Answer:
     LIMIT,
     EVERYTHING,
     apart=[("--json", "--to", "--json prints one document, and --to another output")],
+    each=True,
 )
 def metrics(ask: Ask) -> Answer | None:
     """Compare the JND with other measures of transparency.

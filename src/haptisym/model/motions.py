@@ -335,12 +335,12 @@ class Recording:
             found[which == i] = pieces[i](t[which == i], nu=nu)
         return found
 
-    @property
+    @cached_property
     def amplitude(self) -> float:
         """The largest displacement, m or rad."""
         return float(np.abs(self.values).max())
 
-    @property
+    @cached_property
     def span(self) -> tuple[float, float]:
         """From one period in the whole record to the Nyquist frequency of its longest gap, rad/s."""
         return 2 * pi / self.times[-1], pi / float(np.diff(self.times).max())
