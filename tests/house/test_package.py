@@ -262,6 +262,7 @@ def answers(path: Path) -> list[str]:
     motions = [hs.multisine(0.01, [1, 2]), hs.chirp(0.01, 1, 10, 5)]
     family: hs.SceneFamily = hs.load_scenes("fu2019", ["fu2019", "helicopter-cyclic"])
     together: hs.FamilyEvaluation = hs.evaluate_all(family)
+    shared: hs.FamilyAnswers = hs.answer_each(family, hs.stability)
     arm: hs.Hand = hs.hands["postural-arm"]
     loading: hs.ControlLoading = hs.control_loading(scene, sweeps=["4 s"])
     carried: tuple[hs.Effect, ...] = hs.devices["one-axis"].effects()

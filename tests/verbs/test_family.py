@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import brentq
 from sympy import Rational, lambdify
 
 import haptisym as hs
@@ -349,3 +350,71 @@ def test_the_shipped_families_are_listed_beside_the_scenes(call: Any) -> None:
     rows = {row["name"]: row["environments"] for row in json.loads(call("scenes", "--json")[1])["scenes"]}
     assert (rows["palpation-device"], rows["fu2019"]) == (4, 1)
     assert not set(hs.family_names()) & set(hs.scene_names())
+
+
+# Other questions about each environment
+
+
+LAGGING = """
+[[environments]]
+name = "soft"
+model = "kelvin-voigt"
+k = 100
+b = 4
+[[environments]]
+name = "hard"
+model = "kelvin-voigt"
+k = 900
+b = 1
+[[effects]]
+model = "first-order-lag"
+omega_c = "200 rad/s"
+[evaluation]
+band = [0, 20]
+"""
+
+
+def test_values_that_do_for_all_environments_are_those_of_the_hardest_one(tmp_path: Path, call: Any) -> None:
+    """The ratios of a lag are |Re (G - 1) H|/|H| and |Im (G - 1) H|/|H|, here on a fine grid of the band."""
+    path = tmp_path / "two.toml"
+    path.write_text(LAGGING)
+    w = np.linspace(0, 20, 4001)
+
+    def most(cutoff: float, k: float, b: float) -> float:
+        H = k + 1j * b * w
+        off = (cutoff / (1j * w + cutoff) - 1) * H
+        return float(max(np.abs(off.real / np.abs(H)).max(), np.abs(off.imag / np.abs(H)).max()) - 0.1)
+
+    least = {name: brentq(most, 20, 1000, (k, b)) for name, k, b in (("soft", 100, 4), ("hard", 900, 1))}
+    status, out, _ = call("require", str(path), "--free", "omega_c", "--json")
+    found = json.loads(out)
+    assert status == 0
+    [[low, high]] = found["common"]["feasible"]
+    assert (low, high) == (pytest.approx(max(least.values()), rel=1e-6), None)
+    hardest = max(least, key=lambda x: least[x])
+    assert {x["environment"] for x in found["common"]["binding"]} == {hardest}
+    assert [x["feasible"][0][0] for x in found["environments"]] == pytest.approx(
+        [least["soft"], least["hard"]], rel=1e-6
+    )
+    in_python = hs.answer_each(path, lambda scene: hs.require(scene, "omega_c"))
+    assert in_python.to_dict() == found
+    _, out, _ = call("require", str(path), "--free", "omega_c")
+    assert f"Limited by            {hardest} (imag)" in out
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("stability", "--hand", "light-touch"), ("sensitivity",), ("metrics",), ("tolerances", "--samples", "0"), ("require", "--free", "environment.k")],
+)  # fmt: skip
+def test_each_environment_is_asked_about_by_itself(tmp_path: Path, call: Any, words: tuple[str, ...]) -> None:
+    path = tmp_path / "two.toml"
+    path.write_text(LAGGING.replace('"200 rad/s"', '"200 rad/s +- 5 %"' if words[0] == "tolerances" else '"200 rad/s"'))
+    status, out, err = call(words[0], str(path), *words[1:], "--json")
+    assert status == 0, err
+    found = json.loads(out)
+    assert found["schema"] == "haptisym.answers/1"
+    for row in found["environments"]:
+        _, alone, _ = call(words[0], str(path), *words[1:], "--environment", row["name"], "--json")
+        assert {**json.loads(alone), "title": ""} == {**{k: x for k, x in row.items() if k != "name"}, "title": ""}
+    status, _, err = call("stability", str(path), "--figure", str(tmp_path / "x.svg"))
+    assert (status, "--figure takes one environment" in err) == (2, True)

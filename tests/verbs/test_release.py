@@ -14,6 +14,7 @@ from flint import acb
 from hypothesis import given
 from hypothesis import strategies as st
 from marks import examples
+from scipy.interpolate import CubicSpline
 from sympy import Expr, Integer, Mul, Rational, exp, pi
 
 import haptisym as hs
@@ -161,6 +162,81 @@ def test_the_scenes_own_hand_is_taken_and_a_run_lasts_as_long_as_is_asked() -> N
     assert {until for _, until in watched} == {0.4}
     assert [now for now, _ in watched] == sorted(now for now, _ in watched)
     assert watched[0][0] == 0
+
+
+def wall(K: int, B: int, delay: int) -> hs.Scene:
+    felt = hs.environments.mass_spring_damper(k=K, b=B)
+    effects = hs.effects.sampled_loop("1 ms", "backward-difference", delay), hs.effects.shunt(m="45 g", b="0.5 N*s/m")
+    return hs.Scene(felt, effects, ("0 Hz", "20 Hz"))
+
+
+ENCODER, LIMIT = hs.EncoderQuantisation("0.1 mm"), hs.ForceSaturation("0.5 N")
+
+
+@pytest.mark.few("2000-8-extras0")
+@pytest.mark.parametrize(("K", "B", "extras"), [(2000, 8, [ENCODER]), (1000, 0, [ENCODER, LIMIT]), (1000, 0, [LIMIT])])
+def test_a_rattle_goes_on_as_the_exact_map_from_sample_to_sample_does(K: int, B: int, extras: list[object]) -> None:
+    """0.145 x'' + 0.5 x' = -F, F = what K q + B dq/dt was one sample before, q the rounded position: a matrix each ms."""
+    run = hs.release(wall(K, B, 1), "1 mm", hs.Hand("own", m="0.1 kg"), extras=extras)
+    assert (run.held.stable, run.grows, run.sign_agrees) == (B == 8, False, None)
+    m, b, T = 0.145, 0.5, 1e-3
+    step = np.array(mpmath.expm(mpmath.matrix([[0, T, 0], [0, -b / m * T, -T / m], [0, 0, 0]])).tolist(), dtype=float)
+    res, most = 1e-4 if ENCODER in extras else 0, 0.5 if LIMIT in extras else np.inf
+    kept = np.concatenate([[True], np.diff(run.time) > 1e-12])
+    motion = CubicSpline(run.time[kept], run.hand_motion[kept])
+    begin, end = 200, int(run.time[-1] / T) - 1
+    samples = motion(np.arange(end + 1) * T)
+    before, last = (res * round(x / res) if res else x for x in samples[begin - 2 : begin])
+    state, coming, found = np.array([samples[begin], motion(begin * T, 1)]), K * last + B * (last - before) / T, []
+    for _ in range(begin, end):
+        now = res * round(state[0] / res) if res else state[0]
+        force, coming, last = coming, K * now + B * (now - last) / T, now
+        state = (step @ [*state, np.clip(force, -most, most)])[:2]
+        found.append(state[0])
+    assert np.array(found[:50]) == pytest.approx(samples[begin + 1 : begin + 51], abs=1e-9)
+    late = np.array(found[len(found) // 2 :])
+    assert run.rattle is not None
+    assert run.rattle.amplitude == pytest.approx(np.ptp(late) / 2, rel=0.02)
+    spectrum = np.abs(np.fft.rfft((late - late.mean()) * np.hanning(len(late))))
+    if B == 0:  # one clear tone
+        line = 2 * np.pi * int(np.argmax(spectrum)) / (len(late) * T)
+        assert run.rattle.omega == pytest.approx(line, abs=2 * np.pi / (len(late) * T))
+
+
+def test_a_limit_of_the_force_lets_a_delayed_spring_rattle_as_its_describing_function_says() -> None:
+    """K N(A) exp(-j omega tau) = m omega^2 - j b omega: omega from the angle, N = K_critical/K, A by the saturated sine."""
+    m, b, K, tau, most = 0.5, 3.1, 100.0, 0.036, 0.5
+    run = hs.release("delayed-spring", "1 cm", own("0.5 kg", "3.1 N*s/m"), extras=[hs.ForceSaturation("0.5 N")])
+    omega = float(mpmath.findroot(lambda w: mpmath.tan(w * tau) - b / (m * w), 9))
+    share = m * omega**2 / mpmath.cos(omega * tau) / K
+    ratio = mpmath.findroot(lambda r: 2 / mpmath.pi * (mpmath.asin(r) + r * mpmath.sqrt(1 - r * r)) - share, 0.4)
+    assert run.rattle is not None
+    assert run.rattle.omega == pytest.approx(omega, rel=0.01)
+    assert run.rattle.amplitude == pytest.approx(float(most / K / ratio), rel=0.03)
+    assert run.to_dict()["rattle"] == {"amplitude": run.rattle.amplitude, "frequency": run.rattle.omega}
+    assert run.held.stable is False
+    assert run.settled
+
+
+def test_an_encoder_and_friction_let_a_wall_come_to_rest_and_none_lets_it_grow_alone() -> None:
+    rests = hs.release(wall(1000, 0, 1), "1 mm", hs.Hand("own", m="0.1 kg", b=4, k=50), extras=[ENCODER])
+    assert (rests.stopped, rests.rattle, rests.grows, rests.to_dict()["rattle"]) == ("come to rest", None, False, None)
+    grows = hs.release(wall(1000, 0, 1), "1 mm", hs.Hand("own", m="0.1 kg"), extras=[ENCODER], duration="2 s")
+    assert (grows.rattle, grows.grows, grows.held.stable) == (None, True, False)
+    scene = hs.load_scene("stick-with-friction")
+    held = hs.release(scene, "1 cm", "postural-arm", extras=[hs.ForceSaturation("0.4 N")])
+    assert (held.rattle, held.grows, "come to rest") == (None, False, held.stopped)
+
+
+def test_a_display_held_beyond_the_limit_of_its_force_rests_before_it_is_let_go() -> None:
+    scene = hs.Scene(SPRING, (), (0, 15))
+    run = hs.release(scene, "1 cm", own("0.5 kg", "2 N*s/m", 7), extras=[hs.ForceSaturation("0.4 N")], duration="1 s")
+    early = run.time < 2e-3
+    assert run.force[early] == pytest.approx(0.4, abs=1e-12)
+    assert run.hand_motion[early] == pytest.approx(0.01, abs=1e-6)
+    assert run.hand_motion.max() < 0.01 + 1e-9
+    with pytest.raises(hs.HaptisymError, match="give a list of EncoderQuantisation"):
+        hs.release(scene, "1 cm", LIGHT, extras=["0.1 mm"])
 
 
 @pytest.mark.parametrize(

@@ -288,6 +288,30 @@ def test_a_saturated_spring_gives_the_describing_function_of_saturation() -> Non
     assert x.simulated == pytest.approx(gain, rel=1e-9)
 
 
+def test_a_recording_gives_the_error_of_the_force_that_encoder_and_limit_make() -> None:
+    """A sampled spring without delay: from sample to sample the force is 800 q(x), q of the recording's own samples."""
+    t = np.arange(501) * 1e-3
+    x = 0.02 * np.sin(2 * np.pi * 2 * t) * np.sin(np.pi * t)
+    loop = hs.effects.sampled_loop("1 ms", "backward-difference", 0)
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=800), (loop,), ("0 Hz", "20 Hz"))
+    extras = [hs.EncoderQuantisation("0.3 mm"), hs.ForceSaturation("9 N")]
+    run = hs.simulate(scene, Recording(t, x), extras=extras)
+    ideal, encoded = 800 * x[:-1], 800 * 3e-4 * np.round(x[:-1] / 3e-4)
+    limited, both = np.clip(ideal, -9, 9), np.clip(encoded, -9, 9)
+    assert run.error is not None
+    off = both - ideal
+    assert (run.error.largest, run.error.rms) == pytest.approx((np.abs(off).max(), np.sqrt((off**2).mean())), rel=1e-8)
+    off = both - limited
+    found = run.error.quantised_largest, run.error.quantised_rms
+    assert found == pytest.approx((np.abs(off).max(), np.sqrt((off**2).mean())), rel=1e-8)
+    assert run.error.at_limit == pytest.approx((np.abs(both) == 9).mean(), rel=1e-9)
+    assert run.to_dict()["error"]["quantisation"] == dict(zip(("largest", "rms"), found, strict=True))
+    alone = hs.simulate(scene, Recording(t, x), extras=extras[:1]).error
+    assert alone is not None
+    assert (alone.at_limit, alone.largest) == (0, alone.quantised_largest)
+    assert hs.simulate(scene, Recording(t, x)).error is None
+
+
 def test_a_quantised_spring_gives_the_describing_function_of_a_staircase() -> None:
     scene, A, q = hs.Scene(environments.mass_spring_damper(k=100)), 0.05, 0.02
     [x] = hs.simulate(scene, hs.sine(A, 5), extras=[hs.EncoderQuantisation("2 cm")]).estimates

@@ -40,6 +40,7 @@ OTHERS: dict[str, tuple[str, ...]] = {
     "requirement": ("require", "fu2019", "--free", "omega_n", "--that", "transparent", "--that", "stable", *HAND),
     "evaluation": ("evaluate", "fu2019", "--regions", "--tolerance", "0.2"),
     "evaluations": ("evaluate", "palpation-device", "--regions"),
+    "answers": ("require", "palpation-device", "--free", "omega_c", "--that", "stable", *HAND),
     "effects": ("effects", "fu2019"),
     "metrics": ("metrics", "fu2019"),
     "controlloading": ("metrics", "fu2019", "--rule", "14cfr60-a2a", "--sweep", "4 s"),

@@ -119,17 +119,18 @@ def verb(
     apart: Sequence[Rule] = (),
     needs: Sequence[Rule] = (),
     pages: bool = True,
+    each: bool = False,
 ) -> Callable[[Callable[[Ask], Any]], Verb]:
     """The decorator of a verb: its arguments and options in the order of its help.
 
     ``apart`` : options that may not both be given, and why: a sentence to which "leave out one of them" is added. ``needs`` : an
     option that means nothing without another one, and what it is about. ``pages`` : whether it answers with a page, which
-    ``--latex`` and ``--report`` write to files.
+    ``--latex`` and ``--report`` write to files. ``each`` : whether it is asked about each of several environments.
     """
     listed = [y for x in options for y in (x if isinstance(x, tuple) else (x,))]
     last = [x for x in listed if x in (FORMULAS, EVERYTHING)]
     listed = [*(x for x in listed if x not in last), *(_PAGES if pages else ()), *last]
-    return lambda question: Verb(question, listed, apart, needs)
+    return lambda question: Verb(question, listed, apart, needs, each=each)
 
 
 class Verb(click.Command):
@@ -141,9 +142,11 @@ class Verb(click.Command):
         params: list[click.Parameter],
         apart: Sequence[Rule],
         needs: Sequence[Rule],
+        *,
+        each: bool = False,
     ) -> None:
         super().__init__(question.__name__, params=params, help=cleandoc(question.__doc__ or ""))
-        self.question, self.apart, self.needs = question, apart, needs
+        self.question, self.apart, self.needs, self.each = question, apart, needs, each
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """As click; an option that is given twice is refused."""
@@ -162,16 +165,35 @@ class Verb(click.Command):
         _nothing_lost(ctx)
         ask = SimpleNamespace(**{str(x.name): None for x in (*_PAGES, FORMULAS)} | ctx.params)
         if SCENE[0] in self.params:
-            from haptisym.model.scenefile import load_scene  # SymPy, which help does not need
-
-            ask.scene = load_scene(ask.scene, ask.environment)
+            ask.scene = self._opened(ask)
         with ExitStack() as stack:
             if LIMIT in self.params:
                 told = stack.enter_context(progress())
                 stack.enter_context(limited(ask.limit, told))
-            found = self.question(ask)
+            found = self._answer(ask)
             if found is not None:
                 hand_over(found, ask)
+
+    def _opened(self, ask: Ask) -> Any:
+        """The scene, or the family that is asked about as a whole."""
+        from haptisym.model.scenefile import load_scene, load_scenes  # SymPy, which help does not need
+
+        if not self.each or ask.environment is not None:
+            return load_scene(ask.scene, ask.environment)
+        family = load_scenes(ask.scene)
+        if len(family) == 1:
+            return family.first
+        for one in ("--figure", "--certificate", "--to"):
+            if given(one):
+                raise SceneError(f"{one} takes one environment: choose it with --environment NAME")
+        return family
+
+    def _answer(self, ask: Ask) -> Any:
+        if not self.each or not hasattr(ask.scene, "scenes"):
+            return self.question(ask)
+        from haptisym.verbs.family.each import answer_each
+
+        return answer_each(ask.scene, lambda scene: self.question(SimpleNamespace(**{**vars(ask), "scene": scene})))
 
 
 def given(option: str) -> bool:

@@ -282,6 +282,7 @@ def effects(ask: Ask) -> Answer:
         ("--friction", "--resolution", "Abbott and Okamura's bound 2 f_c/Delta"),
         ("--resolution", "--friction", "Abbott and Okamura's bound 2 f_c/Delta"),
     ],
+    each=True,
 )  # fmt: skip
 def require(ask: Ask) -> Answer:
     """Find all values of a parameter that satisfy a requirement.
@@ -346,6 +347,7 @@ def _refuse_contradictions(free: int, ranges: int) -> None:
     JSON,
     CERTIFICATE,
     LIMIT,
+    each=True,
 )
 def stability(ask: Ask) -> Answer:
     """Find whether a display shakes, and its stability limits.
@@ -426,7 +428,7 @@ def _range_of(text: str) -> tuple[str, tuple[str, str] | None]:
     return path.strip(), (low.strip(), high.strip())
 
 
-@verb(SCENE, JSON, figure("bars of the elasticities"), LIMIT)
+@verb(SCENE, JSON, figure("bars of the elasticities"), LIMIT, each=True)
 def sensitivity(ask: Ask) -> Answer:
     """Find how each frequency moves with each parameter.
 
@@ -454,6 +456,7 @@ def sensitivity(ask: Ask) -> Answer:
     option("--hand NAME", "Test stability in this hand, for all values; repeatable.", multiple=True),
     figure("enclosures and samples, with a hand the plane of hands below them"),
     OWN_LIMIT,
+    each=True,
 )
 def tolerances(ask: Ask) -> Answer:
     """Find what holds for all values in given ranges.
@@ -555,6 +558,7 @@ def sweep(ask: Ask) -> Answer:
         *(("--rule", x, "--rule prints a report of its tests") for x in ("--absolute-stability", "--all", "--to")),
     ],
     needs=[(x, "--rule", "the tests of a rule") for x in ("--control", "--travel", "--sweep")],
+    each=True,
 )
 def metrics(ask: Ask) -> Answer | None:
     """Compare the JND with other measures of transparency.
@@ -632,7 +636,7 @@ def cost(ask: Ask) -> Answer:
         )
 
 
-_MOVED = ("--motion", "--amplitude", "--omega", "--check", "--quantise", "--saturate", "--lowpass")
+_MOVED = ("--motion", "--amplitude", "--omega", "--check", "--lowpass")
 
 
 @verb(
@@ -672,13 +676,18 @@ def simulate(ask: Ask) -> Answer:
       haptisym simulate sampled-wall --check
       haptisym simulate stick-with-friction --amplitude "5 cm" --figures figures
       haptisym simulate delayed-spring --release "1 cm" --hand light-touch
+      haptisym simulate delayed-spring --release "1 cm" --hand light-touch --quantise "0.1 mm" --saturate "5 N"
       haptisym simulate fu2019 --motion hand.csv --lowpass "20 Hz" --force force.csv
     """
     with progress("s simulated") as told:
         if ask.release:
+            from haptisym.verbs.simulate.entry import extras_of
             from haptisym.verbs.simulate.release import release
 
-            found: Any = release(ask.scene, ask.release, ask.hand, duration=ask.duration, progress=told, limit=None)
+            extras = extras_of({"quantise": ask.quantise, "saturate": ask.saturate})
+            found: Any = release(
+                ask.scene, ask.release, ask.hand, duration=ask.duration, extras=extras, progress=told, limit=None
+            )
             force = found
         else:
             from haptisym.verbs.simulate.entry import run  # SciPy is loaded for this verb alone

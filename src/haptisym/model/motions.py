@@ -327,18 +327,20 @@ class Recording:
     def _spline(self, t: Array, nu: int) -> Array:
         """A derivative of it, at times within the recording."""
         edges, pieces = self._pieces
+        if not len(edges):
+            return np.asarray(pieces[0](t, nu=nu))
         which = np.searchsorted(edges, t, side="right")
         found = np.zeros(t.shape)
         for i in np.unique(which):
             found[which == i] = pieces[i](t[which == i], nu=nu)
         return found
 
-    @property
+    @cached_property
     def amplitude(self) -> float:
         """The largest displacement, m or rad."""
         return float(np.abs(self.values).max())
 
-    @property
+    @cached_property
     def span(self) -> tuple[float, float]:
         """From one period in the whole record to the Nyquist frequency of its longest gap, rad/s."""
         return 2 * pi / self.times[-1], pi / float(np.diff(self.times).max())

@@ -62,6 +62,17 @@ def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
     yield "motion", (f"{kind}, up to ", near(first.motion.amplitude), f" {length}")
     yield "time", ("0 to ", near(max(float(run.time[-1]) for run in runs)), " s")
     yield "force", ("up to ", near(most), f" {force} at the hand")
+    if first.error:
+        x = first.error
+        yield (
+            "force error",
+            ("up to ", near(x.largest), f" {force}, RMS ", near(x.rms), f" {force}, against ideal hardware"),
+        )
+        yield (
+            "of it encoder",
+            ("up to ", near(x.quantised_largest), f" {force}, RMS ", near(x.quantised_rms), f" {force}"),
+        )
+        yield "at the limit", (near(100 * x.at_limit), "\xa0% of the time")
 
 
 def _table(runs: Sequence[Simulation]) -> Iterator[Block]:
@@ -103,9 +114,21 @@ def page_release(r: Release) -> Document:
 
 
 def _answer(r: Release) -> Iterator[tuple[Phrase, Phrase]]:
+    rests = bool(r.extras) and r.stopped == "come to rest"
     motion: Phrase = "undecided from this run" if r.grows is None else Strong("grows") if r.grows else "decays"
-    yield "After release", motion
-    yield "Closed form", _held(r)
+    yield "After release", _rattle(r) if r.rattle else "comes to rest (simulated)" if rests else motion
+    yield (
+        ("Linear loop", (_held(r), ", without encoder and limit of the force"))
+        if r.extras
+        else ("Closed form", _held(r))
+    )
+
+
+def _rattle(r: Release) -> Phrase:
+    """Amplitude and frequency of the motion that stays."""
+    assert r.rattle is not None
+    size = near(r.rattle.amplitude), f" {r.unit} at "
+    return Strong("rattles"), " (simulated): amplitude ", *size, cell(r.rattle.omega), "\xa0", FREQUENCY_UNIT
 
 
 def _run(r: Release) -> Iterator[tuple[str, Phrase]]:
@@ -114,7 +137,7 @@ def _run(r: Release) -> Iterator[tuple[str, Phrase]]:
     yield "simulated", ", ".join(r.built)
     yield "hand", (f"{r.hand.name}: ", numbers)
     yield "held at", (near(r.displacement), f" {r.unit}, at rest, then let go")
-    yield "time", ("0 to ", near(float(r.time[-1])), f" s{f' (it {r.stopped})' if r.stopped else ''}")
+    yield "time", ("0 to ", near(float(r.time[-1])), f" s{f' ({r.stopped})' if r.stopped else ''}")
 
 
 def _table_release(r: Release) -> Iterator[Block]:
@@ -160,6 +183,8 @@ def _chain(closed: Closed) -> Phrase:
 
 
 def _how_sure(r: Release) -> Phrase:
+    if r.extras and r.held.roots is not None:
+        return "Proven: the verdict on the linear loop. Computed: the motion, a simulation with quantisation or saturation."
     if r.grows is None:
         return "Computed: whether the motion grows or decays does not follow from this run."
     if r.approximate:

@@ -236,9 +236,13 @@ class Engine:
             self._begin(rest or at_rest(self.net, position))
 
     def _begin(self, rest: Mapping[str, float]) -> None:
+        for i, switch in enumerate(self.net.switches):
+            if switch.offset and abs(rest[switch.driver]) > switch.limit:
+                self.modes[i] = 1 if rest[switch.driver] > 0 else -1
+        self._update_forces()
         self.record.before = np.array([rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.readings])
         for hold in self.net.holds:
-            self.held[hold.target] = rest[hold.source]
+            self.held[hold.target] = hold.read(rest[hold.source])
         for step in self.net.steps:
             self.held[step.target] = step.resolution * round(rest[step.source] / step.resolution)
         everything = {(name, k): rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.exact.columns}
@@ -379,7 +383,7 @@ class Engine:
         """Let every clock whose time has come read its source, and hold that."""
         for i, hold in enumerate(self.net.holds):
             if self.samples[i] * hold.period <= self.t + _TINY * self.longest:
-                self.held[hold.target] = self._now(hold.source)
+                self.held[hold.target] = hold.read(self._now(hold.source))
                 self.samples[i] += 1
                 self.breaks.after(self.t)
 

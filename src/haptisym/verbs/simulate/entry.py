@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import exp, inf, log, pi
 from pathlib import Path
@@ -92,6 +92,26 @@ class Estimate:
         return None if self.approximate else self.difference <= self.error
 
 
+@dataclass(frozen=True)
+class ForceError:
+    """What encoder and limit make of the force at the hand, N or N m: that of the same motion without them is subtracted.
+
+    ``largest``, ``rms`` : of all of it. ``quantised_largest``, ``quantised_rms`` : the part that the encoder makes, against the
+    same with the limit alone; 0 without an encoder. ``at_limit`` : the share of the time at which the force is at its limit.
+    """
+
+    largest: float
+    rms: float
+    quantised_largest: float
+    quantised_rms: float
+    at_limit: float
+
+    def row(self) -> dict[str, Any]:
+        """As a document has it."""
+        parts = {"largest": self.quantised_largest, "rms": self.quantised_rms}
+        return {"largest": self.largest, "rms": self.rms, "quantisation": parts, "at_limit": self.at_limit}
+
+
 class _Runs(Answer):
     """Simulated runs of one scene: what is said of them together. Their errors are estimated."""
 
@@ -137,6 +157,7 @@ class _Runs(Answer):
                 "least": min(float(r.force.min()) for r in runs),
                 "most": max(float(r.force.max()) for r in runs),
             },
+            **({"error": first.error.row()} if first.error else {}),
             "estimates": [_estimate_row(x) for run in runs for x in run.estimates],
             "agrees": self.agrees,
             **({"notes": list(first.notes)} if first.notes else {}),
@@ -162,6 +183,8 @@ class Simulation(_Runs):
     extras: tuple[Extra, ...] = ()
     notes: tuple[str, ...] = ()
     """What a reader of the force should know."""
+    error: ForceError | None = None
+    """Of a recording or a chirp with extras."""
 
     def _line(self) -> str:
         return f"{titled(self.scene.title)}: {self.motion.name}, {counted(len(self.estimates), 'frequency', 'frequencies')}"
@@ -410,14 +433,21 @@ def period_of(motion: Motion) -> float:
     return 2 * pi / motion.span[0]
 
 
+_RESOLUTION = "resolution of the encoder"
+
+
 def build(net: Network, scene: Scene, extras: Sequence[Extra] = ()) -> list[Port]:
     """The scene's equations but for what the hand does; ports from the environment to the hand."""
     ports = [Port(net.signal("F"), net.signal("X")) for _ in range(len(scene.effects) + 1)]
-    near = ports[0]
+    near, sampled, resolution = ports[0], bool(scene.effects) and scene.effects[0].renders, 0.0
     for extra in extras:
-        near = _build_extra(net, extra, near, scene)
-    if scene.effects and scene.effects[0].renders:
-        build_controller(net, scene.effects[0], near)
+        if sampled and isinstance(extra, EncoderQuantisation):  # its clock reads the encoder: no other instant counts
+            resolution = max(resolution, _sized(_RESOLUTION, extra.resolution, Dimension.DISPLACEMENT, scene))
+            net.built.append("encoder-quantisation")
+        else:
+            near = _build_extra(net, extra, near, scene)
+    if sampled:
+        build_controller(net, scene.effects[0], near, resolution)
     else:
         build_environment(net, scene.rendered or scene.environment, near)
     for effect, inner, outer in zip(scene.effects, ports, ports[1:], strict=False):
@@ -429,7 +459,7 @@ def _build_extra(net: Network, extra: Extra, far: Port, scene: Scene) -> Port:
     """A quantiser or a limit between the environment and the port; the port that is left for the environment."""
     if isinstance(extra, EncoderQuantisation):
         measured = net.signal("measured")
-        size = _sized("resolution of the encoder", extra.resolution, Dimension.DISPLACEMENT, scene)
+        size = _sized(_RESOLUTION, extra.resolution, Dimension.DISPLACEMENT, scene)
         net.steps.append(Step(name_of(far.X), name_of(measured), size, "encoder-quantisation"))
         net.built.append("encoder-quantisation")
         return Port(far.F, measured)
@@ -459,10 +489,15 @@ def check_question(scene: Scene, motion: Motion, extras: Sequence[Extra]) -> Non
         given = f'recording("{motion}")' if isinstance(motion, str) and motion.lower().endswith(".csv") else ""
         makers = given or 'sine("5 cm", "2 Hz"), multisine, chirp or recording("hand.csv")'
         raise SceneError(f"motion: {motion!r:.60} is no motion: make one with {makers}")
-    if not isinstance(extras, Sequence) or not all(isinstance(x, Extra) for x in extras):
-        raise SceneError(f"extras: {extras!r:.60}: give a list of EncoderQuantisation and ForceSaturation")
+    check_extras(extras)
     scene.knobs.need_numbers()
     same_kind("motion", motion.kind, scene)
+
+
+def check_extras(extras: Sequence[Extra]) -> None:
+    """Raise SceneError for what is no list of extras."""
+    if not isinstance(extras, Sequence) or not all(isinstance(x, Extra) for x in extras):
+        raise SceneError(f"extras: {extras!r:.60}: give a list of EncoderQuantisation and ForceSaturation")
 
 
 def _check_poles(scene: Scene, engine: Engine) -> None:
@@ -597,7 +632,8 @@ def simulate(
     """The force at the hand for a prescribed motion, and H_perc recovered from it at the frequencies of the motion.
 
     ``duration``: s, or with a unit (a step is not cut short); as long as transient and lock-in need if not given. ``extras``:
-    encoder quantisation or force saturation. ``progress`` is called with the simulated time and, as far as it is known, the
+    encoder quantisation or force saturation; of a recording or a chirp ``error`` then gives what they make of the force, by
+    further runs. ``progress`` is called with the simulated time and, as far as it is known, the
     time to simulate, s. ``limit`` : seconds that it may take, LimitError after them; None for none.
     Guaranteed: events are hit exactly, and linear parts are integrated without a stability limit; the error of each estimate is
     estimated, not proven.
@@ -626,7 +662,7 @@ def _simulated(
     fine = Run(scene, motion, extras, STEP, progress)
     if not isinstance(motion, Sines) or (length is not None and length < least_duration(motion)):
         fine.advance(length or 0.0)
-        return _result(fine, ())
+        return replace(_result(fine, ()), error=None if isinstance(motion, Sines) or not extras else _error(fine))
     found = fine.locked(length)
     coarse = Run(scene, motion, extras, STEP * _COARSER, progress)
     other = found if coarse.engine.longest == fine.engine.longest else coarse.again(fine.engine.t)
@@ -696,6 +732,28 @@ def _result(run: Run, estimates: tuple[Estimate, ...]) -> Simulation:
     )  # fmt: skip
 
 
+def _error(run: Run) -> ForceError:
+    """Further runs of the same motion: without extras, and without the encoder where there is a limit too."""
+    limits = [x for x in run.extras if isinstance(x, ForceSaturation)]
+    record, weights = run.engine.record, run.engine.record.quadrature.ravel()
+    weights = weights / weights.sum()
+    times, force = record.instants.ravel(), run.engine.signal(name_of(run.ports[-1].F)).ravel()
+
+    def off(extras: Sequence[Extra]) -> tuple[float, float]:
+        if len(extras) == len(run.extras):
+            return 0.0, 0.0
+        other = Run(run.scene, run.motion, extras, STEP, run.progress)
+        other.advance(run.engine.t)
+        by = force - other.engine.record.at(times, [other.engine.column(name_of(other.ports[-1].F))])[:, 0]
+        return float(np.abs(by).max()), float(np.sqrt(weights @ by**2))
+
+    everything = off(())
+    most = min((positive("limit", x.limit, Dimension.FORCE) for x in limits), default=inf)
+    rendered = np.abs(run.engine.signal(name_of(run.ports[0].F)).ravel())
+    share = float(weights @ (rendered >= most * (1 - 1e-9)))
+    return ForceError(*everything, *(off(limits) if limits else everything), share)
+
+
 def _estimates(run: Run, found: Lock, other: Lock) -> tuple[Estimate, ...]:
     assert isinstance(run.motion, Sines)
     omegas = np.array(run.motion.omegas)
@@ -739,7 +797,7 @@ def run(
         return check(scene, amplitude=options.get("amplitude"), progress=progress, limit=None)
     made = motion(scene, options)
     found = simulate(
-        scene, made, duration=options.get("duration"), extras=_extras(options), progress=progress, limit=None
+        scene, made, duration=options.get("duration"), extras=extras_of(options), progress=progress, limit=None
     )
     return Simulations([found])
 
@@ -768,7 +826,8 @@ def motion(scene: Scene, options: Mapping[str, str | None]) -> Motion:
     return recording(kind, lowpass=options.get("lowpass"), order=int(options.get("lowpass_order") or 4))
 
 
-def _extras(options: Mapping[str, str | None]) -> tuple[Extra, ...]:
+def extras_of(options: Mapping[str, str | None]) -> tuple[Extra, ...]:
+    """The encoder and the limit of the force that the options describe."""
     resolution, limit = options.get("quantise"), options.get("saturate")
     extras: list[Extra] = []
     if resolution:

@@ -103,12 +103,17 @@ class SignalSum:
 
 @dataclass(frozen=True)
 class Hold:
-    """A clock that samples ``source`` every ``period`` seconds and holds the value on ``target``."""
+    """A clock that samples ``source`` every ``period`` seconds and holds the value, rounded to ``resolution``, on ``target``."""
 
     source: str
     target: str
     period: float
     name: str
+    resolution: float = 0.0
+
+    def read(self, value: float) -> float:
+        """What is held of a value: a whole multiple of the resolution, or the value itself."""
+        return self.resolution * round(value / self.resolution) if self.resolution else value
 
 
 @dataclass(frozen=True)
@@ -309,11 +314,14 @@ def _zero_order_hold(net: Network, element: Effect, near: Port, far: Port) -> No
     net.holds.append(Hold(name_of(near.F), name_of(far.F), float_of(_values(element)["T"]), element.name))
 
 
-def build_controller(net: Network, effect: Effect, port: Port) -> None:
-    """Add a sampled controller in the place of the environment that it renders: its difference equation, between samples held."""
+def build_controller(net: Network, effect: Effect, port: Port, resolution: float = 0.0) -> None:
+    """Add a sampled controller in the place of the environment that it renders: its difference equation, between samples held.
+
+    ``resolution`` : of its encoder, m or rad; rounding a sample is sampling what was rounded, without an event for each step.
+    """
     sampled, force = net.signal("sampled"), net.signal("computed")
     T = _values(effect)["T"]
-    net.holds.append(Hold(name_of(port.X), name_of(sampled), float_of(T), effect.name))
+    net.holds.append(Hold(name_of(port.X), name_of(sampled), float_of(T), effect.name, resolution))
     D = controller(effect)
     net.equal(_samples_ago(D.denominator, force, T), _samples_ago(D.numerator, sampled, T))
     net.equal(port.F, force)
@@ -494,20 +502,25 @@ def at_rest(net: Network, position: float) -> dict[str, float]:
     >>> at_rest(net, 0.5)["f"]
     50.0
     """
-    ratios = _ratios(net)
+    ratios = _ratios(net, {})
     values = {name: position * float_of(ratio) for name, ratio in ratios.items()}
+    beyond = [x for x in net.switches if x.offset and abs(values[x.driver]) > x.limit]
+    if beyond:
+        limits = {x.target: _rational(math.copysign(x.limit, values[x.driver]) / position) for x in beyond}
+        values = {name: position * float_of(ratio) for name, ratio in _ratios(net, limits).items()}
     if not all(abs(value) < 1e15 for value in values.values()):
         raise SceneError("motion: the scene does not rest at the first sample: begin at 0")
     return values
 
 
-def _ratios(net: Network) -> dict[str, Exact]:
-    """Each signal as a fraction of the hand's position."""
+def _ratios(net: Network, limits: Mapping[str, Exact]) -> dict[str, Exact]:
+    """Each signal as a fraction of the hand's position; ``limits`` : the same of the forces that stand at their limit."""
     held = [
         SignalSum.of(x.target) - SignalSum.of(x.source).late(fmpq(*x.period.as_integer_ratio()) / 2) for x in net.holds
     ]
     passed = [*held, *(SignalSum.of(x.target) - SignalSum.of(x.source) for x in net.steps)]
-    switched = [switch.closed if switch.offset else SignalSum.of(switch.target) for switch in net.switches]
+    at_limit = {target: SignalSum.of(target) - ratio * SignalSum.of(MOTION) for target, ratio in limits.items()}
+    switched = [at_limit.get(x.target, x.closed if x.offset else SignalSum.of(x.target)) for x in net.switches]
     equations = [*net.equations, *passed, *switched]
     names = list(dict.fromkeys(name for equation in equations for name, _, _ in equation.terms if name != MOTION))
     if len(equations) != len(names):

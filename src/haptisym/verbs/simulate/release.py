@@ -4,11 +4,15 @@ The hand has held the display displaced for so long that everything rests; then 
 moment, and its mass, damping and stiffness alone stay. Clocks, delay lines and friction are real ones; the closed form of
 H_perc is not used. From the motion that follows, rate and frequency of what lasts longest are read by a matrix pencil (Hua and
 Sarkar, 1990) on even samples, and held against the rightmost root of H_perc(s) + m s^2 + b s + k.
+
+With an encoder, friction or a limit of the force the loop is not linear. It comes to rest, grows, or rattles: a motion whose
+size stays as it is while the linear loop's would not. Amplitude and frequency of that are read from the last half of the run;
+what is proven is still the verdict on the linear loop.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import inf, pi
@@ -30,7 +34,7 @@ from haptisym.model.scene import Scene, clocks
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.engine import Engine
-from haptisym.verbs.simulate.entry import build, in_time, same_kind
+from haptisym.verbs.simulate.entry import Extra, build, check_extras, in_time, same_kind
 from haptisym.verbs.simulate.network import MOTION, Network, Port, SignalSum, at_rest, exact, name_of
 from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost_root
 from haptisym.verbs.simulate.statespace import Record
@@ -133,6 +137,41 @@ def modes(x: Array, step: float) -> tuple[Array, Array]:
     return np.log(z) / step, weights
 
 
+@dataclass(frozen=True)
+class Rattle:
+    """A motion that neither dies away nor grows: half its peak-to-peak value, m or rad, and its mean frequency, rad/s."""
+
+    amplitude: float
+    omega: float
+
+
+def rattle(time: Array, x: Array) -> tuple[float, float, float | None]:
+    """Half the peak-to-peak value of a motion, how that changes along it, and the motion's mean frequency, rad/s.
+
+    The change is the logarithm of the second half's size (mean of three windows) over the first half's. The frequency is that
+    of upward crossings of a level above the middle that each follow one of a level below; None for fewer than twenty of them.
+
+    >>> t = np.linspace(0, 10, 5001)
+    >>> size, change, omega = rattle(t, 3 + 2 * np.sin(5 * t))
+    >>> f"{size:.4f} {change:.3f} {omega:.4f}"
+    '2.0000 0.000 5.0000'
+    """
+    places = np.searchsorted(time, np.linspace(time[0], time[-1], _WINDOWS + 1))
+    sizes = np.array([np.ptp(x[a : max(b, a + 1)]) / 2 for a, b in pairwise(places)])
+    first, last = np.maximum((sizes[:3].mean(), sizes[3:].mean()), 1e-300)
+    size = float(np.ptp(x)) / 2
+    above = float(x.min() + x.max()) / 2 + _LEVEL * size
+    sides = np.where(x > above, 1, np.where(x < above - 2 * _LEVEL * size, -1, 0))
+    clear = np.flatnonzero(sides)
+    up = clear[1:][(sides[clear[1:]] == 1) & (sides[clear[:-1]] == -1)]
+    if len(up) < _LEAST_CROSSINGS:
+        return size, float(np.log(last / first)), None
+    at = time[up] - (x[up] - above) / (x[up] - x[up - 1]) * (time[up] - time[up - 1])
+    return size, float(np.log(last / first)), float(2 * pi * (len(at) - 1) / (at[-1] - at[0]))
+
+
+_LEVEL = 0.2  # of the amplitude: how far from the middle a crossing counts
+_LEAST_CROSSINGS = 20
 _FAST = 1e3  # rad/s
 _NEAR = 1e-6  # relative: how well a mode is read at best
 
@@ -201,9 +240,12 @@ class Release(Answer):
     built: tuple[str, ...]
     approximate: str
     held: Held
+    rattle: Rattle | None = None
+    """With an encoder, friction or a limit of the force: the motion that stays."""
+    extras: tuple[Extra, ...] = ()
 
     def _line(self) -> str:
-        told = {True: "grows", False: "dies away", None: "is left open"}[self.grows]
+        told = "rattles" if self.rattle else {True: "grows", False: "dies away", None: "is left open"}[self.grows]
         return f"{titled(self.scene.title)} in {self.hand.name}, let go: {told}"
 
     @property
@@ -222,7 +264,10 @@ class Release(Answer):
         near = (
             self.held.roots is not None and self.held.roots.chain is RootChain.NEAR
         )  # far beyond what a release moves
-        return None if self.grows is None or self.held.stable is None or near else self.grows is not self.held.stable
+        if self.grows is None or self.held.stable is None or near or self.rattle:
+            return None
+        agrees = self.grows is not self.held.stable
+        return None if self.approximate and not agrees else agrees  # what is not linear may do otherwise
 
     @property
     def unit(self) -> str:
@@ -233,7 +278,7 @@ class Release(Answer):
     def grows(self) -> bool | None:
         """Whether the simulated motion grows; None where it neither grows nor dies away for certain."""
         if self.fitted is None:
-            return False if self.stopped == "come to rest" else None
+            return False if self.stopped == "come to rest" or self.rattle else None
         return None if abs(self.fitted.rate) <= self.error else self.fitted.rate > 0
 
     @property
@@ -269,6 +314,7 @@ class Release(Answer):
             "stopped": self.stopped or None,
             "grows": self.grows,
             "simulated": fitted,
+            "rattle": self.rattle and {"amplitude": self.rattle.amplitude, "frequency": self.rattle.omega},
             "closed": self._closed(),
             "held": self.held.stable,
             "agrees": self.agrees,
@@ -292,6 +338,9 @@ _CHUNKS = 60
 _NOTHING = 1e-25  # N: what the limit of statics leaves of no force
 _CLEAR = 0.02  # relative: readings further apart are none
 _HIGHEST = 1e4  # rad/s: what is faster is not what a hand is let go with
+_LONGER = 4  # times that a run may be doubled while a motion that is not linear neither settles nor grows
+_STEADY = 0.02  # change of the amplitude, as a logarithm, up to which a motion stays as it is
+_LINEAR = 0.2  # of the change that the linear loop's motion would have
 _BROAD = 10  # times the scale: the frequencies at which a release moves anything
 
 
@@ -301,14 +350,17 @@ def release(
     hand: str | Hand | None = None,
     *,
     duration: Number | None = None,
+    extras: Sequence[Extra] = (),
     progress: Callable[[float, float], None] | None = None,
     limit: float | None = SECONDS,
 ) -> Release:
-    """Let a display go that a hand has held displaced, and tell at which rate the motion dies away or grows.
+    """Let a display go that a hand has held displaced: at which rate does the motion decay or grow, or does it rattle?
 
     ``displacement`` : m or rad, or with a unit. ``hand`` : one of the scene, or one that the package ships, by name, or a
     ``Hand``; the scene's if it has one and none is given. ``duration`` : s, or with a unit; as long as a verdict needs
-    if not given. ``limit`` : seconds that it may take, LimitError after them; None for none.
+    if not given. ``extras`` : encoder quantisation or force saturation. ``limit`` : seconds that it may take, LimitError after
+    them; None for none.
+    Guaranteed: ``held``, the verdict on the linear loop. What is read from the motion, ``rattle`` with it, is computed.
     Raises SceneError where nothing holds the display (no static stiffness), and for what cannot be simulated.
 
     >>> from haptisym.model.scenefile import load_scene
@@ -317,6 +369,7 @@ def release(
     (True, True, '0.145472', '0.145472')
     """
     scene = as_scene(scene)
+    check_extras(extras)
     scene.knobs.need_numbers()
     hand = _the_hand(scene, hand)
     size = positive("release", displacement, Dimension.DISPLACEMENT)
@@ -324,7 +377,7 @@ def release(
     same_kind(f"hand {hand.name}", hand.motion, scene)
     length = None if duration is None else positive("duration", duration, Dimension.TIME)
     with ONE_THREAD, limited(limit):
-        return _Run(scene, hand, size, closed_form(scene, hand)).go(length, progress)
+        return _Run(scene, hand, size, closed_form(scene, hand), extras).go(length, progress)
 
 
 def _the_hand(scene: Scene, given: str | Hand | None) -> Hand:
@@ -352,8 +405,10 @@ def closed_form(scene: Scene, hand: Hand) -> Closed | None:
 class _Run:
     """A release that is being simulated."""
 
-    def __init__(self, scene: Scene, hand: Hand, size: float, closed: Closed | None) -> None:
-        self.scene, self.hand, self.size, self.closed = scene, hand, size, closed
+    def __init__(
+        self, scene: Scene, hand: Hand, size: float, closed: Closed | None, extras: Sequence[Extra] = ()
+    ) -> None:
+        self.scene, self.hand, self.size, self.closed, self.extras = scene, hand, size, closed, tuple(extras)
         self.periods = [float(x) for x in clocks(scene)]
         found = abs(closed.s) if closed and closed.chain is None else 0.0
         self.scale = max(found if found < _HIGHEST else 0.0, float(scene.band[1]) / 3)
@@ -361,7 +416,8 @@ class _Run:
         self.lead = self._lead()
         span = (1e-3 * self.scale, max(30 * self.scale, 3 * float(scene.band[1])))
         self.net = Network(span)
-        self.port = _held(self.net, scene, hand)
+        self.port = _held(self.net, scene, hand, self.extras)
+        self.linear = not (self.extras or self.net.switches)
         rest = self._rest(span)
         force = rest[MOTION]
         if abs(force) < _NOTHING:
@@ -383,26 +439,44 @@ class _Run:
     def _rest(self, span: tuple[float, float]) -> dict[str, float]:
         """Every signal while the display is held displaced, and the force that holds it."""
         net = Network(span)
-        port = build(net, self.scene)[-1]
+        port = build(net, self.scene, self.extras)[-1]
         net.equal(port.X, SignalSum.of(MOTION))
         found = at_rest(net, self.size)
         force = found[name_of(port.F)] + float(self.hand.k.value) * self.size
         return {**found, MOTION: force}
 
     def go(self, length: float | None, progress: Callable[[float, float], None] | None) -> Release:
-        until = min(length or self._duration(), _MOST_STEPS * self.engine.longest)
-        stopped = ""
-        for end in np.linspace(0, until, _CHUNKS + 1)[1:]:
+        most = _MOST_STEPS * self.engine.longest
+        until, stopped = min(length or self._duration(), most), ""
+        for _ in range(1 if length or self.linear else 1 + _LONGER):
+            stopped = self._advanced(until, length is None, progress)
+            if stopped or until >= most or self._stays() is not None:
+                break
+            until = min(2 * until, most)
+        return self._result(stopped)
+
+    def _advanced(self, until: float, may_end: bool, progress: Callable[[float, float], None] | None) -> str:  # noqa: FBT001
+        """Go on until then; why the run ended before."""
+        for end in np.linspace(self.engine.t, until, _CHUNKS + 1)[1:]:
             try:
                 self.engine.advance(float(end), None if progress is None else lambda t: progress(t, until))
             except SceneError as error:
                 if "without bound" not in str(error):
                     raise
-                stopped = "grown beyond all measure"
-                break
-            if length is None and (stopped := self._ended(float(end), until)):
-                break
-        return self._result(stopped)
+                return "grown beyond all measure"
+            if may_end and (stopped := self._ended(float(end), until)):
+                return stopped
+        return ""
+
+    def _stays(self) -> Rattle | None:
+        """The motion of the run's last half, where it stays as it is though the linear loop's would not."""
+        x, time = (y.ravel() for y in (self.engine.signal(name_of(self.port.X)), self.engine.record.instants))
+        half = int(np.searchsorted(time, time[-1] / 2))
+        size, change, omega = rattle(time[half:], x[half:])
+        linear = abs(self.lead.real) * time[-1] / 4 or inf  # between the middles of the two quarters
+        if self.linear or omega is None or size < _GONE * self.size or abs(change) > min(_STEADY, _LINEAR * linear):
+            return None
+        return Rattle(size, omega)
 
     def _duration(self) -> float:
         s = self.lead
@@ -412,10 +486,12 @@ class _Run:
 
     def _ended(self, end: float, until: float) -> str:
         record = self.engine.record
-        last = np.abs(self.engine.signal(name_of(self.port.X))[-max(8, record.count // 20) :]).max()
+        ending = self.engine.signal(name_of(self.port.X))[-max(8, record.count // 20) :]
+        last = np.abs(ending).max()
         if last > _GROWN * self.size and end > 0.2 * until:
             return "grown ten million times"
-        return "come to rest" if last < _GONE * self.size else ""
+        resting = last if self.linear else np.ptp(ending)  # an encoder or friction lets it rest elsewhere, too
+        return "come to rest" if resting < _GONE * self.size else ""
 
     def _result(self, stopped: str) -> Release:
         engine = self.engine
@@ -424,9 +500,12 @@ class _Run:
         fitted, error = self._read(x)
         if np.ptp(x[-max(8, len(x) // 20) :]) < _GONE * self.size and not stopped:
             stopped, fitted = "come to rest", None
+        stays = None if stopped else self._stays()
+        if stays or (stopped == "come to rest" and not self.linear):
+            fitted = None
         return Release(
             self.scene, self.hand, self.size, time, x, force, fitted, error, self.closed, stopped, tuple(self.net.built),
-            self._why(), held(self.scene, self.hand),
+            self._why(), held(self.scene, self.hand), stays, self.extras,
         )  # fmt: skip
 
     def _read(self, x: Array) -> tuple[Mode | None, float]:
@@ -438,19 +517,21 @@ class _Run:
         turn = abs(self.lead.imag)
         one, other = (slowest(record, column, part, period, waving=waving, turn=turn) for part in (0.35, 0.5))
         if one is None or other is None or abs(one.s - other.s) > _CLEAR * abs(other.s):
-            return None, inf
+            return (None, inf) if self.linear else envelope(record, column, 0.5)
         return other, float(abs(one.s - other.s))
 
     def _why(self) -> str:
         """Why the closed form is not what was simulated; empty where it is."""
+        if self.extras:
+            return "quantisation and saturation are in no closed form"
         if self.net.switches:
             return "sliding friction, for which the closed form has a describing function of one amplitude"
         return "a clock whose loop has no closed form here" if self.periods and self.closed is None else ""
 
 
-def _held(net: Network, scene: Scene, hand: Hand) -> Port:
+def _held(net: Network, scene: Scene, hand: Hand, extras: Sequence[Extra]) -> Port:
     """The display with the hand on it, and a force that holds both: F + m x'' + b x' + k x = the force."""
-    port = build(net, scene)[-1]
+    port = build(net, scene, extras)[-1]
     own = port.X.through(*(exact(p.value) for p in (hand.k, hand.b, hand.m)))
     net.equal(port.F + own, SignalSum.of(MOTION))
     return port

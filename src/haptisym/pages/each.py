@@ -1,0 +1,35 @@
+"""The page of one question about several environments: what does for all, then the answer for each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from haptisym.pages import words as w
+from haptisym.verbs.family.each import FamilyAnswers
+from haptisym.writing import document as doc
+from haptisym.writing.document import Document, Phrase, Strong, listed
+
+
+def page(many: FamilyAnswers) -> Document:
+    """The whole page: a section for each environment, with what its own page has but for model and source."""
+    sections = tuple(doc.Section(name, x.document().blocks[:-1]) for name, x in many.answers.items())
+    proof = (
+        "Proven: the values common to all environments." if many.common else "Each environment is examined by itself."
+    )
+    further = ("haptisym evaluate SCENE",)
+    return w.page_about(many.family, _common(many), sections, (proof,), "Several environments", None, further)
+
+
+def _common(many: FamilyAnswers) -> Iterator[tuple[Phrase, Phrase]]:
+    if many.common is None:
+        return
+    from haptisym.verbs.require.feasible import spanned
+
+    free = next(iter(many.answers.values())).free
+    unit = f" ({free.unit})" if free.unit not in ("", "1") else ""
+    spans: Phrase = listed(spanned(x) for x in many.common.feasible) if many.common.feasible else Strong("none")
+    yield "For all environments", (f"{free.path}{unit}: ", spans)
+    if many.common.undecided:
+        yield "Undecided", f"{len(many.common.undecided)} intervals of values"
+    if many.binding:
+        yield "Limited by", listed(dict.fromkeys(f"{name} ({x})" for _, name, x in many.binding))

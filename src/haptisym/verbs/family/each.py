@@ -1,0 +1,112 @@
+"""One question about each environment of a family: the answers side by side and, of values that are required, what they share.
+
+The values of a parameter that do for all environments are the intersection of their proven sets; at each of its ends the
+environments bind that have an end of their own there. A value that no environment excludes and one leaves open stays open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+from haptisym.judge.answers import Answer
+from haptisym.kernel.objects import counted, titled
+from haptisym.model.scene import Scene
+from haptisym.model.scenefile import SceneFamily, as_family
+
+
+@dataclass(frozen=True, repr=False)
+class FamilyAnswers(Answer):
+    """What a question found for each environment: ``answers``, by the names of the environments.
+
+    ``common`` : where the answers are values of one parameter, those that do for all environments, else None.
+    """
+
+    _schema: ClassVar[str] = "haptisym.answers/1"
+    _page: ClassVar[str] = "haptisym.pages.each:page"
+
+    family: SceneFamily
+    answers: Mapping[str, Any]
+
+    def _line(self) -> str:
+        return f"{titled(self.family.title)}: {counted(len(self.answers), 'answer')}"
+
+    @property
+    def _about(self) -> SceneFamily:
+        return self.family
+
+    @property
+    def certified(self) -> bool:
+        """Whether all answers are, and nothing that they share was left undecided."""
+        shared = self.common is None or not self.common.undecided
+        return all(x.certified for x in self.answers.values()) and shared
+
+    @property
+    def settled(self) -> bool:
+        """Whether no answer has a question that stayed undecided."""
+        return all(x.settled for x in self.answers.values())
+
+    @cached_property
+    def common(self) -> Any:
+        """The values that do for all environments, as ``feasible`` and ``undecided`` of a ``Requirement``; or None."""
+        found = list(self.answers.values())
+        domains = {getattr(x, "domain", None) for x in found}
+        if len(domains) > 1 or None in domains or not all(hasattr(x, "feasible") for x in found):
+            return None  # no sets of values, or of different ranges: a parameter of the environments themselves
+        from haptisym.verbs.require.feasible import Solved, together
+
+        return together(domains.pop(), [Solved(x.feasible, x.undecided, x.reason) for x in found])
+
+    @property
+    def binding(self) -> tuple[tuple[float, str, str], ...]:
+        """At each end of the common values, SI, the environments that bind there, each with its criterion."""
+        ends = (
+            {end.value for x in self.common.feasible for end in (x.low, x.high) if end.bindings} if self.common else ()
+        )
+        found = {
+            (float(value), name, b.criterion.name)
+            for value in ends
+            for name, x in self.answers.items()
+            for own in x.ends
+            if float(own.value) == float(value)
+            for b in own.bindings
+        }
+        return tuple(sorted(found))
+
+    def _body(self) -> dict[str, Any]:
+        rows = [{"name": name, **x.to_dict()} for name, x in self.answers.items()]
+        return {
+            "environments": rows,
+            "certified": self.certified,
+            **({"common": self._common()} if self.common else {}),
+        }
+
+    def _common(self) -> dict[str, Any]:
+        def pair(low: Any, high: Any) -> list[float | None]:
+            return [None if x is None else float(x) for x in (low, high)]
+
+        return {
+            "feasible": [pair(x.low.value, x.high.value) for x in self.common.feasible],
+            "binding": [{"at": at, "environment": name, "criterion": x} for at, name, x in self.binding],
+            "undecided": [pair(*x) for x in self.common.undecided],
+        }
+
+
+def answer_each(family: SceneFamily | Scene | str | Path, question: Callable[[Scene], Any]) -> FamilyAnswers:
+    """Ask one question about each environment of a scene, and put the answers side by side.
+
+    ``family`` : scenes, or their name or file. ``question`` : what is asked of each scene, such as ``hs.stability``, or a
+    lambda with its arguments. Guaranteed: each answer is that of its environment alone; ``common``, of ``hs.require``, is the
+    intersection of the proven sets. Raises what the question raises.
+
+    >>> from haptisym import load_scenes, require
+    >>> family = load_scenes("fu2019", ["fu2019", "helicopter-cyclic"])
+    >>> found = answer_each(family, lambda scene: require(scene, "omega_n"))
+    >>> [round(at, 6) for at, *_ in found.binding] == [round(float(found.common.feasible[0].low.value), 6)]
+    True
+    """
+    family = as_family(family)
+    return FamilyAnswers(family, {name: question(scene) for name, scene in family.scenes.items()})
