@@ -1,5 +1,5 @@
 """The site: ``python -m sphinx -W -n docs build/site``. Its pages request nothing from outside: formulas are MathML.
-``try/`` runs the package itself (``building/browser.py``).
+``try/`` runs the package itself (``building/inbrowser.py``).
 
 Sources are the pages of this folder, the script ``plots.py``, which is run, and ``generated/``, which ``building/`` writes
 from the package for every build.
@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE / "building")]
 
-import browser  # noqa: E402
 import docstrings  # noqa: E402
 import formulas  # noqa: E402
 import generated  # noqa: E402
+import inbrowser  # noqa: E402
 
 import haptisym as hs  # noqa: E402
 
@@ -65,5 +65,5 @@ def setup(app: Sphinx) -> dict[str, Any]:
     docstrings.setup(app)
     app.connect("source-read", lambda _app, _name, text: text.__setitem__(0, generated.linked(text[0])))
     app.connect("config-inited", lambda *_: generated.write(HERE / "generated"))
-    app.connect("build-finished", lambda _app, error: error or browser.place(browser.FOLDER, Path(app.outdir)))
+    app.connect("build-finished", lambda _app, error: error or inbrowser.place(inbrowser.FOLDER, Path(app.outdir)))
     return {"parallel_read_safe": True}

@@ -9,7 +9,7 @@ export async function boot({ load, read, base, told = () => {} }) {
   let done = core;
   for (const { name, size } of packages) {
     told(done / whole);
-    python.unpackArchive(await read(name, (part) => told((done + part) / whole)), name.endsWith(".whl") ? "wheel" : "zip", { extractDir: python.runPython("import site; site.getsitepackages()[0]") });
+    python.unpackArchive(await read(name, (part) => told((done + part) / whole)), "zip", { extractDir: python.runPython("import site; site.getsitepackages()[0]") });
     done += size;
   }
   told(1);

@@ -164,6 +164,14 @@ def test_the_reference_has_every_public_name_once() -> None:
     assert sorted(listed) == sorted(hs.__all__)
 
 
+def test_a_site_without_the_packages_of_the_browsers_page_says_how_they_are_had(tmp_path: Path) -> None:
+    script("building/inbrowser.py").place(tmp_path / "none", tmp_path)
+    page = (tmp_path / "try" / "index.html").read_text(encoding="utf-8")
+    assert "python docs/building/inbrowser.py build/browser build/site" in page
+    assert "<script" not in page
+    assert [*script("building/outside.py").outside(tmp_path)] == []
+
+
 def test_what_a_page_loads_from_outside_is_found(tmp_path: Path) -> None:
     outside = script("building/outside.py")
     good = '<a href="https://x.org">x</a><img src="a.png"><link rel="stylesheet" href="_static/a.css">'

@@ -314,9 +314,9 @@ process.stdout.write(JSON.stringify(found));
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page and its packages, as the site has them."""
     packages = Path(os.environ.get("HAPTISYM_BROWSER") or ROOT / "build" / "browser")
-    required(f"{packages}, by python docs/building/browser.py {packages},", (packages / "pyodide").is_dir())
+    required(f"{packages}, by python docs/building/inbrowser.py {packages},", (packages / "packages.zip").is_file())
     built = tmp_path_factory.mktemp("site")
-    subprocess.run([sys.executable, ROOT / "docs" / "building" / "browser.py", packages, built], check=True)
+    subprocess.run([sys.executable, ROOT / "docs" / "building" / "inbrowser.py", packages, built], check=True)
     return built / "try"
 
 
