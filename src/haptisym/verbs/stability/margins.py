@@ -110,7 +110,8 @@ def margins(scene: Scene, hand: Hand) -> Margins:
             return none
 
     gain, delay = (_gain_by_clock, _delay_by_clock) if clocks(scene) else (_gain, _delay)
-    below, above = told("gain", lambda: gain(scene, hand), (None, None))
+    neither: tuple[Limit | None, Limit | None] = (None, None)
+    below, above = told("gain", lambda: gain(scene, hand), neither)
     late = told("delay", lambda: delay(scene, hand), None)
     phase = None if clocks(scene) else told("phase_deg", lambda: _phase(scene, hand), None)
     return Margins(below, above, late, phase, tuple(left))
