@@ -98,7 +98,7 @@ def margins(scene: Scene, hand: Hand) -> Margins:
     >>> from haptisym.model.scenefile import load_scene
     >>> found = margins(load_scene("delayed-spring"), hands["postural-arm"])
     >>> found.above.value.digits(5), found.delay.value.digits(4), found.phase.value.digits(4)
-    ('1.9985', '0.06655', '59.10')
+    ('1.9985', '0.06655', '59.11')
     """
     left: list[tuple[str, str]] = []
 
