@@ -100,6 +100,8 @@ def margins(scene: Scene, hand: Hand) -> Margins:
     >>> found.above.value.digits(5), found.delay.value.digits(4), found.phase.value.digits(4)
     ('1.9985', '0.06655', '59.11')
     """
+    if (scene.rendered or scene.environment).H.is_zero:
+        return Margins()
     left: list[tuple[str, str]] = []
 
     def told(name: str, ask: Callable[[], T], none: T) -> T:
