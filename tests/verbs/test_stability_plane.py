@@ -1,16 +1,20 @@
-"""Planes of two numbers in which a display is held or shakes: by Hurwitz, by counts at single values, by roots on the boundary."""
+"""Planes of two numbers in which a display is held or shakes: by Hurwitz, by counts at single values, by roots on the boundary; margins."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
 from itertools import count
+from math import log10
 from random import Random
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from lagged import lagged, room, text
+from scipy.linalg import expm
+from scipy.optimize import brentq
 from strategies import Seeded, case, scene
 from sympy import Expr, Rational, Symbol
 
@@ -289,3 +293,103 @@ def test_thresholds_are_sides_of_a_plane_that_move_no_root() -> None:
     assert (own.left[:, 1, 0] <= least).all()
     assert (own.left[:, 1, 1] >= least).all()
     assert own.share_left == pytest.approx(1 / 512, rel=1e-9)
+
+
+# Margins: by how much the rendered force may change until a display shakes
+
+
+def test_margins_of_a_delayed_spring_are_those_of_its_loop() -> None:
+    """m s^2 + b s + k + g K exp(-s (tau + more)) in the arm that was measured."""
+    [found] = hs.stability("delayed-spring", "postural-arm").to_dict()["held"]
+    m, b, k, K, tau = 0.554, 6.45, 135.0, 100.0, 0.036
+    own: dict[str, Any] = found["margins"]
+
+    def g(w: float, late: float = tau) -> complex:
+        return complex(-(-m * w**2 + 1j * b * w + k) / (K * np.exp(-1j * w * late)))
+
+    above, delay = own["gain"], own["delay"]
+    assert above["below"] is None
+    assert abs(g(above["omega"]) - above["above"]) < 1e-9
+    assert abs(g(delay["omega"], tau + delay["above"]) - 1) < 1e-9
+    assert (
+        0
+        <= delay["above"]
+        <= min(np.angle(1 / g(w)) % (2 * np.pi) / w for w in (10.560751818161899, 15.501129766124679)) + 1e-9
+    )
+    grid = np.linspace(1e-3, 100, 100_001)
+    rises = [i for i in range(len(grid) - 1) if (abs(g(grid[i])) - 1) * (abs(g(grid[i + 1])) - 1) < 0]
+    angles = [abs(np.angle(g(brentq(lambda w: abs(g(w)) - 1, grid[i], grid[i + 1], xtol=1e-13)))) for i in rises]
+    assert abs(own["phase_deg"] - np.degrees(min(angles))) < 1e-6
+
+
+def test_a_rational_loop_has_the_margins_of_its_open_loop() -> None:
+    """A spring of 100 N/m behind a lag of 10 rad/s in a hand of 1 kg, 1 N s/m: g 1000/((s^2 + s)(s + 10)), as from textbooks."""
+    scene = hs.Scene(E.mass_spring_damper(k="1 N/m"), (F.first_order_lag("10 rad/s"),))
+    [x] = hs.stability(scene, hs.Hand("own", m="1 kg", b="1 N*s/m")).margins
+    assert x
+    assert x.above
+    assert x.delay
+    assert x.phase
+    assert (x.above.value.digits(10), x.below) == ("11.00000000", None)  # Routh: 10 g < 11 * 10
+    w = mpmath.findroot(lambda y: y * mpmath.sqrt(y**2 + 1) * mpmath.sqrt(y**2 / 100 + 1) - 1, 0.8)
+    angle = mpmath.pi / 2 - mpmath.atan(w) - mpmath.atan(w / 10)
+    assert abs(float(x.phase.value) - float(mpmath.degrees(angle))) < 1e-9
+    assert abs(float(x.delay.value) - float(angle / w)) < 1e-9
+
+
+def period(K: float, B: float, hand: tuple[float, float, float], T: float, late: float) -> np.ndarray:
+    """What a period does to place, speed, and the last forces: K x + B (x - last x)/T, so much late, held for T."""
+    m, b, k = hand
+    A = np.array([[0, 1, 0], [-k / m, -b / m, 1 / m], [0, 0, 0]])
+    whole = int(late // T)
+    rest = late - whole * T
+    n = 3 + whole + 1  # place, speed, last place, and the forces that are under way, the newest first
+    first, second = expm(A * rest), expm(A * (T - rest))
+    step, force = np.zeros((n, n)), np.zeros(n)
+    force[0], force[2] = -K - B / T, B / T
+    row = [force, *(np.eye(n)[3 + i] for i in range(whole + 1))]  # the force now, and those before it
+    old, new = row[whole + 1], row[whole]
+    motion = np.eye(n)[:2]
+    moved = first[:2, :2] @ motion + np.outer(first[:2, 2], old)
+    step[:2] = second[:2, :2] @ moved + np.outer(second[:2, 2], new)
+    step[2] = np.eye(n)[0]
+    for i in range(whole + 1):
+        step[3 + i] = row[i]
+    return step
+
+
+@pytest.mark.parametrize("hand", ["light-touch", "postural-arm"])
+def test_margins_of_a_sampled_wall_are_where_an_eigenvalue_of_a_period_leaves_the_circle(hand: str) -> None:
+    scene, own = hs.load_scene("virtual-wall"), hs.hands[hand]
+    [x] = hs.stability(scene, hand).margins
+    assert x
+    assert x.above
+    assert x.delay
+    assert x.phase is None
+    assert x.below is None
+    device = {p.key: float(p.value) for p in scene.effects[1].parameters}
+    held = tuple(float(p.value) + device.get(p.key, 0.0) for p in own.parameters)
+
+    def radius(g: float, more: float) -> float:
+        return float(abs(np.linalg.eigvals(period(400 * g, 0.4 * g, held, 1e-3, 1e-3 + more))).max())
+
+    g, more = float(x.above.value), float(x.delay.value)
+    for low, high in (
+        (radius(g * 0.9999, 0), radius(g * 1.0001, 0)),
+        (radius(1, more * 0.9999), radius(1, more * 1.0001)),
+    ):
+        assert low < 1 < high
+    assert all(radius(10 ** (log10(g) * i / 40 - 3 * (i % 2)), 0) < 1 for i in range(40))
+    assert all(radius(1, more * i / 40) < 1 for i in range(40))
+
+
+def test_what_shakes_or_renders_nothing_has_no_margin() -> None:
+    assert hs.stability("delayed-spring", "light-touch").margins == (None,)
+    loop = F.sampled_loop("1 ms", "backward-difference"), F.shunt(m="0.2 kg", b="0.1 N*s/m")
+    [free] = hs.stability(hs.Scene(E.kelvin_voigt(k=0, b=0), loop), "light-touch").margins
+    assert free
+    assert free.row() == {
+        "gain": {"below": None, "above": None, "omega": None},
+        "delay": {"above": None, "omega": None},
+        "phase_deg": None,
+    }

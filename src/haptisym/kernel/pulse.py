@@ -191,6 +191,16 @@ class Plant:
         return tuple(_floor(lag / period, known) for lag, _ in self.terms)
 
 
+@dataclass(frozen=True)
+class Timed(Plant):
+    """The same of which each delay is known to have so many ``whole`` samples, and up to one more, whatever the numbers are."""
+
+    whole: tuple[int, ...] = ()
+
+    def samples(self, period: Expr, known: Mapping[Expr, Ball]) -> tuple[int, ...]:
+        return self.whole
+
+
 def _floor(ratio: Expr, known: Mapping[Expr, Ball]) -> int:
     """The whole part of a number."""
 
@@ -303,11 +313,19 @@ class SampledLoop:
         return self._row(self._moved(known), known)
 
     def _row(self, moved: _Moved, known: Mapping[Expr, Ball]) -> list[Ball]:
+        above, below = self._both(moved, known)
+        return list((above + below).coeffs())
+
+    def _both(self, moved: _Moved, known: Mapping[Expr, Ball]) -> tuple[Any, Any]:
         above, below = (
             _polynomial([expression_ball(x, known) for x in _shifted(row, self._size)])
             for row in (self.above, self.below)
         )
-        return list((below * moved.below + above * moved.above).coeffs())
+        return above * moved.above, below * moved.below
+
+    def sides(self, known: Mapping[Expr, Ball]) -> tuple[Any, Any]:
+        """N and Q of C = N + Q, polynomials in z - 1: N what the controller makes, Q what moves without it."""
+        return self._both(self._moved(known), known)
 
     def in_v(self, known: Mapping[Expr, Ball], always: int = 0) -> list[Ball]:
         """The coefficients in v, ascending, without so many roots that always lie at 1.

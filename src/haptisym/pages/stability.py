@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
+from math import log10
+
+from sympy import Expr, Integer, Rational
 
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity
@@ -18,6 +21,7 @@ from haptisym.pages.evaluation import not_looked_at
 from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.entry import Stability, has_plane
 from haptisym.verbs.stability.held import Box, Held, Share
+from haptisym.verbs.stability.margins import Limit, Margins
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
@@ -42,7 +46,7 @@ def page(found: Stability) -> Document:
     is_sampled = bool(clocks(found.scene))
     drawn = (doc.Figure("plane", _WALLS if is_sampled else _PLANE, found.figure),) if has_plane(found.scene) else ()
     blocks = (
-        *_hands(found), *_limits(found), *drawn,
+        *_hands(found), *_limits(found), *_margins(found), *drawn,
         *w.noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))), w.certificate(found, found.scene),
     )  # fmt: skip
     return w.page_about(found.scene, _answer(found), blocks, _proven(found), "Stability", found.asides())
@@ -212,6 +216,47 @@ def _limits(found: Stability) -> Iterator[Block]:
     if lines or notes:
         blocks = (limits,) if lines else ()
         yield doc.Section("Stability limits, one parameter varied at a time", (*blocks, *w.noted(notes)))
+
+
+def _margins(found: Stability) -> Iterator[Block]:
+    """By how much the rendered force may change in each hand."""
+    rows = [(x.hand.name, own) for x, own in zip(found.held, found.margins, strict=True) if own]
+    if not rows:
+        return
+
+    def sides(of: Callable[[Limit, Way], Phrase]) -> w.Cell:
+        def cell(row: tuple[str, Margins]) -> Phrase:
+            below, above = row[1].below, row[1].above
+            if "gain" in dict(row[1].undecided):
+                return Strong("undecided")
+            low, high = below and of(below, Way.UP), above and of(above, Way.DOWN)
+            return (low, " to ", high) if low and high else ("> ", low) if low else ("< ", high) if high else "any"
+
+        return cell
+
+    def one(name: str, of: Callable[[Margins], Limit | None], size: Expr) -> w.Cell:
+        def cell(row: tuple[str, Margins]) -> Phrase:
+            x = of(row[1])
+            none = Strong("undecided") if name in dict(row[1].undecided) else "any"
+            return none if x is None else doc.Real(in_unit(x.value, size), Way.DOWN)
+
+        return cell
+
+    phase = (
+        (w.number("phase (deg)", one("phase_deg", lambda x: x.phase, Integer(1))),) if not clocks(found.scene) else ()
+    )
+    yield doc.Section(
+        "Margins: how much the rendered force may change",
+        (
+            w.table(
+                rows, "By which factor, and by how much more delay or angle at one frequency, until it shakes.",
+                w.Field("hand", lambda x: x[0]), w.Field("factor", sides(lambda x, way: doc.Real(x.value, way))),
+                w.Field("dB", sides(lambda x, _: f"{20 * log10(float(x.value)):.3g}")),
+                w.number("more delay (ms)", one("delay", lambda x: x.delay, Rational(1, 1000))), *phase,
+            ),
+            *w.noted(w.undecided((f"{hand}: {why}",)) for hand, x in rows for _, why in x.undecided),
+        ),
+    )  # fmt: skip
 
 
 def _name_and_unit(knob: Knob) -> Phrase:

@@ -21,13 +21,13 @@ from typing import Any, TypeAlias
 
 import flint
 from flint import acb_poly, arb, arb_mat
-from sympy import Expr, I, Integer, Rational, Symbol, pi
+from sympy import Expr, I, Integer, Poly, Rational, Symbol, ceiling, floor, pi
 
 from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.pulse import Plant, SampledLoop, circle_tests, is_clear
+from haptisym.kernel.pulse import Plant, SampledLoop, Timed, circle_tests, is_clear
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import Roots, is_stable
@@ -49,6 +49,12 @@ def clock_of(scene: Scene) -> tuple[int, Effect]:
     if others:
         raise UndecidedError("the roots of a loop with two clocks")
     return place, scene.effects[place]
+
+
+def series_alone(scene: Scene) -> bool:
+    """Whether what comes before the clock does no more than multiply the force."""
+    place, _ = clock_of(scene)
+    return all(x.matrix[1:] == (0, 0, 1) for x in scene.effects[:place])
 
 
 def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
@@ -328,15 +334,13 @@ class Passage:
 
 _BITS = 128
 _ZERO = ExactNumber(Integer(0))
-_REACH, _FAR = (
-    2**10,
-    10**6,
-)  # times as much, and as little, a value may be for its nearest limit; of a wall's, which are cheap
+_CLOCK, _REACH, _FAR = 32, 2**10, 10**6
+"""Times as much, and as little, a value may be for its nearest limit: of a clock or delay, of others, of a wall's."""
 _FINEST = Fraction(1, 1 << 24)  # of a value: where cells are shorter, it is asked whether more roots are behind them
 _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
 _DEEPEST = 8  # times that these are cut
 _GROWTH = Fraction(1, 2)  # of a cell, to the next
-_MOST_ON_A_SIDE, _MOST_FINE = 800, 40  # on a side; of them the shortest
+_MOST_FINE = 40  # of the shortest cells on a side
 
 
 def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
@@ -377,6 +381,11 @@ class Opened:
         own = self.loop.T, *self.loop.plant.denominator, *(lag for lag, _ in self.loop.plant.terms)
         return not any(x.has(self.symbol) for x in own)
 
+    @property
+    def is_of_clock(self) -> bool:
+        """Whether the number is in the period, or in a delay."""
+        return any(x.has(self.symbol) for x in (self.loop.T, *(lag for lag, _ in self.loop.plant.terms)))
+
     def at(self, value: Rational) -> SampledLoop:
         """The loop at a number."""
         return self.loop.at({self.symbol: value})
@@ -395,6 +404,37 @@ class Opened:
     def always(self) -> int:
         """How many roots lie at 1 whatever the number is."""
         return 0 if self.at_one != 0 else self.at(Rational(7919, 6007)).roots_at_one
+
+    @property
+    def _ratios(self) -> list[Expr]:
+        """Delays over the period that depend on the number."""
+        found = [lag / self.loop.T for lag, _ in self.loop.plant.terms]
+        return [x for x in found if x.has(self.symbol)]
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether the number changes how many samples a delay is."""
+        return bool(self._ratios)
+
+    def piece(self, start: Fraction, end: Fraction, side: int) -> tuple[Opened, Fraction]:
+        """The loop from a value on as far as its delays keep their whole samples, and up to where that is."""
+        q, last = Rational(start.numerator, start.denominator), Rational(end.numerator, end.denominator)
+        turns = list[Expr]()
+        for ratio in self._ratios:
+            here = ratio.xreplace({self.symbol: q})
+            if not here.is_Rational:
+                raise UndecidedError("how far a number may go that is no rational one")
+            grows = (ratio.diff(self.symbol).xreplace({self.symbol: q}) > 0) == (side > 0)
+            n = floor(here) + 1 if grows else ceiling(here) - 1
+            above, below = (Poly(x, self.symbol) for x in (ratio - n).together().as_numer_denom())
+            if n >= 0 and above.degree() == 1 and below.degree() < 2:
+                turns += [x for x in (-above.nth(0) / above.nth(1),) if (x - q) * side > 0]
+        stop = min((last, *turns), key=lambda x: (x - q) * side)
+        middle = {self.symbol: (q + stop) / 2}
+        period, plant = self.loop.T.xreplace(middle), self.loop.plant
+        whole = tuple(int(floor(lag.xreplace(middle) / period)) for lag, _ in plant.terms)
+        timed = Timed(plant.denominator, plant.terms, whole)
+        return Opened(replace(self.loop, plant=timed), self.symbol), Fraction(int(stop.p), int(stop.q))
 
     def tests(self, q: Ball) -> tuple[Ball, Ball, Ball]:
         """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle."""
@@ -432,13 +472,30 @@ class Walk:
     home: int
     rule: Rule
     ends: tuple[Fraction, Fraction]
+    most: int = 800
+    """Cells on a side."""
 
     def towards(self, side: int) -> tuple[Passage | None, Fraction]:
-        """The nearest change on one side, None where there is none, and as far as that is known."""
+        """The nearest change on one side, None where there is none, and as far as that is known.
+
+        From one value at which a delay is a whole number of samples to the next: between two the loop is one polynomial.
+        """
+        if not self.loop.is_timed:
+            return self._within(side)
+        at, end = self.start, self.ends[side > 0]
+        while (end - at) * side > 0:
+            loop, last = self.loop.piece(at, end, side)
+            passage, known = replace(self, loop=loop, start=at, ends=(min(at, last), max(at, last)))._within(side)
+            if passage is not None or known != last:
+                return passage, known
+            at = last
+        return None, at
+
+    def _within(self, side: int) -> tuple[Passage | None, Fraction]:
         scale = abs(self.start) or Fraction(1)
         end = self.ends[side > 0]
         at, step, fine, growth = self.start, scale / 64, 0, _GROWTH
-        for _ in range(_MOST_ON_A_SIDE):
+        for _ in range(self.most):
             try:
                 tick()
             except LimitError:
@@ -460,7 +517,7 @@ class Walk:
                 fine += 1
                 if found is not None:
                     return found, at
-                if fine > _MOST_FINE:
+                if fine > min(_MOST_FINE, self.most // 20):
                     break
         return None, at
 
@@ -476,7 +533,7 @@ class Walk:
             if on:
                 raise UndecidedError("where a root stays on the unit circle")
             if count != self.home:
-                return self._between(one, other, count), other
+                return self.between(one, other, count), other
             low, high = sorted((one, other))
             if self._has_none(low, high, _DEEPEST):
                 return None, other
@@ -491,7 +548,7 @@ class Walk:
         middle = (low + high) / 2
         return depth > 0 and self._has_none(low, middle, depth - 1) and self._has_none(middle, high, depth - 1)
 
-    def _between(self, one: Fraction, other: Fraction, count: int) -> Passage:
+    def between(self, one: Fraction, other: Fraction, count: int) -> Passage:
         """The change between two values that are close to each other, to a count at the other one."""
         low, high = sorted((one, other))
         side = 1 if other > one else -1
@@ -553,7 +610,7 @@ def passages(scene: Scene, hand: Hand, free: Knob) -> Passages:
     if loop.is_fixed:
         return Passages(())
     walk = _walk(loop, free)
-    times = _FAR if loop.is_of_wall else _REACH
+    times = _CLOCK if loop.is_of_clock else _FAR if loop.is_of_wall else _REACH
     more = (abs(walk.start) or 1) * times
     walk = replace(walk, ends=(walk.start - more if free.rule is Rule.ANY else walk.start / times, walk.start + more))
     found, low, high = _both_ways(walk, scene, hand, free, 1)

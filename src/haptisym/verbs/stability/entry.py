@@ -31,6 +31,7 @@ from haptisym.verbs.stability.held import (
     ring_of,
     whole_box,
 )
+from haptisym.verbs.stability.margins import Margins, margins
 
 WALL = ("environment.k", "environment.b")
 """What is asked about a display with a clock, and what its plane shows."""
@@ -63,6 +64,8 @@ class Stability(Answer):
     critical: tuple[tuple[Nearest, ...], ...]
     boxes: tuple[Box | None, ...]
     every_passive_hand: EveryPassiveHand
+    margins: tuple[Margins | None, ...] = ()
+    """Of each hand by how much the rendered force may change until it shakes; None where it does, or that is undecided."""
     digits: int = 15
 
     def _line(self) -> str:
@@ -78,7 +81,7 @@ class Stability(Answer):
 
     @property
     def certified(self) -> bool:
-        """Whether nothing was left undecided."""
+        """Whether nothing was left undecided, of margins apart."""
         held = all(x.is_decided for x in self.held)
         decided = self.imposed.stable is not None and held and self.every_passive_hand.is_decided
         left = [x.reason for rows in self.critical for x in rows] + [x.reason for x in self.boxes if x]
@@ -87,19 +90,25 @@ class Stability(Answer):
     def _body(self) -> dict[str, Any]:
         return {
             "imposed": {"stable": self.imposed.stable, "unstable": self.imposed.unstable},
-            "held": [self._held(*row) for row in zip(self.held, self.critical, self.boxes, strict=True)],
+            "held": [self._held(*row) for row in zip(self.held, self.critical, self.boxes, self.margins, strict=True)],
             "every_passive_hand": self.every_passive_hand.row(self.digits),
             "sampled": None if self.sampled is None else self.sampled.row(self.digits),
             "certified": self.certified,
         }
 
-    def _held(self, x: Held, rows: tuple[Nearest, ...], box: Box | None) -> dict[str, Any]:
+    def _held(self, x: Held, rows: tuple[Nearest, ...], box: Box | None, margin: Margins | None) -> dict[str, Any]:
         reason = {"reason": x.reason} if x.reason else {}
         chain = {"chain": x.roots.chain.value} if x.roots and x.roots.chain else {}
         critical = [self._critical(found) for near in rows for found in near.found]
         left = [{"path": near.path, "reason": near.reason} for near in rows if near.reason]
         verdict = {"stable": x.stable, "shakes": x.shakes, "drifts": x.drifts, "unstable": x.unstable}
-        own: dict[str, Any] = {"hand": _hand(x.hand), **verdict, "critical": critical}
+        own: dict[str, Any] = {
+            "hand": _hand(x.hand),
+            **verdict,
+            "critical": critical,
+            "margins": margin and margin.row(),
+        }
+        left += [{"path": f"margins.{name}", "reason": why} for name, why in margin.undecided] if margin else []
         if box is not None:
             own["whole_box"] = box.share.value if box.share else None
             left += [{"path": x.hand.name, "reason": box.reason}] if box.reason else []
@@ -171,7 +180,9 @@ def stability(
         rows = tuple(held(scene, x) for x in scene.hands)
         near = tuple(_critical(scene, x, asked_of) for x in rows)
         boxes = tuple(whole_box(scene, x) for x in scene.hands)
-        return Stability(scene, imposed(scene), rows, near, boxes, every_passive_hand(scene), digits)
+        under, every = imposed(scene), every_passive_hand(scene)
+        nearby = tuple(margins(scene, x.hand) if x.shakes is False else None for x in rows)
+        return Stability(scene, under, rows, near, boxes, every, nearby, digits)
 
 
 def in_hands(scene: Scene, hand: str | Hand | Iterable[str | Hand] | None) -> Scene:
