@@ -554,7 +554,8 @@ def _instead(given: object) -> str:
     if isinstance(given, MeasuredScene):
         return MEASURED
     if isinstance(given, SceneFamily):
-        way = f'choose one, as in scenes["{next(iter(given))}"], or ask for all with evaluate_all(scenes)'
+        both = "evaluate_all(scenes) or answer_each(scenes, hs.stability)"
+        way = f'choose one, as in scenes["{next(iter(given))}"], or ask for all with {both}'
     elif isinstance(given, Distortion):
         way = "it has no band and no threshold; make one with Scene(environment, effects, band, threshold)"
     elif isinstance(given, Environment | Effect):

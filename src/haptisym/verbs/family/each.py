@@ -53,7 +53,7 @@ class FamilyAnswers(Answer):
     def common(self) -> Any:
         """The values that do for all environments, as ``feasible`` and ``undecided`` of a ``Requirement``; or None."""
         found = list(self.answers.values())
-        domains = {getattr(x, "domain", None) for x in found}
+        domains: set[Any] = {getattr(x, "domain", None) for x in found}
         if len(domains) > 1 or None in domains or not all(hasattr(x, "feasible") for x in found):
             return None  # no sets of values, or of different ranges: a parameter of the environments themselves
         from haptisym.verbs.require.feasible import Solved, together

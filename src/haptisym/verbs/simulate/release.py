@@ -151,7 +151,7 @@ def rattle(time: Array, x: Array) -> tuple[float, float, float | None]:
     The change is the logarithm of the second half's size (mean of three windows) over the first half's. The frequency is that
     of upward crossings of a level above the middle that each follow one of a level below; None for fewer than twenty of them.
 
-    >>> t = np.linspace(0, 10, 5001)
+    >>> t = np.linspace(0, 10 * np.pi, 15001)
     >>> size, change, omega = rattle(t, 3 + 2 * np.sin(5 * t))
     >>> f"{size:.4f} {change:.3f} {omega:.4f}"
     '2.0000 0.000 5.0000'
