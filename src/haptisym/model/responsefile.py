@@ -229,6 +229,8 @@ class Scale(NamedTuple):
 
 
 def _scales(columns: Sequence[Column], roles: Mapping[str, int], layout: Layout) -> dict[str, Scale]:
+    if strange := [x for x in layout.unit if x not in roles]:
+        raise SceneError(f"unit: {strange[0]}: the columns in use are {', '.join(roles)}")
     units = {role: _unit(role, columns[i], layout) for role, i in roles.items()}
     size = [x for x in ("H", "real", "imag", "magnitude") if x in roles]
     named, bare = [x for x in size if units[x]], [x for x in size if not units[x]]
@@ -360,7 +362,7 @@ class Given:
     def understood(self, *more: str) -> str:
         """``10 lines; Hz, dB, deg; sorted``."""
         shown = dict.fromkeys(x.unit for role, x in self.scales.items() if x.unit and role != "radius")
-        left = [x.text for i, x in enumerate(self.head) if i not in self.roles.values()]
+        left = [x.text for i, x in enumerate(self.head) if x.text and i not in self.roles.values()]
         spare = f"not used: {', '.join(left[:5])}{', ...' * (len(left) > 5)}" if left else ""
         lines = counted(len(next(iter(self.rows.values()))), "line")
         return "; ".join(x for x in (lines, ", ".join(shown), *self.notes, *more, spare) if x)
@@ -486,7 +488,7 @@ def _rows(
 def _without_i(text: str, separator: str | None) -> str:
     """``(799 + 30i)`` as NumPy reads it."""
     bare = re.sub(r"[()]" if separator in (None, "\t") else r"[() ]", "", text)
-    return re.sub(r"(?<=[\d.])\s*\*?[iIJ](?![A-Za-z])", "j", bare)
+    return re.sub(r"(?<=[\d.])\s*\*?[iIjJ](?![A-Za-z])", "j", bare)
 
 
 def _numbered(lines: Iterable[str], first: int) -> Iterator[tuple[int, str]]:
