@@ -34,8 +34,7 @@ def row(model: str, given: dict[str, Any]) -> list[str]:
         clock = "v/u" if method is None else CATALOGUE["clocks"].get(str(method))  # without a method: z itself
         need(clock is not None, "the method of a clock is not understood")
         return ["T@1", f"u^{n}*(v - u)", "0", "0", f"s*T*v^{n + 1}", str(clock)]
-    other = "tau" if model == "admittance-display" else "Z"
-    full = f"{model} {other}" if other in given else model
+    full = next((f"{model} {x}" for x in ("Z", "tau") if x in given and f"{model} {x}" in CATALOGUE["models"]), model)
     need(full in CATALOGUE["models"], f"the model {model!r} is not understood")
     return list(CATALOGUE["models"][full])
 
@@ -57,16 +56,12 @@ class Element:
         if "=" in signature:
             self.texts = [re.sub(r"\b[A-Z]\b", lambda x: str(given[x[0]]), text) for text in self.texts]
             lag = {key for key, x in names.items() if "@" in x and key in given}
-            apart = {"u", "v", *lag} if lag else set()
-            words = {*re.findall(r"\w+", " ".join(str(x) for key, x in given.items() if key not in lag))}
-            need(not apart & {*own, *words}, "a name stands for two numbers")
+            words = {*own, *re.findall(r"\w+", str([x for key, x in given.items() if key not in lag]))}
+            need(not lag or not {"u", "v", *lag} & words, "a name stands for two numbers")
             self.numbers = {key: self.number(x, "", felt) for key, x in own.items()}
             self.numbers |= {key: self.number(given[key], "t", felt) for key in lag}
             if self.in_z:
-                need(
-                    not own.keys() & {"s", "z"} and not re.search(r"\bs\b", self.texts[0]),
-                    "no difference equation in z",
-                )
+                need("s" not in words and "z" not in own, "no difference equation in z")
                 self.texts = [re.sub(r"\bz\b", "s", text) for text in self.texts]
         else:
             kinds = {key: key if key in CATALOGUE["dimensions"] else key[0].lower() for key in names}
@@ -159,11 +154,10 @@ class Scene:
             leave_free(table, free)
         self.felt = Element(table.get("environment"), 1)
         self.rendered = Element(table["rendered"], 1, self.felt) if "rendered" in table else self.felt
-        clock = [x for x in table.get("effects", []) if isinstance(x, dict) and x.get("model") == "sampled-loop"]
-        need(not self.felt.in_z, "what should be felt is in z")
-        need(self.rendered.in_z == (bool(clock) and "method" not in clock[0]), "a clock and what it renders do not fit")
         self.effects, told = [Element(x, 4) for x in tables(table.get("effects", []))], table.get("evaluation", {})
         elements = [self.felt, self.rendered, *self.effects]
+        fits = self.rendered.in_z == any(x.texts[4:] == ["v/u"] for x in self.effects)
+        need(fits and not self.felt.in_z, "a clock and what it renders do not fit")
         self.length = sum(len(text) for element in elements for text in element.texts)
         need(isinstance(told, dict) and told.keys() <= {"band", "jnd"}, "[evaluation] is not understood")
         band, jnd = told.get("band", [0, 15]), told.get("jnd", Fraction(1, 10))

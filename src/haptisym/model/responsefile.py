@@ -195,8 +195,9 @@ def _place(columns: Sequence[Column], role: str, wanted: str | int) -> int:
         if not 1 <= wanted <= len(columns):
             raise SceneError(f"columns: {role}: there are {len(columns)} columns, and {wanted} is none of them")
         return wanted - 1
-    for same in (lambda x: wanted in (x.text, x.name), lambda x: wanted.lower() in (x.text.lower(), x.name.lower())):
-        places = [i for i, x in enumerate(columns) if same(x)]
+    spelt = [{x.text, x.name} for x in columns]
+    for names, name in ((spelt, wanted), ([{y.lower() for y in x} for x in spelt], wanted.lower())):
+        places = [i for i, own in enumerate(names) if name in own]
         if len(places) == 1:
             return places[0]
         if places:
@@ -630,9 +631,10 @@ def _measurement(given: Given, layout: Layout, averages: float | None, confidenc
     omega, H, coherence, radius = rows["frequency"], _response(given), rows.get("coherence"), rows.get("radius")
     check_certainty(coherence is not None, radius is not None, averages, confidence)
     place, notes = given.place, []
-    if len(omega) > 1 and (np.diff(omega) < 0).all():
+    last = len(omega) - 1
+    if last and (np.diff(omega) < 0).all():
         omega, H, coherence, radius = (None if x is None else x[::-1] for x in (omega, H, coherence, radius))
-        place = lambda i: given.place(len(omega) - 1 - i)  # noqa: E731
+        place = lambda i: given.place(last - i)  # noqa: E731
         notes.append("sorted")
     check_lines(omega, H, coherence, radius, place)
     own = Measurement(omega, H, coherence, averages, confidence, radius, given.motion, given.path.name, given.path)
