@@ -351,8 +351,6 @@ class Scene(Shown):
     @spared()
     def __post_init__(self) -> None:
         object.__setattr__(self, "environment", given_environment("environment", self.environment))
-        if self.environment.model == DIFFERENCE_EQUATION:
-            raise SceneError(f"environment: {DIFFERENCE_EQUATION} is for [rendered]: write what should be felt in s")
         if self.rendered is not None:
             object.__setattr__(self, "rendered", given_environment("rendered", self.rendered))
         object.__setattr__(self, "effects", given_effects(self.effects))
@@ -397,6 +395,8 @@ class Scene(Shown):
         try:
             place = "environment"
             refuse_references(self.environment.parameters)
+            if self.environment.model == DIFFERENCE_EQUATION:
+                raise SceneError(f"{DIFFERENCE_EQUATION} is for [rendered]: write what should be felt in s")
             place = "rendered"
             if self.rendered:
                 object.__setattr__(self, "rendered", self.rendered.tied_to(self.environment))
