@@ -118,11 +118,12 @@ def zero_order_hold(T: PositiveTime) -> Matrix:
 
 
 @effect("sampled-loop")
-def sampled_loop(T: PositiveTime, method: Method, delay: Samples = 0) -> Matrix:
+def sampled_loop(T: PositiveTime, method: Method = "", delay: Samples = 0) -> Matrix:
     """A controller with a clock: it samples the position, renders the environment as D(z) = H(s(z)), and holds the force.
 
     T : sampling period, s, > 0; delay : whole samples of computation, absent = none; method : what s becomes,
-    "backward-difference" (1 - 1/z)/T, "tustin" (2/T)(1 - 1/z)/(1 + 1/z) or "forward-difference" (z - 1)/T.
+    "backward-difference" (1 - 1/z)/T, "tustin" (2/T)(1 - 1/z)/(1 + 1/z) or "forward-difference" (z - 1)/T; absent where a
+    difference-equation is rendered, which is D(z) itself.
     The first effect of a scene, and its only clock. Below pi/T it makes H_perc = D(exp(s T)) exp(-s T delay)
     (1 - exp(-s T))/(s T), exact for imposed motion; its matrix by itself has delay and hold, in a scene D - H beside them, too.
 
@@ -192,15 +193,17 @@ def coulomb_friction(force: Force, amplitude: Amplitude) -> Matrix:
 
 
 @effect("admittance-display")
-def admittance_display(P: Formula) -> Matrix:
-    """An admittance display, X = P F/H_env: H_perc = H_env/P, with P(s) the closed position loop.
+def admittance_display(P: Formula, tau: Time = 0) -> Matrix:
+    """An admittance display, X = P exp(-s tau) F/H_env: H_perc = H_env exp(s tau)/P, with P(s) the closed position loop.
 
-    P : formula in ``s`` and the names of ``parameters``.
+    P : formula in ``s`` and the names of ``parameters``; tau : its delay, s, absent = none.
 
     >>> admittance_display("1/(s/100 + 1)").matrix
     (s/100 + 1, 0, 0, 1)
+    >>> admittance_display(1, "25 ms").matrix
+    (exp(s/40), 0, 0, 1)
     """
-    return (1 / P, 0, 0, 1)
+    return (exp(s * tau) / P, 0, 0, 1)
 
 
 @effect("wave-variables")

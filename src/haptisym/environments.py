@@ -16,6 +16,7 @@ from haptisym.model.parameters import (
     Damping,
     DampingList,
     Formula,
+    FormulaInZ,
     FractionalOrder,
     FractionalStiffness,
     Mass,
@@ -127,4 +128,17 @@ def expression(H: Formula) -> Expr:
     2*s**2 + 50
     """
     result: Expr = H
+    return result
+
+
+@environment("difference-equation")
+def difference_equation(D: FormulaInZ) -> Expr:
+    """What a controller computes at each sample, force from position: D(z), as [rendered] behind a sampled-loop only.
+
+    D : formula in ``z`` (one sample later) and the names of ``parameters``; no future samples. ``z_back`` is 1/z.
+
+    >>> difference_equation("k + b*(1 - 1/z)", parameters={"k": "500 N/m", "b": "2 kN/m"}).H
+    2500 - 2000*z_back
+    """
+    result: Expr = D
     return result

@@ -31,9 +31,10 @@ def row(model: str, given: dict[str, Any]) -> list[str]:
     if model == "sampled-loop":
         method, n = given.pop("method", None), given.pop("delay", 0)
         need(type(n) is int and 0 <= n <= 20, "the delay must be a whole number of samples, from 0 to 20")
-        need(isinstance(method, str) and method in CATALOGUE["clocks"], "the method of a clock is not understood")
-        return ["T@1", f"u^{n}*(v - u)", "0", "0", f"s*T*v^{n + 1}", CATALOGUE["clocks"][method]]
-    full = f"{model} Z" if "Z" in given else model
+        clock = "v/u" if method is None else CATALOGUE["clocks"].get(str(method))  # without a method: z itself
+        need(clock is not None, "the method of a clock is not understood")
+        return ["T@1", f"u^{n}*(v - u)", "0", "0", f"s*T*v^{n + 1}", str(clock)]
+    full = next((f"{model} {x}" for x in ("Z", "tau") if x in given and f"{model} {x}" in CATALOGUE["models"]), model)
     need(full in CATALOGUE["models"], f"the model {model!r} is not understood")
     return list(CATALOGUE["models"][full])
 
@@ -46,6 +47,7 @@ class Element:
         need(isinstance(table, dict) and isinstance(table.get("model"), str), "an environment or effect has no model")
         model, given = table["model"], {key: x for key, x in table.items() if key not in ("model", "name")}
         own, self.lag = given.pop("parameters", {}), None
+        self.in_z = model == "difference-equation"
         signature, *self.texts = row(model, given)
         names = {re.split("[=?@^]", x)[0]: x for x in signature.split()}
         needed = {key for key, x in names.items() if "?" not in x}
@@ -53,11 +55,18 @@ class Element:
         need(fits and (not own or "=" in signature), f"the parameters of {model} are not understood")
         if "=" in signature:
             self.texts = [re.sub(r"\b[A-Z]\b", lambda x: str(given[x[0]]), text) for text in self.texts]
+            lag = {key for key, x in names.items() if "@" in x and key in given}
+            words = {*own, *re.findall(r"\w+", str([x for key, x in given.items() if key not in lag]))}
+            need(not lag or not {"u", "v", *lag} & words, "a name stands for two numbers")
             self.numbers = {key: self.number(x, "", felt) for key, x in own.items()}
+            self.numbers |= {key: self.number(given[key], "t", felt) for key in lag}
+            if self.in_z:
+                need("s" not in words and "z" not in own, "no difference equation in z")
+                self.texts = [re.sub(r"\bz\b", "s", text) for text in self.texts]
         else:
             kinds = {key: key if key in CATALOGUE["dimensions"] else key[0].lower() for key in names}
             self.numbers = {key: self.number(given.get(key, 0), kind, felt) for key, kind in kinds.items()}
-        lags = [(self.numbers[key], int(x[-1])) for key, x in names.items() if "@" in x]
+        lags = [(self.numbers[key], int(x[-1])) for key, x in names.items() if "@" in x and key in self.numbers]
         need(all(not x.pi and x.value >= 0 for x, _ in lags), "a delay is negative, or has pi in it")
         self.lag = sum((n * x.value for x, n in lags), Fraction(0)) if lags else None
         order = next((self.numbers[key] for key, x in names.items() if "^" in x), None)
@@ -147,6 +156,8 @@ class Scene:
         self.rendered = Element(table["rendered"], 1, self.felt) if "rendered" in table else self.felt
         self.effects, told = [Element(x, 4) for x in tables(table.get("effects", []))], table.get("evaluation", {})
         elements = [self.felt, self.rendered, *self.effects]
+        fits = self.rendered.in_z == any(x.texts[4:] == ["v/u"] for x in self.effects)
+        need(fits and not self.felt.in_z, "a clock and what it renders do not fit")
         self.length = sum(len(text) for element in elements for text in element.texts)
         need(isinstance(told, dict) and told.keys() <= {"band", "jnd"}, "[evaluation] is not understood")
         band, jnd = told.get("band", [0, 15]), told.get("jnd", Fraction(1, 10))

@@ -125,8 +125,8 @@ EFFECT: dict[str, tuple[dict[str, Any], Callable[[P, complex, complex], complex]
         lambda p, s, H: H + 4j * p["force"] / (pi * p["amplitude"]),
     ),
     "admittance-display": (
-        {"P": "w/(s + w)", "parameters": {"w": 10}},
-        lambda p, s, H: H * (s + p["w"]) / p["w"],
+        {"P": "w/(s + w)", "parameters": {"w": 10}, "tau": 0.1},
+        lambda p, s, H: H * (s + p["w"]) / p["w"] * cmath.exp(s * p["tau"]),
     ),
     "wave-variables": ({"b": 1, "tau": 0.1}, _waves),
     "position-force-teleoperator": (DEVICE, _position_force),
@@ -141,7 +141,7 @@ EFFECT: dict[str, tuple[dict[str, Any], Callable[[P, complex, complex], complex]
 
 
 def test_every_model_of_the_catalogue_is_checked_here() -> None:
-    assert set(ENVIRONMENT) == set(ENVIRONMENTS)
+    assert {*ENVIRONMENT, "difference-equation"} == set(ENVIRONMENTS)  # which is in z, and below
     assert set(EFFECT) == set(EFFECTS)
 
 
@@ -264,7 +264,8 @@ BROKEN: list[tuple[str, dict[str, Any]]] = [
     ("pade-delay", {"tau": 1, "order": symbols("n")}), ("zero-order-hold", {"T": 0}), ("shunt", {}), ("shunt", {"Z": "s", "k": 1}),
     ("compliance", {}), ("compliance", {"k": -1}), ("coulomb-friction", {"force": 1, "amplitude": 0}), ("wave-variables", {"b": 0, "tau": 1}),
     ("position-force-teleoperator", {"Mm": 1}), ("two-port", {"A": "1"}), ("series", {"G": "s", "gain": 2}), ("series", {"G": ["s"]}),
-    ("sampled-loop", {"T": 0, "method": "tustin"}), ("sampled-loop", {"T": 1, "method": "euler"}), ("sampled-loop", {"T": 1}),
+    ("sampled-loop", {"T": 0, "method": "tustin"}), ("sampled-loop", {"T": 1, "method": "euler"}), ("difference-equation", {"D": "s"}), ("difference-equation", {"D": "z^0.5"}), ("difference-equation", {"D": 1j}),
+    ("admittance-display", {"P": "1/(1 + s*tau)", "parameters": {"tau": 1}, "tau": 1}),
     ("sampled-loop", {"T": 1, "method": "tustin", "delay": 0.5}), ("sampled-loop", {"T": 1, "method": "tustin", "delay": -1}),
 ]  # fmt: skip
 

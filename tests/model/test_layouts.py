@@ -78,7 +78,7 @@ LAYOUTS: dict[str, tuple[str, str, str, str]] = {
                  'columns = { frequency = 1, magnitude = 2, phase = 3 }\nunit = { frequency = "Hz", magnitude = "dB", phase = "deg" }',
                  "10 lines; Hz, dB, deg"),
     "complex": ("a.csv", table("F,FRF\n", cell), "", "10 lines; Hz (assumed), SI"),
-    "complex, i": ("a.csv", table("f [Hz];H [N/m]\n", lambda f, h: (f, f"({h.real!r} {h.imag:+.17g}i)"), ";", commas=True), "",
+    "complex, i": ("a.csv", table("f [Hz];H [N/m]\n", lambda f, h: (f, f"({h.real!r} {h.imag:+.17g}*j)"), ";", commas=True), "",
                    "10 lines; Hz, N/m; decimal commas"),
     "frd": ("a.frd", table("* Freq(Hz) SPL(dB) Phase(degrees)\n", decibels, " "), "", "10 lines; Hz, dB, deg"),
     "zma": ("a.zma", table("", polar, "\t"), "", "10 lines; Hz, SI, deg"),
@@ -182,9 +182,10 @@ def test_discs_of_another_quantity_hold_what_its_own_discs_hold(tmp_path: Path, 
         ("f,H [dB],Phase [deg],radius\n1,3,0,1\n", {}, "radius: a radius in dB"), ("f,H\n1,1j\n2,0j\n", {"quantity": "receptance"}, "line 3: receptance: is 0"),
         ("f,H,x\n1,3j\n", {}, "line 2 has 2 cells"), ("f,H,x\n1,3j,1,7\n", {}, "line 2 has 4 cells"),
         ("f,H\n0,3j\n", {"quantity": "mobility"}, "no line above 0"),
+        ("f,H,Phase [deg]\n1,2,3\n", {"unit": {"H": "N/m"}}, "unit: H: the columns in use are frequency, phase, magnitude"),
         ("phase_deg [rad],f,mag\n1,2,3\n", {}, 'phase_deg: the unit must be deg, not "rad"'),
     ],
-    ids=range(22),
+    ids=range(23),
 )  # fmt: skip
 def test_nothing_is_guessed_where_several_meanings_are_usual(
     tmp_path: Path, text: str, keys: dict[str, Any], told: str

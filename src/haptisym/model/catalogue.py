@@ -85,6 +85,15 @@ class Environment(Shown):
         """The same environment with other symbols for its parameters."""
         return replace(self, parameters=renamed(self.parameters, names), dynamics=self.dynamics.xreplace(names))
 
+    def seen_by(self, effects: Sequence[Effect]) -> Environment:
+        """The same in s: of a difference equation that the first effect computes, with z = exp(s T)."""
+        if self.model != DIFFERENCE_EQUATION:
+            return self
+        T = effects[0].parameters[0]
+        return replace(
+            self, parameters=(*self.parameters, T), dynamics=self.dynamics.xreplace({BACK: exp(-s * T.symbol)})
+        )
+
     @property
     def own(self) -> tuple[Parameter, ...]:
         """Its parameters but those that are another environment's."""
@@ -132,8 +141,8 @@ class Effect(Shown):
         return f"{named if named != self.model else ''}{model}: {'; '.join(told)}".rstrip(": ")
 
     def setting(self, key: str) -> str | int:
-        """What was chosen for a key that is no parameter."""
-        return dict(self.settings)[key]
+        """What was chosen for a key that is no parameter; empty where nothing was."""
+        return dict(self.settings).get(key, "")
 
     @property
     def matrix(self) -> Matrix:
@@ -200,7 +209,9 @@ def effect(model: str) -> Callable[[Callable[..., Matrix]], Callable[..., Effect
                 raise SceneError(f"{zero or model}: must not be 0")
             bound = inspect.signature(equation).bind(**arguments)
             bound.apply_defaults()
-            settings = tuple((key, bound.arguments[key]) for key, slot in slots.items() if slot.is_setting)
+            settings = tuple(
+                (x, bound.arguments[x]) for x, slot in slots.items() if slot.is_setting and bound.arguments[x] != ""
+            )
             return Effect(model, parameters, (a, b, c, d), name or model, settings)
 
         EFFECTS[model] = Model(model, slots, build, _summary(equation))
@@ -293,8 +304,8 @@ def _bind(
     for key, value in given.items():
         slot = slots[key]
         if slot.formula:
-            arguments[key] = _formula(key, value, free)
-            unknown = sorted(arguments[key].free_symbols - {s} - {p.symbol for p in parameters}, key=str)
+            arguments[key] = _in_z(key, value, free) if slot.in_z else _formula(key, value, free)
+            unknown = sorted(arguments[key].free_symbols - {s, BACK} - {p.symbol for p in parameters}, key=str)
             parameters += [Parameter(x, x, NAMED.dimension, key=x.name, rule=NAMED.rule) for x in unknown]
         elif slot.choices:
             arguments[key] = chosen(key, value, slot.choices)
@@ -308,6 +319,8 @@ def _bind(
             own = [enter_parameter(key, value, slot, key)]
             parameters += own
             arguments[key] = own[0].symbol
+    if twice := [p.key for p in free if p.key in given and not slots[p.key].formula]:
+        raise SceneError(f"parameters: {twice[0]}: the model has a parameter of this name: choose another")
     return tuple(parameters), arguments
 
 
@@ -378,6 +391,21 @@ def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
         return evaluate(given, number=decimal, name=lambda name: _known(name, names))
 
 
+def _in_z(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
+    """A formula in z as an expression in 1/z and the parameters' symbols."""
+    text = str(given) if isinstance(given, int | float | Expr) else given
+    if not isinstance(text, str):
+        raise SceneError(f"{key}: {quoted(given)} is not a formula in z: write it as a string")
+    names: dict[str, Expr] = {"z": 1 / BACK, "pi": pi, **{p.symbol.name: p.symbol for p in parameters}}
+    with within(key):
+        found = evaluate(text, number=decimal, name=lambda name: _known(name, names))
+        try:
+            PolynomialRing(BACK, found.free_symbols - {BACK}).convert(found)
+        except SceneError:
+            raise SceneError(f"{quoted(text)} must be rational in z") from None
+    return found
+
+
 def _known(name: str, names: Mapping[str, Expr]) -> Expr:
     if name not in names:
         raise ValueError(
@@ -389,7 +417,7 @@ def _known(name: str, names: Mapping[str, Expr]) -> Expr:
 # What model signatures are made of. Environments are passive: their parameters cannot be negative.
 
 
-SAMPLED_LOOP, HOLD = "sampled-loop", "zero-order-hold"
+SAMPLED_LOOP, HOLD, DIFFERENCE_EQUATION = "sampled-loop", "zero-order-hold", "difference-equation"
 CLOCKS = (SAMPLED_LOOP, HOLD)
 BACK = Symbol("z_back")
 """1/z, what is one sample old."""
@@ -430,9 +458,18 @@ def discretised(H: Expr, T: Expr, method: str) -> RationalFunction:
 def controller(effect: Effect) -> RationalFunction:
     """D(z) of a sampled loop that stands in a scene, with its delay, in numbers where its parameters have them."""
     assert effect.renders
-    T = effect.parameters[0].value
-    D = discretised(effect.renders.H, T, str(effect.setting("method")))
+    D = _difference(effect, effect.renders.H, effect.parameters[0].value)
     return (D * D.ring.function(D.ring.variable) ** samples(effect)).reduced()
+
+
+def _difference(effect: Effect, H: Expr, T: Expr) -> RationalFunction:
+    """D(z) in lowest terms: of dynamics by the method, or as it is written. SceneError where it needs future samples."""
+    if effect.renders is not None and effect.renders.model != DIFFERENCE_EQUATION:
+        return discretised(H, T, str(effect.setting("method")))
+    found = PolynomialRing(BACK, H.free_symbols - {BACK}).convert(H).reduced()
+    if found.denominator.subs({0: 0}).is_zero():
+        raise SceneError("D needs future samples: divide it by a power of z")
+    return found
 
 
 def samples(effect: Effect) -> int:
@@ -448,6 +485,10 @@ def with_controller(effects: Iterable[Effect], rendered: Environment) -> tuple[E
     listed = tuple(effects)
     at = next((i for i, effect in enumerate(listed) if effect.model == SAMPLED_LOOP), None)
     if at is None:
+        if rendered.model == DIFFERENCE_EQUATION:
+            raise SceneError(
+                f"rendered: {DIFFERENCE_EQUATION} needs {SAMPLED_LOOP} as the first effect: add it, with T"
+            )
         return listed
     first, *others = listed[at:]
     for other in (x for x in (*others, *listed[:at]) if x.model in CLOCKS):
@@ -459,6 +500,14 @@ def with_controller(effects: Iterable[Effect], rendered: Environment) -> tuple[E
             f"effects.{first.name}: {SAMPLED_LOOP} must be the first effect, as its controller renders the environment"
         )
     with within(f"effects.{first.name}"):
+        is_written = rendered.model == DIFFERENCE_EQUATION
+        if bool(first.setting("method")) is is_written:
+            raise SceneError(
+                f"method: leave it out, as [rendered] is a {DIFFERENCE_EQUATION}"
+                if is_written
+                else f"{SAMPLED_LOOP} needs method: {', '.join(METHODS)}; or [rendered] with a {DIFFERENCE_EQUATION}"
+            )
+        first = replace(first, renders=rendered)
         placed = replace(first, renders=rendered, dynamics=_sampled_matrix(first, rendered))
     return placed, *others
 
@@ -466,8 +515,10 @@ def with_controller(effects: Iterable[Effect], rendered: Environment) -> tuple[E
 def _sampled_matrix(effect: Effect, rendered: Environment) -> Matrix:
     """Between what would be rendered without a clock and what is: D - H beside it, then delay and hold."""
     T = effect.parameters[0].symbol
-    D = discretised(rendered.dynamics, T, str(effect.setting("method"))).expression().xreplace({BACK: exp(-s * T)})
+    D = _difference(effect, rendered.dynamics, T).expression().xreplace({BACK: exp(-s * T)})
     G = exp(-s * T * samples(effect)) * (1 - exp(-s * T)) / (s * T)
+    if rendered.model == DIFFERENCE_EQUATION:  # which is in z already
+        return G, Integer(0), Integer(0), Integer(1)
     return G, G * (D - rendered.dynamics), Integer(0), Integer(1)
 
 

@@ -91,7 +91,7 @@ def _elements(environment: Any, effects: Iterable[Any], rendered: Any) -> Elemen
 
 
 def _chain_of(environment: Environment, effects: tuple[Effect, ...], rendered: Environment | None) -> Chain:
-    return Chain(environment.H, (rendered or environment).H, tuple(e.matrix for e in effects))
+    return Chain(environment.H, (rendered or environment).seen_by(effects).H, tuple(e.matrix for e in effects))
 
 
 @dataclass(frozen=True, repr=False)

@@ -208,6 +208,8 @@ class Slot:
     required: bool = True
     several: bool = False
     formula: bool = False
+    """Of s; with ``in_z`` of z."""
+    in_z: bool = False
     choices: tuple[str, ...] = ()
 
     @property
@@ -415,3 +417,4 @@ FractionalStiffness: TypeAlias = Annotated[Any, Slot(Dimension.ANY)]
 Force: TypeAlias = Annotated[Any, Slot(Dimension.FORCE, Rule.NONNEGATIVE)]
 Amplitude: TypeAlias = Annotated[Any, Slot(Dimension.DISPLACEMENT)]
 Formula: TypeAlias = Annotated[Any, Slot(Dimension.ANY, Rule.ANY, formula=True)]
+FormulaInZ: TypeAlias = Annotated[Any, Slot(Dimension.ANY, Rule.ANY, formula=True, in_z=True)]

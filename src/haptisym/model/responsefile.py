@@ -195,8 +195,9 @@ def _place(columns: Sequence[Column], role: str, wanted: str | int) -> int:
         if not 1 <= wanted <= len(columns):
             raise SceneError(f"columns: {role}: there are {len(columns)} columns, and {wanted} is none of them")
         return wanted - 1
-    for same in (lambda x: wanted in (x.text, x.name), lambda x: wanted.lower() in (x.text.lower(), x.name.lower())):
-        places = [i for i, x in enumerate(columns) if same(x)]
+    spelt = [{x.text, x.name} for x in columns]
+    for names, name in ((spelt, wanted), ([{y.lower() for y in x} for x in spelt], wanted.lower())):
+        places = [i for i, own in enumerate(names) if name in own]
         if len(places) == 1:
             return places[0]
         if places:
@@ -229,6 +230,8 @@ class Scale(NamedTuple):
 
 
 def _scales(columns: Sequence[Column], roles: Mapping[str, int], layout: Layout) -> dict[str, Scale]:
+    if strange := [x for x in layout.unit if x not in roles]:
+        raise SceneError(f"unit: {strange[0]}: the columns in use are {', '.join(roles)}")
     units = {role: _unit(role, columns[i], layout) for role, i in roles.items()}
     size = [x for x in ("H", "real", "imag", "magnitude") if x in roles]
     named, bare = [x for x in size if units[x]], [x for x in size if not units[x]]
@@ -360,7 +363,7 @@ class Given:
     def understood(self, *more: str) -> str:
         """``10 lines; Hz, dB, deg; sorted``."""
         shown = dict.fromkeys(x.unit for role, x in self.scales.items() if x.unit and role != "radius")
-        left = [x.text for i, x in enumerate(self.head) if i not in self.roles.values()]
+        left = [x.text for i, x in enumerate(self.head) if x.text and i not in self.roles.values()]
         spare = f"not used: {', '.join(left[:5])}{', ...' * (len(left) > 5)}" if left else ""
         lines = counted(len(next(iter(self.rows.values()))), "line")
         return "; ".join(x for x in (lines, ", ".join(shown), *self.notes, *more, spare) if x)
@@ -486,7 +489,7 @@ def _rows(
 def _without_i(text: str, separator: str | None) -> str:
     """``(799 + 30i)`` as NumPy reads it."""
     bare = re.sub(r"[()]" if separator in (None, "\t") else r"[() ]", "", text)
-    return re.sub(r"(?<=[\d.])\s*\*?[iIJ](?![A-Za-z])", "j", bare)
+    return re.sub(r"(?<=[\d.])\s*\*?[iIjJ](?![A-Za-z])", "j", bare)
 
 
 def _numbered(lines: Iterable[str], first: int) -> Iterator[tuple[int, str]]:
@@ -628,9 +631,10 @@ def _measurement(given: Given, layout: Layout, averages: float | None, confidenc
     omega, H, coherence, radius = rows["frequency"], _response(given), rows.get("coherence"), rows.get("radius")
     check_certainty(coherence is not None, radius is not None, averages, confidence)
     place, notes = given.place, []
-    if len(omega) > 1 and (np.diff(omega) < 0).all():
+    last = len(omega) - 1
+    if last and (np.diff(omega) < 0).all():
         omega, H, coherence, radius = (None if x is None else x[::-1] for x in (omega, H, coherence, radius))
-        place = lambda i: given.place(len(omega) - 1 - i)  # noqa: E731
+        place = lambda i: given.place(last - i)  # noqa: E731
         notes.append("sorted")
     check_lines(omega, H, coherence, radius, place)
     own = Measurement(omega, H, coherence, averages, confidence, radius, given.motion, given.path.name, given.path)

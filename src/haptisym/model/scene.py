@@ -25,6 +25,7 @@ from haptisym.kernel.rings import c, omega
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import (
     CLOCKS,
+    DIFFERENCE_EQUATION,
     Effect,
     Environment,
     Hand,
@@ -394,6 +395,8 @@ class Scene(Shown):
         try:
             place = "environment"
             refuse_references(self.environment.parameters)
+            if self.environment.model == DIFFERENCE_EQUATION:
+                raise SceneError(f"{DIFFERENCE_EQUATION} is for [rendered]: write what should be felt in s")
             place = "rendered"
             if self.rendered:
                 object.__setattr__(self, "rendered", self.rendered.tied_to(self.environment))
@@ -539,8 +542,12 @@ class Scene(Shown):
     @property
     def chain(self) -> Chain:
         """The dynamics of environment and effects with every parameter a symbol."""
-        rendered = self.rendered or self.environment
-        return Chain(self.environment.dynamics, rendered.dynamics, tuple(e.dynamics for e in self.effects))
+        return Chain(self.environment.dynamics, self.rendering.dynamics, tuple(e.dynamics for e in self.effects))
+
+    @property
+    def rendering(self) -> Environment:
+        """What is rendered, in s: the environment if nothing else is; a difference equation with z = exp(s T)."""
+        return (self.rendered or self.environment).seen_by(self.effects)
 
     def with_values(self, values: Mapping[str, Number]) -> Scene:
         """The same scene with other values for some parameters or thresholds, each by any name that ``knobs`` knows.

@@ -527,7 +527,7 @@ def _dynamics(e: Evaluation) -> Iterator[tuple[str, Phrase]]:
     unit = f"  {w.stiffness_unit(e.scene)}"
     yield "environment", _equation("H_env", d.env, s, unit)
     if rendered:
-        yield "rendered", _equation("H_rendered", d.env.ring.convert(rendered.H), s, unit)
+        yield "rendered", _equation("H_rendered", d.env.ring.convert(e.scene.rendering.H), s, unit)
     yield "perceived", _equation("H_perc", d.perc, s, unit)
     yield "distortion", _equation("Re dH", d.difference_response.real.written, omega)
     yield "", _equation("Im dH", d.difference_response.imag.written, omega)

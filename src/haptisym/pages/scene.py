@@ -403,7 +403,7 @@ def _monic_factors(function: RationalFunction, polynomial: Polynomial, variable:
 
 def _size(e: Evaluation) -> int:
     """A bound on the products of terms that H_perc makes when all of its parameters are symbols."""
-    above, below = _terms((e.scene.rendered or e.scene.environment).dynamics)
+    above, below = _terms(e.scene.rendering.dynamics)
     for effect in e.scene.effects:
         (a, p), (b, q), (c, r), (d, t) = map(_terms, effect.dynamics)
         above, below = a * q * r * t * above + b * p * r * t * below, c * p * q * t * above + d * p * q * r * below
@@ -468,7 +468,7 @@ class _Steps:
         lines = [doc.Line(quantity("H_env"), scene.environment.dynamics)]
         if scene.rendered:
             yield doc.Paragraph(("The controller renders ", quantity("H_rendered"), " for ", quantity("H_env"), "."))
-            lines.append(doc.Line(quantity("H_rendered"), scene.rendered.dynamics))
+            lines.append(doc.Line(quantity("H_rendered"), scene.rendering.dynamics))
         said = []
         for i, effect in enumerate(scene.effects, 1):
             words, entries = _action(i, effect)
@@ -561,7 +561,7 @@ def _excess(part: Part) -> Box:
 def _action(i: int, effect: Effect) -> tuple[Phrase, list[doc.Line]]:
     """What the effect of that number does to H, in words, and the formulas that the words name."""
     a, b, c, d = effect.dynamics
-    if effect.renders:
+    if effect.renders and effect.setting("method"):
         words = (f"renders it with a clock ({effect.setting('method')}): ", _H, " becomes ", named(f"G_{i}"), " (", _H)
         return (*words, " + ", named(f"Z_{i}"), ")"), [_of_s("Z", i, b / a), _of_s("G", i, a)]
     names = {x: named(f"{x}_{i}") for x in "GZYABCD"}

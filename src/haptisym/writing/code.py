@@ -796,7 +796,7 @@ def _formula(expression: Expr) -> str:
 
 def _scene_notes(scene: Scene, fixed: Mapping[Symbol, Expr]) -> tuple[str, ...]:
     chain = ", ".join(f"{e.name} ({e.model})" if e.name != e.model else e.name for e in scene.effects) or "none"
-    rendered = [f"Rendered instead: {_formula(scene.rendered.dynamics)}"] if scene.rendered else []
+    rendered = [f"Rendered instead: {_formula(scene.rendering.dynamics)}"] if scene.rendered else []
     given = ", ".join(f"{p.symbol} = {_formula(p.value)}" for p in scene.parameters if p.symbol in fixed)
     limits = [THRESHOLD] if scene.knobs.limits else []  # a polygon has none
     return (

@@ -66,9 +66,8 @@ class BallChain(Shown):
 
     def __init__(self, scene: Scene) -> None:
         self.low, self.width = scene.band[0], scene.band[1] - scene.band[0]
-        rendered = scene.rendered or scene.environment
         chain, self._exchanged = Chain(
-            scene.environment.H, rendered.H, tuple(e.matrix for e in scene.effects)
+            scene.environment.H, scene.rendering.H, tuple(e.matrix for e in scene.effects)
         ).without_axis_zeros()
         own = links(chain.environment, chain.rendered, chain.matrices)
         self.everything: Kept = frozenset(range(len(own.effects)))

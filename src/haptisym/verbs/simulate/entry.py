@@ -659,7 +659,18 @@ def _simulated(
 ) -> Simulation:
     check_question(scene, motion, extras)
     length = motion.duration if duration is None else positive("duration", duration, Dimension.TIME)
-    fine = Run(scene, motion, extras, STEP, progress)
+    try:
+        fine = Run(scene, motion, extras, STEP, progress)
+    except SceneError as error:
+        late = [
+            x.name
+            for x in scene.effects
+            if x.model == "admittance-display" and any(p.key == "tau" and p.value for p in x.parameters)
+        ]
+        if not late:
+            raise
+        why = "with tau the force would precede a prescribed motion: let go of the hand (--release), which is causal"
+        raise SceneError(f"effects.{late[0]}: {why}") from error
     if not isinstance(motion, Sines) or (length is not None and length < least_duration(motion)):
         fine.advance(length or 0.0)
         return replace(_result(fine, ()), error=None if isinstance(motion, Sines) or not extras else _error(fine))

@@ -65,7 +65,7 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
     """
     place, clock = clock_of(scene)
     behind, before = scene.effects[place + 1 :], scene.effects[:place]
-    rendered = (scene.rendered or scene.environment).H
+    rendered = Integer(1) if clock.model == SAMPLED_LOOP else scene.rendering.H
     entries = [x for effect in (*before, *behind) for x in effect.matrix]
     ring = Ring.of([rendered, hand.Z, *entries])
     G = (ring.one / impedance(ring, behind, ring.convert(hand.Z))).reduced()
@@ -697,7 +697,7 @@ def is_held(scene: Scene, hand: Hand, free: Knob, value: Rational) -> bool:
 def _only_adds(scene: Scene, symbol: Symbol) -> bool:
     """Whether a symbol adds mass, damping or stiffness behind the clock, and is nowhere else."""
     place, clock = clock_of(scene)
-    felt = (scene.rendered or scene.environment).H
+    felt = scene.rendering.H
     before = [x for effect in scene.effects[:place] for x in effect.matrix]
     if any(x.has(symbol) for x in (felt, *before, *clock.matrix, *(p.value for p in clock.parameters))):
         return False

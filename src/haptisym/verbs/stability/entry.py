@@ -14,7 +14,7 @@ from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import whole
-from haptisym.model.catalogue import NOBODY, Hand, hands, how_to_give
+from haptisym.model.catalogue import DIFFERENCE_EQUATION, NOBODY, Hand, hands, how_to_give
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.model.scenefile import as_scene, read_scenes
 from haptisym.verbs.evaluate.certificate import document, inverse, name_in_file, zeros
@@ -174,7 +174,8 @@ def stability(
     scene.knobs.need_numbers()
     paths = [free] if isinstance(free, str) else several("free", free, "give paths or symbols of numbers")
     if not paths and scene.hands and clocks(scene):
-        paths = [x.path for x in scene.knobs if x.path in WALL]
+        is_written = scene.rendered is not None and scene.rendered.model == DIFFERENCE_EQUATION
+        paths = [x.path for x in scene.knobs if (x.path.startswith("rendered.") if is_written else x.path in WALL)]
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
     with limited(limit):
         rows = tuple(held(scene, x) for x in scene.hands)
