@@ -67,7 +67,7 @@ def evaluated(omega_n: int = 80) -> hs.Evaluation:
 
 
 def test_every_kind_of_answer_can_be_drawn() -> None:
-    assert set(ANSWERS) - {"hardcosts"} == set(schema_names()) - {"scenes", "schemas", "sweep"}
+    assert set(ANSWERS) - {"hardcosts"} == set(schema_names()) - {"answers", "scenes", "schemas", "sweep"}
 
 
 @pytest.mark.few("published", "hardcosts", "derivation", "requirement")

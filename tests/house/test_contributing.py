@@ -65,7 +65,9 @@ def test_every_writer_writes_every_block_with_its_words(writer: str, kind: type)
 
 @pytest.mark.parametrize("wish", WISHES)
 def test_every_wish_is_answered_documented_and_in_the_schema(wish: str) -> None:
-    found = hs.require("fu2019", "omega_n", (50, 500), that=(wish,), hand="postural-arm" if wish == "stable" else None)
+    found = hs.require(
+        "fu2019", "omega_n", (50, 500), that=(wish,), hand="postural-arm" if wish in ("stable", "steady") else None
+    )
     document = found.to_dict()
     assert document["criteria"] == [wish]
     assert f"--that {wish}" in DOCUMENTS

@@ -215,6 +215,7 @@ def test_a_pipe_with_a_wrong_scene_and_a_device_without_end_are_named(tmp_path: 
 # --- scenes, by their names and in Python ----------------------------------------------------------------------------
 
 CALLS: dict[str, Callable[[Any], str]] = {
+    "control_loading": lambda x: hs.control_loading(x).to_json(),
     "check": lambda x: str([run.estimates for run in hs.check(x, count=2)]),
     "cost": lambda x: hs.cost(x, quick=True).scene.title,
     "derive": lambda x: str(hs.derive(x, ["m"])["H_perc"]),

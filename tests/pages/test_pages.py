@@ -249,7 +249,7 @@ def magnitude(x: Fraction) -> int:
 NOT_TOLD = {
     "derive": None, "derive-ellipse": None, "published": None, "simulate": None, "release": None,  # formulas, words, rounding
     "effects": {"operations"}, "design-map": {"unit", "band", "range", "slices", "proven"}, "peaks": {"band"}, "jnd": {"deviance"},
-    "identify": {"rows"}, "family": {"environments"}, "stability": {"held"}, "stability-clock": {"held", "sampled"},
+    "identify": {"rows"}, "family": {"environments"}, "stability": {"held"}, "stability-clock": {"held", "sampled"}, "control-loading": {"tests"},
 }  # fmt: skip
 """What the document of an answer holds and its page does not say, or says in part."""
 

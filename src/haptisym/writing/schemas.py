@@ -19,7 +19,7 @@ def schema_names() -> list[str]:
     """The kinds of documents, as ``evaluation`` of ``haptisym.evaluation/1``.
 
     >>> schema_names()[:3]
-    ['cost', 'derivation', 'design']
+    ['answers', 'controlloading', 'cost']
     """
     return sorted(x.name.removesuffix(".json") for x in _FOLDER.iterdir() if x.name.endswith(".json"))
 
