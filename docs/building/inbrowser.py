@@ -84,7 +84,7 @@ def place(folder: Path, site: Path) -> None:
 def _sources() -> Iterator[Path]:
     for package in ("haptisym", "haptisym_check"):
         for path in sorted((ROOT / "src" / package).rglob("*")):
-            if path.is_file() and path.suffix not in (".pyc", ".pyi"):
+            if path.is_file() and path.suffix != ".pyc":
                 yield path
 
 
