@@ -267,6 +267,10 @@ CATALOGUE: dict[str, hs.Scene] = {
     "delay": hs.Scene(MSD, (effects.delay("37 ms"),)),
     "pade-delay": hs.Scene(MSD, (effects.pade_delay("37 ms", 3),)),
     "zero-order-hold": hs.Scene(SOFT, (effects.zero_order_hold("30 ms"),)),
+    "difference-equation": hs.Scene(
+        SOFT, (effects.sampled_loop("30 ms"),),
+        rendered=environments.difference_equation("k + b*(1 - 1/z)", parameters={"k": "200 N/m", "b": "100 N/m"}),
+    ),
     "sampled-loop": hs.Scene(SOFT, (effects.sampled_loop("30 ms", "tustin", 1),)),
     "series": hs.Scene(MSD, (effects.series("(1 + s/50)/(1 + s/5)"),)),
     "shunt": hs.Scene(MSD, (effects.shunt(m="-0.4", b=2),)),

@@ -232,7 +232,7 @@ class _MissingError(SceneError):
 def _meaning(slot: Slot) -> str:
     """`` (damping)``; empty where the dimension has no name."""
     if slot.formula:
-        return " (a formula in s)"
+        return " (a formula in z)" if slot.in_z else " (a formula in s)"
     return "" if slot.dimension in (Dimension.ANY, Dimension.RATIO) else f" ({slot.dimension.name.lower()})"
 
 
