@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
-from math import log10
+from math import inf, log10
 
 from sympy import Expr, Integer, Rational
 
@@ -189,8 +189,12 @@ def _box(hand: Hand, box: Box) -> Phrase:
 
 
 def _limits(found: Stability) -> Iterator[Block]:
-    """The limits of each parameter, one varied at a time; those that change nothing in a line."""
-    pairs = [(x, row) for x, rows in zip(found.held, found.critical, strict=True) for row in rows]
+    """The limits of each parameter, one varied at a time, the nearest first; those that change nothing in a line."""
+    pairs = [
+        (x, row)
+        for x, rows in zip(found.held, found.critical, strict=True)
+        for row in sorted(rows, key=lambda row: _reach(found, row))
+    ]
     shown = [(x, row, own) for x, row in pairs if (own := _stable_for(found, row))]
     first = {x.hand.name: row for x, row, _ in reversed(shown)}
     lines = [
@@ -216,6 +220,12 @@ def _limits(found: Stability) -> Iterator[Block]:
     if lines or notes:
         blocks = (limits,) if lines else ()
         yield doc.Section("Stability limits, one parameter varied at a time", (*blocks, *w.noted(notes)))
+
+
+def _reach(found: Stability, row: Nearest) -> float:
+    """How near its nearest limit is, relative to the value."""
+    now = float(found.scene.knobs[row.path].value)
+    return min((abs(float(x.value) - now) / (abs(now) or 1) for x in row.found), default=inf)
 
 
 def _margins(found: Stability) -> Iterator[Block]:

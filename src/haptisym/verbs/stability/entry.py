@@ -157,8 +157,8 @@ def stability(
 
     ``hand`` : the hands to ask about: the scene's, or those that the package ships (``hs.hands``), by name, or each a ``Hand``;
     those of the scene if not given. ``free`` : numbers by path or symbol; for each, and for the hand's own, the nearest
-    values are found at which the number of unstable roots changes; of a display with a clock, if none is given, those of the
-    environment's stiffness and damping, which is what such a wall is asked about. ``digits`` : of each number in the document.
+    values are found at which the number of unstable roots changes; if none is given, all numbers of the display, with a clock
+    the stiffness and damping of the wall. ``digits`` : of each number in the document.
     ``limit`` : seconds after which what is not decided stays open; None for none.
 
     What stays open is None, and the answer is then not certified. SceneError where a hand is not known, is given twice or turns
@@ -173,9 +173,8 @@ def stability(
     scene = in_hands(scene, hand)
     scene.knobs.need_numbers()
     paths = [free] if isinstance(free, str) else several("free", free, "give paths or symbols of numbers")
-    if not paths and scene.hands and clocks(scene):
-        is_written = scene.rendered is not None and scene.rendered.model == DIFFERENCE_EQUATION
-        paths = [x.path for x in scene.knobs if (x.path.startswith("rendered.") if is_written else x.path in WALL)]
+    if not paths and scene.hands:
+        paths = [x.path for x in scene.knobs if _is_set_by_designer(scene, x)]
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
     with limited(limit):
         rows = tuple(held(scene, x) for x in scene.hands)
@@ -197,6 +196,15 @@ def in_hands(scene: Scene, hand: str | Hand | Iterable[str | Hand] | None) -> Sc
     for name in (x.name for i, x in enumerate(asked) if x.name in [y.name for y in asked[:i]]):
         raise SceneError(f'the hand "{name}" is asked about twice')
     return scene.with_hands(*asked)
+
+
+def _is_set_by_designer(scene: Scene, x: Knob) -> bool:
+    """Every number of the display; with a clock, where each takes seconds, what the controller renders."""
+    if not clocks(scene):
+        return not (x.parts or x.is_of_hand)
+    if scene.rendered is not None and scene.rendered.model == DIFFERENCE_EQUATION:
+        return x.path.startswith("rendered.")
+    return x.path in WALL
 
 
 def _number(scene: Scene, x: Knob) -> Knob:
