@@ -315,8 +315,9 @@ class _Asked:
         )
         if own is None or felt is None:
             return replace(trial, why="the stiffness at rest is infinite")
-        exact = isinstance(own, ExactNumber) and isinstance(felt, ExactNumber)
-        off = ExactNumber(abs(felt.value - own.value)) if exact else _Off(felt, own)
+        off: RealNumber = _Off(felt, own)
+        if isinstance(own, ExactNumber) and isinstance(felt, ExactNumber):
+            off = ExactNumber(abs(felt.value - own.value))
         found = self.near(off, own, pounds)
         return replace(trial, **found, noticed=self.noticed(0))
 
