@@ -11,7 +11,7 @@ import re
 from importlib import import_module
 from pkgutil import get_data
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _MODULES = {
     name: module

@@ -68,10 +68,11 @@ def control_page(found: ControlLoading) -> Document:
     caption = "The tests: the environment is the aircraft's control, the display is the device's."
     judged = {True: "yes", False: "no", None: ""}
     shown = table(
-        tested, caption, Field("entry", lambda x: x.entry, full=True), Field("test", _test), Field("tolerance", _tolerance),
+        [x for x in found.trials if x.environment is not None], caption,
+        Field("entry", lambda x: x.entry, full=True), Field("test", _test), Field("tolerance", _tolerance),
         number("aircraft", lambda x: _plain(x.environment)), number("display", lambda x: _plain(x.display)),
         number("margin", lambda x: "" if x.margin is None else f"{100 * x.margin:.1f}\xa0%"),
-        Field("result", lambda x: "passes" if x.passes else Strong("fails")), Field("noticed", lambda x: judged[x.noticed]),
+        Field("result", lambda x: _RESULT[x.passes]), Field("noticed", lambda x: judged[x.noticed]),
     )  # fmt: skip
     untested = doc.Section("Not tested", noted((f"{x.entry} {x.name}", f": {x.why}") for x in found.untested))
     figure = doc.Figure(
@@ -89,6 +90,7 @@ def control_page(found: ControlLoading) -> Document:
     return page_about(found.scene, answer, blocks, proven, "Control loading", found.asides(), ())
 
 
+_RESULT: dict[bool | None, Phrase] = {True: "passes", False: Strong("fails"), None: "not tested"}
 _MEANINGS = (
     (
         "P_0: to the first zero crossing, from 90 % of A_d (aeroplanes) or the release (helicopters); P_1, P_2: periods; "
