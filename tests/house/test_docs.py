@@ -87,6 +87,9 @@ def test_the_commands_of_the_path_run(page: str, readers_folder: Path) -> None:
             (readers_folder / target).write_text(done.stdout, encoding="utf-8")
 
 
+assert hs.effects.__name__ < hs.environments.__name__  # asked for, they fill the catalogue
+
+
 @pytest.mark.parametrize("model", [*ENVIRONMENTS.values(), *EFFECTS.values()], ids=lambda m: m.name)
 def test_the_scene_reference_lists_every_model_with_its_parameters(model: Model) -> None:
     [row] = [line for line in REFERENCE.splitlines() if line.startswith(f"| `{model.name}` |")]
@@ -265,3 +268,45 @@ def untold(package: ModuleType) -> list[str]:
 @pytest.mark.parametrize("package", [hs, haptisym_check])
 def test_each_public_definition_says_what_it_is(package: ModuleType) -> None:
     assert untold(package) == []
+
+
+REPRODUCTIONS = Path(__file__).parents[2] / "docs" / "reproductions"
+INDEX = (REPRODUCTIONS / "index.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def book(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """What the pages import; they are run as scripts of their folder."""
+    monkeypatch.syspath_prepend(str(REPRODUCTIONS))
+    spec = util.spec_from_file_location("book", REPRODUCTIONS / "book.py")
+    assert spec is not None
+    assert spec.loader is not None
+    found = util.module_from_spec(spec)
+    spec.loader.exec_module(found)
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.core
+def test_the_table_is_what_the_pages_compute(book: ModuleType) -> None:
+    assert book.index() == INDEX
+
+
+def test_a_number_agrees_where_it_rounds_to_the_printed_one(book: ModuleType) -> None:
+    assert book.number("", "", "7.45", "7.4549").verdict == "agrees"
+    assert book.number("", "", "7.45", "7.4551").verdict == "disagrees"
+    assert book.number("", "", "8", 7.49).verdict == "disagrees"
+
+
+def test_every_row_has_a_verdict_and_every_page_says_what_was_read(book: ModuleType) -> None:
+    rows = [
+        line.split(" | ")[-1] for line in INDEX.splitlines() if line.startswith("| ") and not line.startswith("| **")
+    ]
+    assert len(rows) > 30
+    for verdict in rows[1:]:
+        assert re.fullmatch(r"(agrees|disagrees|cannot be compared, because .+) \|", verdict), verdict
+    for page in book.pages():
+        words = " ".join(x for x in page.read_text(encoding="utf-8").splitlines() if x.startswith("# ")).split()
+        assert "Read:" in words, page.name
+        assert len(words) < 150, page.name
+        assert f"]({page.name})" in INDEX
