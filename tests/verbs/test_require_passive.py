@@ -528,3 +528,16 @@ def test_where_the_condition_does_not_apply_all_is_left_open_for_that_reason() -
     r = hs.require(wall(method="tustin"), "environment.k", that="passive")  # a damper's pole lies at z = -1
     assert (r.feasible, r.certified) == ((), False)
     assert "unit circle" in r.reason
+
+
+@pytest.mark.slow
+def test_beyond_what_is_cut_finely_wide_ranges_are_told_as_they_are() -> None:
+    """Of a four-channel teleoperator no mass will do; what stays open is narrow, and the scene's own 1.8 kg is not in it."""
+    scene = hs.load_scene("four-channel-teleoperation")
+    found = hs.require(scene, "environment.m", that="passive")
+    assert found.feasible == ()
+    assert all(high is not None and float(high) < 1.1 * float(low) for low, high in found.undecided)
+    omega = np.linspace(0.1, 2000, 200_001)
+    for mass in ("1", "1.8 kg", "50", "100000"):
+        assert not is_open(found, float(scene.with_values({"environment.m": mass}).knobs["environment.m"].value))
+        assert scene.with_values({"environment.m": mass}).distortion().compile()(omega).perceived_imag.min() < 0

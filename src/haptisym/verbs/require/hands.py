@@ -15,7 +15,6 @@ resultants and discriminants alone, and the stiffness at rest at roots of its nu
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
@@ -351,21 +350,25 @@ class _Search:
     def cells(self, start: Rational, end: Rational) -> Iterator[_Cell]:
         """Cells that fill a range, in order."""
         places = sorted({start, end, *(x for x in self.marks if start < x < end)})
-        waiting = Waiting(pairwise(places), most=_MOST, what="cells of values")
-        with suppress(LimitError):
+        waiting, in_time = Waiting(pairwise(places), most=_MOST, what="cells of values"), True
+        try:
             for low, high in waiting:
-                try:
-                    found = self._told(low, high)
-                except LimitError:
-                    break
-                except UndecidedError:
-                    found = _Cell(low, high, None)
+                found = self._told_if_it_can_be(low, high)
                 is_small = high - low <= max(_FINEST * max(-low, high), _LEAST * (end - start))
                 if found.verdict is not None or found.turn or found.is_last or is_small:
                     yield found
                 else:
                     waiting.add((low, (low + high) / 2), ((low + high) / 2, high))
-        yield from (_Cell(low, high, None) for low, high in sorted(waiting.rest))
+        except LimitError:
+            in_time = False
+        for low, high in sorted(waiting.rest):  # far out a wide cell may be told as it is
+            yield self._told_if_it_can_be(low, high) if in_time else _Cell(low, high, None)
+
+    def _told_if_it_can_be(self, low: Rational, high: Rational) -> _Cell:
+        try:
+            return self._told(low, high)
+        except UndecidedError:
+            return _Cell(low, high, None)
 
     def is_told(self, value: Rational) -> bool:
         """Whether a sign is shown for one value, be it which it may."""
