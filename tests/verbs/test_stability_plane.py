@@ -186,7 +186,7 @@ SOFT = hs.load_scene("sampled-wall").with_hands(hs.Hand("soft", m="45 g +- 10 %"
 TWO = F.delay("1 ms"), F.shunt(b="-20 N*s/m"), F.delay("1 s")  # m s^2 + b s + k + 20 s (e^(-s (1 + tau)) - e^(-s))
 VARIED: dict[str, tuple[hs.Scene, Spans, tuple[str, ...], int, tuple[float, float]]] = {  # and least areas of stable and unstable
     "a stiffness varies": (SPRING.with_values({"environment.k": "100 N/m +- 20 %"}).with_hands(ARM), {"hand.k": (0, 500), "hand.b": (0, 10)}, ("environment.k",), 6, (0.2, 0.2)),
-    "five roots, whose coefficients all vary with the mass": (SOFT, {"hand.k": (90, 110), "hand.b": (2, 4)}, ("hand.m",), 3, (0.6, 0)),
+    "five roots, whose coefficients all vary with the mass": (SOFT, {"hand.k": (90, 110), "hand.b": (2, 4)}, ("hand.m",), 3, (0.9, 0)),
     "two delays cancel at 0 and add up far from it": (hs.Scene(E.mass_spring_damper(b=20), TWO, hands=(hs.Hand("mine", 1, 1, 1),)), {"effects.delay.tau": ("1 ms", "100 ms"), "hand.b": (1, 2)}, (), 4, (0.1, 0.1)),
 }  # fmt: skip
 
@@ -209,8 +209,7 @@ def test_a_sampled_wall_is_told_all_over_its_plane() -> None:
     spans = {"environment.b": (0, 1), "environment.k": (1000, 3000)}
     told = told_of(own, spans, finest=2.0**-6)
     need_filled(told, 64)
-    assert area(told.stable) > 0.4
-    assert area(told.unstable) > 0.1
+    assert area(told.left) < 0.2
     for at, critical in ((0.0, 1605.35113477512), (0.4, 2384.3034697805)):  # cells beside them may be undecided
         for cells, side in ((told.stable, 1), (told.unstable, -1)):
             there = cells[(cells[:, 0, 0] <= at) & (cells[:, 0, 1] >= at)]

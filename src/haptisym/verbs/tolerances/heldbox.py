@@ -255,7 +255,7 @@ def _array(cells: Sequence[Cell]) -> Array:
 _FIRST_PIECES = 48  # of the frequencies, to begin with
 _AT_LAST = 5  # times that pieces of the smallest ones are cut
 _MOST_COUNTS = 48
-_DEARER, _FINEST_SAMPLED = 60, 2.0**-8  # a cell of a loop with a clock, by Taylor polynomials
+_DEARER, _FINEST_SAMPLED = 15, 2.0**-8  # a cell of a loop with a clock, in balls
 
 Interval = tuple[Expr, Expr]
 
