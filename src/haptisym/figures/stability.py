@@ -87,11 +87,11 @@ def wall(found: Stability) -> Chart:
         raise NothingToDrawError(str(error)) from None
     layers = [
         *_grounds(drawn),
-        Mark([own[0]], [own[1]], size=3.5, look={"clip_on": False}, label="the scene"),
+        Mark([own[0]], [own[1]], size=3.5, look={"clip_on": False}, label=f"the scene, in {hand.name}"),
         _Counts(drawn),
     ]
     x, y = parameter(k_knob, "", (0, k)), parameter(b_knob, "", (0, b))
-    x = replace(x, label=f"stiffness of the wall, {x.label}, hand: {hand.name}")
+    x = replace(x, label=f"stiffness of the wall, {x.label}")
     return Chart(layers, x, replace(y, label=f"damping of the wall, {y.label}"), height=2.6)
 
 

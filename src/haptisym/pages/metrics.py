@@ -76,7 +76,7 @@ def control_page(found: ControlLoading) -> Document:
     )  # fmt: skip
     untested = doc.Section("Not tested", noted((f"{x.entry} {x.name}", f": {x.why}") for x in found.untested))
     figure = doc.Figure(
-        "free-response", "Free response of environment and display; grey: 5 % of the displacement.", found.figure
+        "free-response", "Free response of environment and display; dotted: 5 % of the displacement.", found.figure
     )
     blocks: tuple[Block, ...] = (
         shown, doc.Notes(tuple(map(formulated, _MEANINGS))), untested, doc.Versions((), lambda: [figure]),
