@@ -12,12 +12,12 @@ function haptisymRegion(spec, values) {
   /** Re dH and Im dH relative to |H_env|. */
   const change = (v) => PARTS.map((part) => (v[part] < 0 ? -1 : 1) * v[`ratio_${part}`]);
 
-  /** Corners of a polygon, with its size. */
-  const corners = (omega) => spec.corners.map((pair) => pair.map((x) => number(x, omega) * limit("size", omega)));
+  /** Corners, which are given in half widths. */
+  const corners = (omega) => spec.corners.map((pair) => pair.map((x, i) => number(x, omega) * limit(PARTS[i], omega)));
 
   /** How many times a region that judges both parts must be enlarged to hold a change. */
   function enlarged([x, y], omega) {
-    if (spec.shape === "polygon") {
+    if (spec.corners.length) {
       const at = corners(omega);
       return Math.max(...at.map(([a, b], i) => {
         const [right, up] = at[(i + 1) % at.length];
@@ -25,7 +25,6 @@ function haptisymRegion(spec, values) {
       }));
     }
     const [u, w] = [x / limit("real", omega), y / limit("imag", omega)];
-    if (spec.shape === "diamond") return Math.abs(u) + Math.abs(w);
     const t = limit("tilt", omega);
     return Math.sqrt((u * u + w * w - 2 * t * u * w) / (1 - t * t));
   }
@@ -57,7 +56,7 @@ function haptisymRegion(spec, values) {
 
   /** The region at a frequency, in the plane of Re dH and Im dH over |H_env|: closed lines, none where H_env is zero. */
   function outline(v, omega) {
-    if (spec.shape === "polygon") return [corners(omega)];
+    if (spec.corners.length) return [corners(omega)];
     if (isJoint) {
       return [Array.from({ length: 361 }, (_, i) => {
         const ray = [Math.cos((i * Math.PI) / 180), Math.sin((i * Math.PI) / 180)];

@@ -68,8 +68,7 @@ from haptisym.judge.crossings import Curve as Dynamics
 from haptisym.judge.evaluation import Compared, Evaluation, half_widths
 from haptisym.judge.peaks import Peaks
 from haptisym.judge.percepts import NOT_NAMED, felt_of
-from haptisym.judge.regions import Joint, Sided
-from haptisym.judge.regions import Polygon as Cornered
+from haptisym.judge.regions import Cornered, Joint, Sided
 from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.kernel.roots import Interval, Signs
 from haptisym.model.jnd import Part
@@ -563,7 +562,8 @@ def _sorted(a: float, b: float) -> tuple[float, float]:
 def _joint(region: Joint, tip: Array, omega: float, size: float) -> Outline:
     angles = np.linspace(0, 2 * np.pi, _DIRECTIONS, endpoint=False)
     if isinstance(region, Cornered):
-        corners = np.array([[floats_of(c, omega) for c in corner] for corner in region.corners])
+        widths = region.real, region.imag
+        corners = np.array([[floats_of(c * a, omega) for c, a in zip(x, widths, strict=True)] for x in region.corners])
         angles = np.sort(np.concatenate([angles, np.arctan2(corners[:, 1], corners[:, 0]) % (2 * np.pi)]))
     across, up = np.cos(angles), np.sin(angles)
     reach = size / region.enlarged(across, up, lambda x: floats_of(x, omega))

@@ -11,10 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from sympy import Expr, Integer, sqrt
+from sympy import Expr, Integer, S, sqrt
 
 from haptisym.judge.crossings import Criterion, noticed
-from haptisym.judge.regions import Polygon
+from haptisym.judge.regions import Cornered
 from haptisym.kernel.dynamics import RealFunction, squared_modulus
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import RealNumber
@@ -114,12 +114,10 @@ def around(threshold: Threshold, square: RealFunction) -> tuple[Signed, Signed]:
 def _circles(threshold: Threshold) -> tuple[list[Expr], list[Expr]]:
     """1/radius^2 of circles about 0: within all of the first no change leaves the region, outside all of the others every one."""
     region, (a, b) = threshold.region, (threshold.real, threshold.imag)
-    if region.shape is Shape.POLYGON:
-        return [p * p + q * q for p, q in Polygon(region.corners).edges], [
-            1 / (x * x + y * y) for x, y in region.corners
-        ]
-    if region.shape is Shape.DIAMOND:
-        return [a**-2 + b**-2], [a**-2, b**-2]
+    if corners := threshold.corners:
+        edges = Cornered(S.One, S.One, corners).edges
+        inner, outer = ((p * p + q * q for p, q in edges), (1 / (x * x + y * y) for x, y in corners))
+        return list(dict.fromkeys(inner)), list(dict.fromkeys(outer))
     return [x**-2 for x in (a, b, *region.lower) if x is not None], [1 / (a * a + b * b)]
 
 

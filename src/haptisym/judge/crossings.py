@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from sympy import Expr, Integer
 
-from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon, Region, Sided
+from haptisym.judge.regions import Cornered, Ellipse, Joint, Region, Sided
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.factors import Level, algebraic
 from haptisym.kernel.objects import Shown
@@ -132,10 +132,8 @@ def noticed(threshold: Threshold) -> tuple[Criterion, ...]:
     if own.shape is Shape.SQUARE:
         return tuple(_of_part(threshold, part) for part in Part)
     region: Joint = Ellipse(threshold.real, threshold.imag, own.tilt)
-    if own.shape is Shape.POLYGON:
-        region = Polygon(own.corners)
-    elif own.shape is Shape.DIAMOND:
-        region = Diamond(threshold.real, threshold.imag)
+    if corners := own.corners or own.shape.corners:
+        region = Cornered(threshold.real, threshold.imag, corners, own.shape)
     rule = f"dH/|H_env| within the {region.kind}"
     return (Criterion(JOINT, "both parts at once", "r_j", rule, region, threshold=Integer(1), region=region),)
 

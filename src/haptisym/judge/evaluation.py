@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
-from sympy import Expr
+from sympy import Expr, S
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.bandwidths import Bandwidths, bandwidths
@@ -41,7 +41,7 @@ from haptisym.judge.percepts import (
     unnamed,
     without_friction,
 )
-from haptisym.judge.regions import Polygon
+from haptisym.judge.regions import Cornered
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber, whole
@@ -114,7 +114,7 @@ def half_widths(threshold: Threshold) -> tuple[Expr, Expr]:
         raise SceneError(
             "regions: a polygon that depends on omega cannot be compared with a square and a disc: leave regions out"
         )
-    edges = Polygon(corners).edges
+    edges = Cornered(S.One, S.One, corners).edges
     across, up = (1 / max(max(edge[i], -edge[i]) for edge in edges) for i in (0, 1))
     return across, up
 

@@ -14,11 +14,11 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TypeAlias
 
-from sympy import Expr, Integer, Rational, S
+from sympy import Expr, Rational, S
 
 from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import Criterion
-from haptisym.judge.regions import Diamond, Ellipse, Polygon, Sided
+from haptisym.judge.regions import Cornered, Ellipse, Sided
 from haptisym.kernel.arrays import np
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import c, omega
@@ -263,7 +263,8 @@ class RegionalExcess(Excess):
         relative, _ = chain.without_axis_zeros()
         environments = (chain.ring.convert(x.environment) for x in (chain, relative))
         powers = [int(n) for n, *_ in (next(environments) / next(environments)).reduced().numerator.monoms()]
-        if len(powers) > 1 and isinstance(criterion.region, Polygon):  # changes its side where H_env changes its sign
+        sided = isinstance(criterion.region, Cornered) and not criterion.region.pairs
+        if len(powers) > 1 and sided:  # changes its side where H_env changes its sign
             relative, powers = chain, [0]
         self._turns, self._from_rest = max(powers) % 4, len(powers) == 1
         self._relative, self._plain = relative.program([*_SQUARED, *_FIELDS]), chain.program(_FIELDS)
@@ -321,26 +322,23 @@ class Changes:
         """The functions of which the largest of the smallest is positive where a change is noticed."""
         region = criterion.region
         if isinstance(region, Ellipse):
-            return [[self._ellipse(region)]]
-        if isinstance(region, Diamond):
-            return [[self._quadric(region.real, region.imag, Integer(sign))] for sign in (1, -1)]
-        if isinstance(region, Polygon):
-            x, y = self._xy
-            return [[(self._times(p, x) + self._times(q, y)).plus(-1.0)] for p, q in region.edges]
+            return [[self._quadric(region, (S.One, -region.tilt, S.One), 1 - region.tilt**2)]]
+        if isinstance(region, Cornered) and region.pairs:
+            return [[self._quadric(region, (p * p, p * q, q * q), S.One)] for p, q in region.pairs]
+        if isinstance(region, Cornered):
+            (x, y), (a, b) = self._xy, (region.real, region.imag)
+            return [[(self._times(p / a, x) + self._times(q / b, y)).plus(-1.0)] for p, q in region.edges]
         if isinstance(region, Sided):
             return self._sided(region)
         assert criterion.part
         return [[self._beyond(criterion.part, criterion.threshold)]]
 
-    def _ellipse(self, region: Ellipse) -> Model:
-        root = 1 - region.tilt**2
-        return self._quadric(region.real, region.imag, -region.tilt, root)
-
-    def _quadric(self, a: Expr, b: Expr, t: Expr, whole: Expr = S.One) -> Model:
-        """a b times (x/a)^2 + 2 t (x/a)(y/b) + (y/b)^2 - whole."""
-        squares = self._times(b / a, self._square(Part.REAL)) + self._times(a / b, self._square(Part.IMAG))
+    def _quadric(self, region: Ellipse | Cornered, form: tuple[Expr, Expr, Expr], whole: Expr) -> Model:
+        """a b times xx (x/a)^2 + 2 xy (x/a)(y/b) + yy (y/b)^2 - whole."""
+        (a, b), (xx, xy, yy) = (region.real, region.imag), form
+        squares = self._times(xx * b / a, self._square(Part.REAL)) + self._times(yy * a / b, self._square(Part.IMAG))
         found = squares - self._constant(a * b * whole)
-        return found if t == 0 else found + self._times(2 * t, self._product)
+        return found if xy == 0 else found + self._times(2 * xy, self._product)
 
     def _sided(self, region: Sided) -> Terms:
         own = self.plain[region.part.value]

@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 from sympy import Expr, Integer, S
 
@@ -18,7 +18,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Lattice, Signed
 from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.jnd import Corner, Part
+from haptisym.model.jnd import Corner, Part, Shape
 
 
 class Term(NamedTuple):
@@ -106,7 +106,10 @@ class Region(ABC):
 class Joint(Region):
     """A region that judges both parts at once."""
 
-    kind: ClassVar[str]
+    @property
+    @abstractmethod
+    def kind(self) -> str:
+        """What it is called, without an article."""
 
     @abstractmethod
     def projected(self, d: Distortion, part: Part) -> Signed:
@@ -129,16 +132,32 @@ def above_one(square: RealFunction) -> RealFunction:
 
 @dataclass(frozen=True)
 class _OfHalfWidths(Joint):
-    """A region that is given by how far it reaches along both axes; ``projected`` : of an ellipse with a tilt."""
+    """A region in the plane of u = x/a and v = y/b."""
 
     real: Expr
     imag: Expr
-    tilt: Expr = Integer(0)
 
     def _scaled(self, d: Distortion) -> tuple[Change, RationalFunction, RationalFunction]:
         """X/a and Y/b."""
         w = Change(d)
         return w, w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag)
+
+    def opened(self, limits: Mapping[Part, Expr]) -> Self:
+        return replace(self, **{part.value: x for part, x in limits.items()})
+
+
+@dataclass(frozen=True)
+class Ellipse(_OfHalfWidths):
+    """(x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2."""
+
+    tilt: Expr = Integer(0)
+    kind = "ellipse"
+    words = "an ellipse"
+
+    def terms(self, d: Distortion) -> tuple[Term, ...]:
+        w, u, v = self._scaled(d)
+        twice = w.number(2 * self.tilt)
+        return (Term((), (w.over((u * u + v * v - twice * u * v) / w.number(1 - self.tilt**2)),)),)
 
     def projected(self, d: Distortion, part: Part) -> Signed:
         w, *own = self._scaled(d)
@@ -149,49 +168,28 @@ class _OfHalfWidths(Joint):
         _, u, v = self._scaled(d)
         return RealFunction((u * u - v * v).reduced())
 
-    def opened(self, limits: Mapping[Part, Expr]) -> Self:
-        return replace(self, **{part.value: x for part, x in limits.items()})
-
-
-@dataclass(frozen=True)
-class Ellipse(_OfHalfWidths):
-    """(x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2."""
-
-    kind: ClassVar[str] = "ellipse"
-    words = "an ellipse"
-
-    def terms(self, d: Distortion) -> tuple[Term, ...]:
-        w, u, v = self._scaled(d)
-        twice = w.number(2 * self.tilt)
-        return (Term((), (w.over((u * u + v * v - twice * u * v) / w.number(1 - self.tilt**2)),)),)
-
     def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
         u, v, t = x / number(self.real), y / number(self.imag), number(self.tilt)
         return ((u * u + v * v - 2 * t * u * v) / (1 - t * t)) ** 0.5
 
 
 @dataclass(frozen=True)
-class Diamond(_OfHalfWidths):
-    """|x|/a + |y|/b <= 1: both sums x/a + y/b and x/a - y/b are at most 1 large."""
+class Cornered(_OfHalfWidths):
+    """p u + q v <= 1 for each edge; where the opposite of each edge is one, too, (p u + q v)^2 <= 1 for each pair.
 
-    kind: ClassVar[str] = "diamond"
-    words = "a diamond"
-
-    def terms(self, d: Distortion) -> tuple[Term, ...]:
-        w, u, v = self._scaled(d)
-        return tuple(Term((), (w.over(x * x),)) for x in (u + v, u - v))
-
-    def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
-        return abs(x) / number(self.real) + abs(y) / number(self.imag)
-
-
-@dataclass(frozen=True)
-class Polygon(Joint):
-    """p x + q y <= 1 for each edge: outside where p Re dH + q Im dH is positive and larger than |H_env|."""
+    ``corners`` : (u, v), counterclockwise around 0. ``shape`` : a polygon, or what it is called.
+    """
 
     corners: tuple[Corner, ...]
-    kind: ClassVar[str] = "polygon"
-    words = "a polygon"
+    shape: Shape = Shape.POLYGON
+
+    @property
+    def kind(self) -> str:
+        return self.shape.value
+
+    @property
+    def words(self) -> str:
+        return self.shape.words
 
     @property
     def edges(self) -> tuple[Corner, ...]:
@@ -202,34 +200,50 @@ class Polygon(Joint):
             found.append(((up - y) / area, (x - right) / area))
         return tuple(found)
 
+    @property
+    def pairs(self) -> tuple[Corner, ...]:
+        """One edge of each pair of opposite ones; none unless all are such, as a shape that tells its corners has them."""
+        half = len(self.edges) // 2
+        paired = self.shape.corners and self.edges[half:] == tuple((-p, -q) for p, q in self.edges[:half])
+        return self.edges[:half] if paired else ()
+
     def terms(self, d: Distortion) -> tuple[Term, ...]:
         return self._outside(d, tuple(Part))
 
     def projected(self, d: Distortion, part: Part) -> Signed:
+        if self.pairs:
+            w, *own = self._scaled(d)
+            x = w.number(max(edge[part is Part.IMAG] for edge in self.edges)) * own[part is Part.IMAG]
+            return w.beyond(x * x)
         return Lattice(tuple((*x.where, *map(above_one, x.squares)) for x in self._outside(d, (part,))))
 
     def _outside(self, d: Distortion, parts: tuple[Part, ...]) -> tuple[Term, ...]:
-        w = Change(d)
+        w, *scaled = self._scaled(d)
         found = []
-        for edge in self.edges:
-            own = [w.number(edge[0 if part is Part.REAL else 1]) * w.part(part) for part in parts]
+        for edge in self.pairs or self.edges:
+            own = [w.number(edge[part is Part.IMAG]) * scaled[part is Part.IMAG] for part in parts]
             along = (own[0] + own[1] if len(own) == 2 else own[0]).reduced()
-            found.append(Term((w.side(along, 1),), (w.over(along * along),)))
+            found.append(Term(() if self.pairs else (w.side(along, 1),), (w.over(along * along),)))
         return tuple(found)
 
     def nearer(self, d: Distortion) -> Signed:
-        w = Change(d)
+        w, u, v = self._scaled(d)
+        if self.pairs:
+            u, v = (w.number(max(edge[i] for edge in self.edges)) * x for i, x in enumerate((u, v)))
+            return RealFunction((u * u - v * v).reduced())
         across, up = (_extremes([edge[i] for edge in self.edges]) for i in (0, 1))
         return Lattice(tuple(
-            tuple(RealFunction((w.number(p) * w.part(Part.REAL) - w.number(q) * w.part(Part.IMAG)).reduced()) for q in up)
-            for p in across
+            tuple(RealFunction((w.number(p) * u - w.number(q) * v).reduced()) for q in up) for p in across
         ))  # fmt: skip
 
-    def opened(self, limits: Mapping[Part, Expr]) -> Polygon:
-        raise SceneError("jnd: a polygon has no limit for one part: change its corners")
+    def opened(self, limits: Mapping[Part, Expr]) -> Cornered:
+        if limits and not self.shape.corners:
+            raise SceneError("jnd: a polygon has no limit for one part: change its corners")
+        return super().opened(limits)
 
     def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
-        found = (number(p) * x + number(q) * y for p, q in self.edges)
+        u, v = x / number(self.real), y / number(self.imag)
+        found = (number(p) * u + number(q) * v for p, q in self.edges)
         return reduce(lambda largest, one: (largest + one + abs(largest - one)) / 2, found)
 
 

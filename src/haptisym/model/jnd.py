@@ -156,12 +156,27 @@ MOST_CORNERS = 24
 
 
 class Shape(Enum):
-    """Of the region."""
+    """Of the region. A further one that has corners is a row here and in ``_KEYS`` and ``_CORNERS``: nothing else names it."""
 
     SQUARE = "square"
     ELLIPSE = "ellipse"
     DIAMOND = "diamond"
     POLYGON = "polygon"
+
+    @property
+    def corners(self) -> tuple[Corner, ...]:
+        """Counterclockwise, in half widths, where the shape alone tells them."""
+        return _CORNERS.get(self, ())
+
+    @property
+    def words(self) -> str:
+        """With its article: ``an ellipse``."""
+        return f"{'an' if self.value[0] in 'aeio' else 'a'} {self.value}"
+
+
+_CORNERS: Mapping[Shape, tuple[Corner, ...]] = {
+    Shape.DIAMOND: tuple((Integer(x), Integer(y)) for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1)))
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -346,6 +361,11 @@ class Threshold(Viewed):
         return self.region.lower[0 if part is Part.REAL else 1]
 
     @property
+    def corners(self) -> tuple[Corner, ...]:
+        """Of a region that has corners and judges both parts at once, counterclockwise; of any other none."""
+        return self.region.corners or tuple((x * self.real, y * self.imag) for x, y in self.region.shape.corners)
+
+    @property
     def is_constant(self) -> bool:
         """Whether no number depends on the frequency."""
         region = self.region
@@ -361,7 +381,8 @@ class Threshold(Viewed):
     def is_scaled(self) -> bool:
         """Whether its half widths are one number, in a region that holds all smaller ones of its kind."""
         alike = self.real == self.imag and self.real_interval == self.imag_interval
-        return alike and self.region.shape in _SCALED and not self.region.ranges
+        judges_both = self.region.shape is not Shape.SQUARE and not self.region.corners
+        return alike and judges_both and not self.region.ranges
 
     @property
     def ranges(self) -> dict[str, ExactRange]:
@@ -379,7 +400,7 @@ class Threshold(Viewed):
         """What it is, in words: ``an ellipse``."""
         region = self.region
         if region.shape is not Shape.SQUARE:
-            return f"{'an' if region.shape is Shape.ELLIPSE else 'a'} {region.shape.value}"
+            return region.shape.words
         if region.floor is not None:
             return "a square with a floor"
         if region.lower != (None, None):
@@ -462,7 +483,6 @@ class Threshold(Viewed):
         return self.real_interval if part is Part.REAL else self.imag_interval
 
 
-_SCALED = (Shape.ELLIPSE, Shape.DIAMOND)
 _TILTED = "separate ranges of the half widths of a tilted ellipse are not supported"
 
 

@@ -16,7 +16,7 @@ from sympy import Abs, Expr, Function, Integer, Symbol, count_ops, exp
 from sympy.printing.str import StrPrinter
 
 from haptisym.judge.crossings import Criterion, noticed
-from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon
+from haptisym.judge.regions import Cornered, Ellipse, Joint
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import omega, s
@@ -195,12 +195,10 @@ def _relative(name: str, part: str) -> doc.Line:
 def _borders(of: Joint) -> list[Expr]:
     """What is positive outside of a region, in x_r and x_i: one, or for each edge one."""
     x, y = Symbol("x_r", real=True), Symbol("x_i", real=True)
-    if isinstance(of, Polygon):
-        return [p * x + q * y - 1 for p, q in of.edges]
-    assert isinstance(of, Diamond | Ellipse)
+    assert isinstance(of, Cornered | Ellipse)
     u, v = x / of.real, y / of.imag
-    if isinstance(of, Diamond):
-        return [Abs(x) / of.real + Abs(y) / of.imag - 1]
+    if isinstance(of, Cornered):
+        return [Abs(p * u + q * v) - 1 for p, q in of.pairs] or [p * u + q * v - 1 for p, q in of.edges]
     return [u**2 - 2 * of.tilt * u * v + v**2 - (1 - of.tilt**2)]
 
 

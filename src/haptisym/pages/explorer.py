@@ -135,7 +135,7 @@ Limits: TypeAlias = dict[str, tuple[Slider, str]]
 def limit_sliders(scene: Scene) -> Limits:
     """One for both half widths where they are the same number; one for how large a polygon is."""
     t = scene.threshold
-    if t.region.shape is Shape.POLYGON:
+    if t.region.corners:
         size = Slider("explorer-size", Html("size"), "×", 1.0, 0.1, 10.0, Rule.POSITIVE, is_logarithmic=True)
         return {"size": (size, "how many times the polygon is as large")}
     alike = t.real == t.imag and not t.real.has(omega) and t.region.lower == (None, None)
@@ -189,14 +189,15 @@ def _others(scene: Scene) -> Iterator[tuple[str, tuple[Slider, str]]]:
 def region_record(t: Threshold, limits: Limits) -> dict[str, Any]:
     """The region's shape, and each of its numbers: a slider, or a quotient of polynomials in omega."""
     region = t.region
-    if region.shape is Shape.POLYGON:
-        corners = [[_quotient(x) for x in corner] for corner in region.corners]
-        return {"shape": region.shape.value, "numbers": _numbers({}, limits), "corners": corners}
+    corners = [[_quotient(x) for x in corner] for corner in region.corners or region.shape.corners]
+    if region.corners:
+        size = _numbers({}, limits)["size"]
+        return {"shape": region.shape.value, "numbers": {"real": size, "imag": size}, "corners": corners}
     named_ = {part.value: t[part] for part in Part}
     named_ |= {f"{part.value}.lower": x for part in Part if (x := t.lower(part)) is not None}
     named_ |= {"floor": region.floor} if region.floor is not None else {}
     named_ |= {"tilt": region.tilt} if region.shape is Shape.ELLIPSE else {}
-    return {"shape": region.shape.value, "numbers": _numbers(named_, limits), "corners": []}
+    return {"shape": region.shape.value, "numbers": _numbers(named_, limits), "corners": corners}
 
 
 def _numbers(values: Mapping[str, Expr], limits: Limits) -> dict[str, Any]:

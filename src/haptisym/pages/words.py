@@ -261,7 +261,7 @@ def amount(c: Expr) -> Phrase:
 def region(c: Threshold) -> Phrase:
     """A region in words: ``an ellipse, 10 % (real) and 12 % (imaginary) of |H_env|, tilt 0.5``."""
     of, own = (" of ", Absolute(H_ENV)), c.region
-    if own.shape is Shape.POLYGON:
+    if own.corners:
         corners = listed(("(", amount(x), ", ", amount(y), ")") for x, y in own.corners)
         return "a polygon with the corners ", corners, *of
     widths: Phrase = (_width(c, Part.REAL), " (real) and ", _width(c, Part.IMAG), " (imaginary)")

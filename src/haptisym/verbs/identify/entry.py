@@ -104,8 +104,8 @@ def threshold_value(c: Threshold) -> Any:
     if c.source:
         return {"like": c.source}
     own = c.region
-    if own.shape is Shape.POLYGON:
-        return {"shape": "polygon", "corners": [[str(x), str(y)] for x, y in own.corners], **_taken(c)}
+    if own.corners:
+        return {"shape": own.shape.value, "corners": [[str(x), str(y)] for x, y in own.corners], **_taken(c)}
     table: dict[str, Any] = {} if own.shape is Shape.SQUARE else {"shape": own.shape.value}
     table |= {part.value: _limit(c, part) for part in Part} | ({"tilt": str(own.tilt)} if own.tilt else {})
     if own.floor is not None:

@@ -58,7 +58,7 @@ def spread(c: Threshold, low: Reals, high: Reals, least: Reals) -> Reals:
         return np.zeros(len(low))
     moves = _Moves(low, high)
     with np.errstate(all="ignore"):
-        if c.region.shape is Shape.POLYGON:
+        if c.region.corners:
             found = _of_polygon(c, moves)
         else:
             sides = [c.real, c.imag, *(x for x in c.region.lower if x is not None)]

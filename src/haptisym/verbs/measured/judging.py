@@ -61,7 +61,7 @@ def _coefficients(formula: Expr) -> tuple[tuple[Expr, ...], ...]:
 def ends_of(c: Threshold, part: Part, at: Reals) -> tuple[Reals, Reals]:
     """From where to where a change of one part alone is not noticed, as a share of ``|H_env|``: changes that make it larger."""
     own, i = c.region, 0 if part is Part.REAL else 1
-    if own.shape is Shape.POLYGON:
+    if own.corners:
         return _axis(_corners(c, at), i)
     limit = values_of(c[part], at)
     if own.shape is Shape.ELLIPSE:
@@ -156,11 +156,7 @@ def _two_way(up: Reals, down: Reals, x: Reals, env: Reals) -> Reals:
 
 
 def _corners(c: Threshold, at: Reals) -> Corners:
-    if c.region.shape is Shape.POLYGON:
-        return [(values_of(x, at), values_of(y, at)) for x, y in c.region.corners]
-    a, b = (values_of(c[part], at) for part in Part)
-    zero = np.zeros(len(at))
-    return [(a, zero), (zero, b), (-a, zero), (zero, -b)]
+    return [(values_of(x, at), values_of(y, at)) for x, y in c.corners]
 
 
 def _edges(corners: Corners) -> Iterable[tuple[Reals, Reals, Reals, Reals]]:
