@@ -6,10 +6,12 @@ for, so that ``--json`` in a loop pays for none of it.
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from pkgutil import resolve_name
+from itertools import chain
+from pkgutil import get_data, resolve_name
 from typing import Any
 
 import click
@@ -18,26 +20,17 @@ from haptisym import __version__
 from haptisym.commands.terminal import ReaderLeft, interrupts, loading, note, prepare, to_standard_output
 from haptisym.kernel.errors import HaptisymError, UndecidedError, meant
 
-VERBS = {
-    "evaluate": "Find when a hand notices a display, and as what.",
-    "derive": "Derive the formulas of a scene, as text, LaTeX or code.",
-    "effects": "Find which effects of a scene matter.",
-    "require": "Find all values of a parameter that satisfy a requirement.",
-    "stability": "Find whether a display shakes, and its stability limits.",
-    "design": "Find the values with the largest bandwidth.",
-    "sensitivity": "Find how each frequency moves with each parameter.",
-    "tolerances": "Find what holds for all values in given ranges.",
-    "sweep": "Evaluate a scene for every combination of values.",
-    "metrics": "Compare the JND with other measures of transparency.",
-    "cost": "Measure what accuracy costs in time, for a scene or on hard cases.",
-    "simulate": "Simulate a scene in time, and compare with the closed form.",
-    "identify": "Fit a model to a measured response.",
-    "jnd": "Fit a psychometric function to responses: the JND.",
-    "scenes": "List the shipped scenes, or print one to start from.",
-    "schemas": "List the documents of --json, or print a JSON Schema.",
+_COMMANDS = {
+    module: re.findall(
+        r'^def (\w+)\(ask: Ask\).*\n    """(.+)$',
+        (get_data("haptisym.commands", f"{module}.py") or b"").decode(),
+        re.MULTILINE,
+    )
+    for module in ("verbs", "shipped")
 }
-"""The main job first, each with the first sentence of its help, for which ``commands.verbs`` is not loaded."""
-LIGHT = ("scenes", "schemas")
+VERBS = dict(chain(*_COMMANDS.values()))
+"""Each verb with the first sentence of its help, as ``commands.verbs`` and ``commands.shipped`` say, which are only read."""
+LIGHT = tuple(dict(_COMMANDS["shipped"]))
 """Those of ``commands.shipped``, which need no SymPy."""
 
 

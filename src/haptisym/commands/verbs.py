@@ -1,4 +1,4 @@
-"""The verbs: of each its help, its options and its question. A new verb is a function here, and a line in ``cli.VERBS``.
+"""The verbs: of each its help, its options and its question. A new verb is a function here (``cli.VERBS`` reads its first line).
 
 What only some calls need (figures, SciPy, dask, the writers) is imported where it is called for, so that ``--json`` in a
 loop pays for none of it.
