@@ -353,9 +353,11 @@ class SampledLoop:
 def _count_right(c: Sequence[Ball]) -> int | None:
     """How many roots of a polynomial have Re v > 0, none being on the axis; None where balls do not tell.
 
-    By Routh's array, and by the roots themselves where two of them add up to 0.
+    By Routh's array; where that has a zero, with a further root at -7/5, by which no two roots come to add up to 0; and by the
+    roots themselves where two of them do.
     """
-    if (found := routh(c)) is not None:
+    further = [7 * x / 5 + y for x, y in zip([*c, arb(0)], [arb(0), *c], strict=True)]
+    if (found := routh(c)) is not None or (found := routh(further)) is not None:
         return found
     if c[-1].contains(0):
         return None
