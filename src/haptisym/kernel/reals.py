@@ -227,21 +227,6 @@ class SquareRoot(RealNumber):
             return self.square.ball(bits).max(arb(0)).sqrt()
 
 
-@dataclass(frozen=True, slots=True, repr=False)
-class Hertz(RealNumber):
-    """A frequency in Hz, as certain as the one in rad/s.
-
-    >>> Hertz(ExactNumber(3 * pi)).digits(3)
-    '1.50'
-    """
-
-    omega: RealNumber
-
-    def ball(self, bits: int) -> Ball:
-        with flint.ctx.workprec(bits):
-            return self.omega.ball(bits) / (2 * arb.pi())
-
-
 _FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {cos: arb.cos, sin: arb.sin, tan: arb.tan, sinc: arb.sinc, log: arb.log}
 
 
