@@ -15,7 +15,7 @@ import pytest
 from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
-from marks import QUICK_SCENES, often
+from marks import QUICK_SCENES, UNDAMPED, often
 from scipy import signal
 from scipy.optimize import brentq
 from sympy import Rational, lambdify
@@ -57,7 +57,7 @@ def test_the_3_db_edge_is_where_scipy_sees_half_the_power() -> None:
 
 
 def test_a_resonant_filter_has_three_edges_and_the_set_between_them() -> None:
-    found = hs.metrics(hs.load_scene("undamped-resonance"))["transmitted impedance ratio"]
+    found = hs.metrics(hs.load_scene(UNDAMPED))["transmitted impedance ratio"]
     *edges, inside = found.values
     assert [x.what for x in edges] == ["+3 dB edge, rising", "+3 dB edge, falling", "-3 dB edge, falling"]
     assert (
@@ -136,7 +136,7 @@ def test_a_lossless_link_and_a_passive_joint_are_absolutely_stable_everywhere() 
 
 
 def test_the_passive_bands_are_the_rest_of_the_active_ones() -> None:
-    e = hs.evaluate(hs.load_scene("undamped-resonance"))
+    e = hs.evaluate(hs.load_scene(UNDAMPED))
     m = Measured(e)
     for w in (5.0, 9.99, 10.01, 30.0):
         passive = any(float(x.low.omega) <= w <= float(x.high.omega) for x in m.passive)

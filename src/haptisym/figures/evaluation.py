@@ -102,7 +102,7 @@ def ratios(e: Evaluation) -> Chart:
     >>> from haptisym.figures.layers import draw
     >>> from matplotlib.figure import Figure
     >>> ax = Figure().add_subplot()
-    >>> for name in ("fu2019", "undamped-resonance"):
+    >>> for name in ("fu2019", "helicopter-cyclic"):
     ...     lines = draw(ax, ratios(evaluate(load_scene(name))), label=name)
     >>> len(lines), ax.get_xlabel(), ax.get_xlim() == (0, 40)
     (2, '$\\\\omega$ (rad/s)', True)
