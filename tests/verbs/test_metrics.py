@@ -702,3 +702,13 @@ def test_a_figure_shows_both_responses_or_says_that_there_is_none(tmp_path) -> N
     late = hs.control_loading(stick_on(hs.effects.coulomb_friction(1, "5 cm")))
     with pytest.raises(hs.HaptisymError, match="no free response"):
         late.figure()
+
+
+def test_a_report_names_the_travel_and_the_meaning_of_the_tests_that_were_made_alone() -> None:
+    found = hs.control_loading(stick_on(hs.effects.shunt(m=0.3)), travel="3 in")
+    assert found.to_dict()["travel"] == pytest.approx(0.0762, rel=1e-15)
+    assert "travel 0.0762 m" in str(found)
+    assert "Sweep:" not in str(found)
+    rigid = hs.control_loading("helicopter-cyclic", "14cfr60-c2a")
+    assert "travel" not in rigid.to_dict()
+    assert "P_0" not in str(rigid)
