@@ -31,8 +31,6 @@ from timing import machine
 import haptisym as hs
 
 AT_ONCE, DEVIATION = 4, Rational(5, 100)
-ALONE = {"two-mass-resonance": [["m1", "b1"]]}
-"""Rows besides."""
 WHOLE = ("control-stick-in-detail",)
 """Scenes with a row of all numbers of their effects at once, and one of all numbers."""
 
@@ -42,7 +40,6 @@ def rows(name: str) -> Iterator[list[str]]:
     scene = hs.load_scene(name)
     numbers = [*dict.fromkeys(p.symbol.name for p in scene.parameters if p.value and p.key != "order"), "c"]
     yield from (numbers[i : i + AT_ONCE] for i in range(0, len(numbers), AT_ONCE))
-    yield from ALONE.get(name, [])
     if name in WHOLE:
         yield [p.symbol.name for p in scene.parameters if p.value and p.path.startswith("effects.")]
         yield numbers[:-1]

@@ -53,6 +53,9 @@ ax = hs.evaluate(paper).plot(kind="projections-imag")
 ax = hs.evaluate(paper, regions=True).plot(kind="regions")
 
 # %%
+ax = hs.evaluate(paper, discriminate=True).plot(kind="discriminate")
+
+# %%
 ranged = paper.with_values({"jnd": "0.1 +- 20 %"})
 ax = hs.evaluate(ranged).plot(kind="bandwidths")
 

@@ -131,7 +131,33 @@ def leave_free(table: Any, path: Any) -> None:
         raise RefusedError("the scene has no such number") from None
 
 
-KEYS = {"title", "source", "environment", "environments", "rendered", "effects", "evaluation", "hand", "hands"}
+def carried(table: Any) -> list[dict[str, Any]]:
+    """What a file's device puts at the hand: a shunt of its mass and damping, and its friction at an amplitude."""
+    need(
+        isinstance(table, dict) and table.keys() <= {"like", "m", "b", "friction", "amplitude"},
+        "[device] is not understood",
+    )
+    known = CATALOGUE["devices"].get(table.get("like")) if isinstance(table.get("like"), str) else None
+    need(known is not None, "the device is not known")
+    own = {**known, **table}
+    shunt = {key: own[key] for key in ("m", "b") if key in own}
+    need(shunt and ("friction" in own or "amplitude" not in own), "a number of the device is missing")
+    rubbing = {"model": "coulomb-friction", "force": own.get("friction"), "amplitude": own.get("amplitude")}
+    return [{"model": "shunt", **shunt}, *([rubbing] if "amplitude" in own else [])]
+
+
+KEYS = {
+    "title",
+    "source",
+    "environment",
+    "environments",
+    "rendered",
+    "effects",
+    "device",
+    "evaluation",
+    "hand",
+    "hands",
+}
 
 
 class Scene:
@@ -154,7 +180,11 @@ class Scene:
             leave_free(table, free)
         self.felt = Element(table.get("environment"), 1)
         self.rendered = Element(table["rendered"], 1, self.felt) if "rendered" in table else self.felt
-        self.effects, told = [Element(x, 4) for x in tables(table.get("effects", []))], table.get("evaluation", {})
+        worn = carried(table["device"]) if "device" in table else []
+        self.effects, told = (
+            [Element(x, 4) for x in [*tables(table.get("effects", [])), *worn]],
+            table.get("evaluation", {}),
+        )
         elements = [self.felt, self.rendered, *self.effects]
         fits = self.rendered.in_z == any(x.texts[4:] == ["v/u"] for x in self.effects)
         need(fits and not self.felt.in_z, "a clock and what it renders do not fit")

@@ -14,6 +14,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from drawn import overlaps, texts
+from marks import FLEXIBLE
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
@@ -66,8 +67,8 @@ def measured() -> hs.MeasuredEvaluation:
 FIGURES: dict[str, Callable[[], list[Figure]]] = {
     "evaluation": lambda: [draw_figure(paper(), name) for name in SHEETS],
     "in Hz": lambda: sheets("steering-wheel"),
-    "resonance": lambda: sheets("two-mass-resonance"),
-    "thresholds": lambda: sheets("two-mass-resonance", "bandwidths", c=["0.02", "0.1", "0.4"]),
+    "resonance": lambda: sheets(FLEXIBLE),
+    "thresholds": lambda: sheets(FLEXIBLE, "bandwidths", c=["0.02", "0.1", "0.4"]),
     "family": lambda: [hs.evaluate_all(hs.load_scenes("palpation-device")).figure()],
     "family, regions": lambda: [draw_figure(hs.evaluate_all(hs.load_scenes("palpation-device"), regions=True), "regions")],
     "jnd": lambda: answered(None),
@@ -79,7 +80,7 @@ FIGURES: dict[str, Callable[[], list[Figure]]] = {
     "map, in vain": lambda: [hs.design_map("fu2019", ["omega_n", "zeta"], [(10, 20), ("0.1", 1)], slices=5).figure()],
     "sweep": lambda: swept(m=np.linspace(0.5, 5, 30)),
     "sweep in the plane": lambda: swept(omega_n=np.linspace(20, 200, 12), m=np.linspace(0.5, 5, 12)),
-    "sensitivity": lambda: [hs.sensitivity("two-mass-resonance").figure()],
+    "sensitivity": lambda: [hs.sensitivity(FLEXIBLE).figure()],
     "tolerances": lambda: [hs.tolerances(loose(), samples=20).figure()],
     "effects": lambda: [hs.relevance("sidestick").figure()],
     "metrics": lambda: [hs.metrics("fu2019").figure()],

@@ -25,7 +25,7 @@ PAPER = hs.load_scene("fu2019")
 SLOW = PAPER.with_values({"omega_n": 50})
 SPRING = hs.Scene(hs.environments.mass_spring_damper(k="100 N/m +- 10 %"), (hs.effects.first_order_lag(40),))
 ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
-    "evaluation": lambda s: hs.evaluate(s, regions=True),
+    "evaluation": lambda s: hs.evaluate(s, discriminate=True),
     "derivation": hs.derive,
     "effects": hs.relevance,
     "requirement": lambda s: hs.require(s, "zeta"),

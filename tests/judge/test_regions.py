@@ -500,3 +500,82 @@ def test_thresholds_that_are_no_fractions_have_their_circles_too() -> None:
     assert [float(x) ** 4 / 10**4 for x in (found.transparent_below, found.opaque_above)] == pytest.approx(
         [0.02, 0.1], rel=1e-14
     )
+
+
+# --- which changes would decide between models -----------------------------------------------------------------------
+
+
+def holds(t: hs.Threshold, x: Any, y: Any) -> Any:
+    """Whether a region holds changes, by its definition."""
+    u, v, tilt = x / float(t.real), y / float(t.imag), float(t.region.tilt)
+    if t.region.shape.value == "square":
+        return (abs(u) <= 1) & (abs(v) <= 1)
+    return u * u - 2 * tilt * u * v + v * v <= 1 - tilt * tilt
+
+
+def reaches(t: hs.Threshold, across: Any, up: Any) -> Any:
+    """How far a region reaches in some directions, by bisection."""
+    low, high = np.zeros_like(across), np.full_like(across, 2.0)
+    for _ in range(50):
+        middle = (low + high) / 2
+        inside = holds(t, middle * across, middle * up)
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    return low
+
+
+@pytest.mark.parametrize(
+    "jnd", [0.1, {"real": 0.1, "imag": 0.3}, {"shape": "ellipse", "real": 0.2, "imag": 0.1, "tilt": -0.7}]
+)
+def test_no_direction_decides_better_between_two_models(jnd: Any) -> None:
+    scene = hs.Scene(PAPER.environment, PAPER.effects, PAPER.band, jnd)
+    found = hs.evaluate(scene, discriminate=True).discrimination
+    assert found is not None
+    assert len(found.stimuli) == 6
+    phi = np.linspace(0, 2 * np.pi, 7201)
+    for x in found.stimuli:
+        sizes = [reaches(found.models[name], np.cos(phi), np.sin(phi)) for name in (x.noticed_by, x.not_by)]
+        best = max((sizes[1] / sizes[0]).max(), (sizes[0] / sizes[1]).max())
+        assert best <= x.margin**2 * (1 + 1e-9)
+        assert best == pytest.approx(x.margin**2, rel=1e-3)
+        tight, loose = (found.models[name] for name in (x.noticed_by, x.not_by))
+        for share, model, inside in ((1.001, tight, False), (0.999, tight, True)):
+            assert holds(model, x.real * share / x.margin, x.imag * share / x.margin) == inside
+        for share, model, inside in ((1.001, loose, False), (0.999, loose, True)):
+            assert holds(model, x.real * share * x.margin, x.imag * share * x.margin) == inside
+        H = 100 - 1.8 * x.omega**2 + 15j * x.omega
+        assert (x.stiffness, x.damping) == pytest.approx((x.real * abs(H), x.imag * abs(H) / x.omega), rel=1e-12)
+
+
+def test_the_display_decides_where_the_models_judge_it_differently() -> None:
+    found = hs.evaluate(PAPER, discriminate=True).discrimination
+    assert found is not None
+    assert found.display
+    omega = np.linspace(0.001, 15, 5000)
+    H = 100 - 1.8 * omega**2 + 15j * omega
+    change = H * (80**2 / (80**2 - omega**2 + 80j * omega) - 1) / abs(H)
+    for one in found.models:
+        for other in found.models:
+            inside = [holds(found.models[name], change.real, change.imag) for name in (one, other)]
+            rows = [x for x in found.display if (x.noticed_by, x.not_by) == (one, other)]
+            ends = [(float(x.interval.low.omega), float(x.interval.high.omega)) for x in rows]
+            assert np.array_equal(
+                ~inside[0] & inside[1], np.any([(a < omega) & (omega < b) for a, b in ends] or [omega < 0], 0)
+            )
+            for x in rows:
+                i = int(np.argmin(abs(omega - x.omega)))
+                assert (x.real, x.imag) == pytest.approx((change[i].real, change[i].imag), rel=0.1, abs=1e-3)
+                assert x.margin > 1
+
+
+def test_what_would_decide_is_asked_for_with_regions_and_of_one_environment(call: Any) -> None:
+    for words, said in (
+        (["fu2019"], "--discriminate is about a comparison of regions: it needs --regions"),
+        (["palpation-device", "--regions"], "--discriminate takes one environment: choose it with --environment NAME"),
+        (["fu2019-bench"], "--discriminate is about"),
+    ):
+        status, out, err = call("evaluate", *words, "--discriminate")
+        assert (status, out) == (2, "")
+        assert said in err
+    status, out, _ = call("evaluate", "fu2019", "--regions", "--discriminate")
+    assert status == 0
+    assert "Which changes would decide between the models?" in out

@@ -1308,3 +1308,8 @@ def test_a_shipped_scene_whose_numbers_are_illustrative_says_so_in_its_title(nam
     scenes = hs.load_scenes(name)
     is_so = "illustrative" in scenes.source or "recalled" in scenes.source
     assert is_so is scenes.title.endswith("(illustrative)")
+
+
+def test_at_most_five_shipped_scenes_are_illustrative() -> None:
+    titles = [hs.load_scenes(x).title for x in (*hs.scene_names(), *hs.family_names())]
+    assert sum(x.endswith("(illustrative)") for x in titles) <= 5

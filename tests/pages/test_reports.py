@@ -40,7 +40,7 @@ OWN = {
         (F.shunt(m="0.002 kg*m^2"), F.delay(0)), (3, 30), hs.Threshold.of("0.05", "0.2"),
     ),
 }  # fmt: skip
-SCENES = ("fu2019", "wave-variable-link", "undamped-resonance", "four-channel-teleoperation", *OWN)
+SCENES = ("fu2019", "wave-variable-link", "helicopter-cyclic", "four-channel-teleoperation", *OWN)
 ANSWERS: dict[str, Callable[[], Answer]] = {
     "require": lambda: hs.require("fu2019", "omega_n"),
     "stability": lambda: hs.stability("fu2019", "firm-grip"),
@@ -150,7 +150,7 @@ def test_text_is_escaped_by_construction() -> None:
 @pytest.mark.few("fu2019", "wave-variable-link")
 @pytest.mark.parametrize("name", SCENES[:4])
 def test_a_page_carries_a_checker_if_the_scene_is_rational_and_else_names_the_one_that_checks(name: str) -> None:
-    is_rational = name in ("fu2019", "undamped-resonance")
+    is_rational = name in ("fu2019", "helicopter-cyclic")
     assert all((word in said(name)) is is_rational for word in ("const haptisymCheck = ", 'id="checked"'))
     assert ("<code>python -m haptisym_check" in said(name)) is not is_rational
 

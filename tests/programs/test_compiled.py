@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from chainballs import BITS, error_in_ulps, truth
 from flint import fmpq
-from marks import QUICK_SCENES, often, required
+from marks import QUICK_SCENES, UNDAMPED, often, required
 from sympy import Symbol, exp, pi
 
 import haptisym as hs
@@ -214,7 +214,7 @@ def test_a_sample_and_hold_keeps_its_digits_far_below_its_sampling_rate(engine: 
         assert against_truth(d, omega, {}, found).max() <= 16.0
 
 
-@pytest.mark.parametrize("name", ["fu2019", "delayed-spring", "organ-tissue", "undamped-resonance"])
+@pytest.mark.parametrize("name", ["fu2019", "delayed-spring", "organ-tissue", UNDAMPED])
 def test_certified_values_hold_at_frequencies_of_any_size(name: str) -> None:
     d = hs.load_scene(name).distortion()
     omega = np.array([5e-324, 1e-308, 1e-150, 1e-9, 1e9, 1e18, 3.7e18, 1e19, 1e25, 1e60, 1e120])

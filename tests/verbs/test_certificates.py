@@ -43,10 +43,13 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.kernel.reals import RealNumber
 from haptisym_check.__main__ import main as checker_main
+from haptisym_check.formulas import CATALOGUE
+from haptisym_check.scene import Scene
+from haptisym_check.values import RefusedError
 
-QUICK = {"fu2019", "zener-tissue", "integrator", "touches", "delayed-spring", "a clock", "a spring-pot"}
+QUICK = {"fu2019", "a device", "zener-tissue", "integrator", "touches", "delayed-spring", "a clock", "a spring-pot"}
 UNSTABLE = {"unstable", "pole on the axis", "integrator"}
-LEFT_OPEN = {"stick-with-friction", *DELAYED, *RAISED}
+LEFT_OPEN = {"stick-with-friction", "a device", *DELAYED, *RAISED}
 
 
 @pytest.mark.parametrize("name", often([*RATIONAL, *OWN, *DELAYED, *RAISED], QUICK.__contains__))
@@ -336,3 +339,29 @@ def test_what_the_format_has_no_room_for_is_said(what: str) -> None:
 def test_digits_that_a_certificate_has_room_for_are_accepted(name: str, digits: int) -> None:
     proof = hs.evaluate(hs.parse_scene(text_of(name)), digits=digits).certificate()
     assert verdict(proof, text_of(name)).startswith("Proven")
+
+
+def test_the_checker_knows_what_the_hand_carries_of_each_device() -> None:
+    carried = {
+        name: {key: x[key].written for key in ("m", "b", "friction") if key in x} for name, x in hs.devices.items()
+    }
+    assert CATALOGUE["devices"] == {name: x for name, x in carried.items() if "m" in x or "b" in x}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        ('"one-axis"', '"touch"', "the device is not known"), ('b = "1 N*s/m"', 'c = 1', "not understood"),
+        ('like = "one-axis"', 'like = "phri-master"', "number of the device is missing"),
+    ],
+)  # fmt: skip
+def test_a_device_that_the_checker_does_not_know_is_refused(old: str, new: str, why: str) -> None:
+    with pytest.raises(RefusedError, match=why):
+        Scene(text_of("a device").replace(old, new).encode(), None)
+
+
+def test_a_device_of_other_numbers_is_not_what_was_proven() -> None:
+    text, proof = text_of("a device"), json.loads(certificate("a device"))
+    other = text.replace("1 N*s/m", "2 N*s/m")
+    proof["scene_sha256"] = json.loads(evaluation_of(other))["scene_sha256"]
+    assert not verdict(json.dumps(proof), other).startswith("Proven")

@@ -16,7 +16,7 @@ import mpmath
 import numpy as np
 import pytest
 from jnds import picked
-from marks import QUICK_SCENES, often
+from marks import FLEXIBLE, QUICK_SCENES, UNDAMPED, often
 from pdflatex import check_layout, compiled
 from refusals import refusal
 from regions import margin
@@ -47,7 +47,7 @@ def paper() -> hs.Derivation:
 
 # --- formulas --------------------------------------------------------------------------------------------------------
 
-SHORT = ["fu2019", "delayed-spring", "undamped-resonance", "zener-tissue", "stick-with-friction"]
+SHORT = ["fu2019", "delayed-spring", UNDAMPED, "zener-tissue", "stick-with-friction"]
 
 
 @pytest.mark.parametrize("name", often(SHORT, {"fu2019", "delayed-spring"}.__contains__))
@@ -224,7 +224,7 @@ def test_what_leading_terms_leave_falls_with_the_next_power_of_how_fast_devices_
         assert abs(mpmath.mpc(*parts) - sums[-1]) < 1e-40
 
 
-@pytest.mark.few("fu2019", "delayed-spring", "undamped-resonance")
+@pytest.mark.few("fu2019", "delayed-spring")
 @pytest.mark.parametrize(
     "name",
     [x for x in hs.scene_names() if x not in ("admittance-display", "control-stick-in-detail", "inertia-compensation")],
@@ -529,7 +529,7 @@ def test_formulas_of_crossings_in_the_symbols_given_hold_where_their_conditions_
 
 def test_all_changeovers_are_told_not_the_lowest_alone() -> None:
     """k (w^2 - omega^2)/... of two springs and masses: three zeros of Re H_env; behind a lag the real part has others."""
-    scene = hs.load_scene("two-mass-resonance")
+    scene = hs.load_scene(FLEXIBLE)
     env, perc = scene.distortion().changeovers
     for told, system in ((env, "environment"), (perc, "perceived")):
         form = lambdify(s, getattr(scene.distortion(), system), "numpy")

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from heldloops import closed, display, drawn, number, poles_on_the_right
+from marks import FLEXIBLE
 from scipy.linalg import expm
 from sympy import Expr, I, Rational, Symbol, exp
 from windings import winding
@@ -302,9 +303,7 @@ def test_between_masses_with_a_chain_of_roots_there_may_be_one_without() -> None
 # Every passive hand
 
 
-@pytest.mark.parametrize(
-    "name", ["fu2019", "steering-wheel", "sidestick", "two-mass-resonance", "desktop-device-soft-tissue"]
-)
+@pytest.mark.parametrize("name", ["fu2019", "steering-wheel", "sidestick", FLEXIBLE, "desktop-device-soft-tissue"])
 def test_displays_that_are_nowhere_active_are_held_by_every_passive_hand(name: str) -> None:
     found = hs.stability(name).to_dict()["every_passive_hand"]
     assert (found["holds"], found["active"]) == (True, [])

@@ -15,7 +15,7 @@ import pytest
 from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
-from marks import QUICK_SCENES, often
+from marks import QUICK_SCENES, UNDAMPED, often
 from scipy import signal
 from scipy.optimize import brentq
 from sympy import Rational, lambdify
@@ -57,7 +57,7 @@ def test_the_3_db_edge_is_where_scipy_sees_half_the_power() -> None:
 
 
 def test_a_resonant_filter_has_three_edges_and_the_set_between_them() -> None:
-    found = hs.metrics(hs.load_scene("undamped-resonance"))["transmitted impedance ratio"]
+    found = hs.metrics(hs.load_scene(UNDAMPED))["transmitted impedance ratio"]
     *edges, inside = found.values
     assert [x.what for x in edges] == ["+3 dB edge, rising", "+3 dB edge, falling", "-3 dB edge, falling"]
     assert (
@@ -136,7 +136,7 @@ def test_a_lossless_link_and_a_passive_joint_are_absolutely_stable_everywhere() 
 
 
 def test_the_passive_bands_are_the_rest_of_the_active_ones() -> None:
-    e = hs.evaluate(hs.load_scene("undamped-resonance"))
+    e = hs.evaluate(hs.load_scene(UNDAMPED))
     m = Measured(e)
     for w in (5.0, 9.99, 10.01, 30.0):
         passive = any(float(x.low.omega) <= w <= float(x.high.omega) for x in m.passive)
@@ -702,3 +702,13 @@ def test_a_figure_shows_both_responses_or_says_that_there_is_none(tmp_path) -> N
     late = hs.control_loading(stick_on(hs.effects.coulomb_friction(1, "5 cm")))
     with pytest.raises(hs.HaptisymError, match="no free response"):
         late.figure()
+
+
+def test_a_report_names_the_travel_and_the_meaning_of_the_tests_that_were_made_alone() -> None:
+    found = hs.control_loading(stick_on(hs.effects.shunt(m=0.3)), travel="3 in")
+    assert found.to_dict()["travel"] == pytest.approx(0.0762, rel=1e-15)
+    assert "travel 0.0762 m" in str(found)
+    assert "Sweep:" not in str(found)
+    rigid = hs.control_loading("helicopter-cyclic", "14cfr60-c2a")
+    assert "travel" not in rigid.to_dict()
+    assert "P_0" not in str(rigid)

@@ -437,9 +437,7 @@ PARAMETERS = [
 ]
 
 
-@pytest.mark.few(
-    "delayed-spring-effects.delay.tau", "fu2019-effects.filter.omega_n", "undamped-resonance-environment.m"
-)
+@pytest.mark.few("delayed-spring-effects.delay.tau", "fu2019-effects.filter.omega_n")
 @pytest.mark.parametrize(("name", "path"), often(PARAMETERS, lambda x: x[0] in QUICK_SCENES - {"stick-with-friction"}))
 def test_a_shipped_scene_is_transparent_where_its_own_value_is_said_to_do(name: str, path: str) -> None:
     own = hs.load_scene(name)
@@ -540,7 +538,7 @@ def test_a_threshold_is_the_largest_ratio_and_the_other_is_kept_or_nothing_helps
     assert shown(hs.require(told, path)) == expected
 
 
-@pytest.mark.few("delayed-spring", "wave-variable-link", "two-mass-resonance", "sidestick", "helicopter-cyclic")
+@pytest.mark.few("delayed-spring", "wave-variable-link", "sidestick", "helicopter-cyclic")
 @pytest.mark.parametrize("name", [x for x in hs.scene_names() if x not in ("satellite-contact", "stick-with-friction")])
 def test_a_free_threshold_is_the_largest_ratio_on_a_dense_grid(name: str) -> None:
     told = hs.load_scene(name)

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from marks import examples, often
+from marks import FLEXIBLE, UNDAMPED, examples, often
 from mpmath import mp
 from sympy import Expr, Integer, Rational, Symbol
 
@@ -75,9 +75,7 @@ def sums(scene: hs.Scene, x: Sensitive) -> dict[str, Fraction]:
 
 
 @pytest.mark.few("delayed-spring", "steering-wheel", "stick-with-friction")
-@pytest.mark.parametrize(
-    "name", ["fu2019", "delayed-spring", "steering-wheel", "stick-with-friction", "two-mass-resonance"]
-)
+@pytest.mark.parametrize("name", ["fu2019", "delayed-spring", "steering-wheel", "stick-with-friction", FLEXIBLE])
 def test_elasticities_keep_the_sum_rules_of_dimensional_analysis(name: str) -> None:
     """Forces scaled leave every frequency alone; a time unit u times as long makes it u times as large a number."""
     scene = hs.load_scene(name)
@@ -194,7 +192,7 @@ def test_what_does_not_matter_has_elasticity_zero_and_a_parameter_that_is_0_its_
     assert float(row.elasticity) == 0
     assert float(row.derivative) == pytest.approx(-float(found.omega) / 4, rel=1e-15)
     # Re H_perc = (k - m omega^2) times something: that zero moves with m and k alone, though a pole meets it here
-    turn = hs.sensitivity(hs.load_scene("undamped-resonance")).changeovers_perceived[0]
+    turn = hs.sensitivity(hs.load_scene(UNDAMPED)).changeovers_perceived[0]
     assert {p.name: float(p.elasticity) for p in turn.parameters} == {"m": -0.5, "k": 0.5, "omega_n": 0, "zeta": 0}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,8 +15,13 @@ import haptisym as hs
 EXAMPLES = int(os.environ.get("HAPTISYM_EXAMPLES", "0"))
 """How many examples each property is tried on, drawn anew; 0 for the same few as always."""
 
-QUICK_SCENES = {"fu2019", "delayed-spring", "undamped-resonance", "sidestick", "stick-with-friction"}
-"""Shipped scenes whose formulas are short: a rational one, a delay, a cancelled resonance, a rotation, friction."""
+UNDAMPED, FLEXIBLE = (
+    str(Path(__file__).parents[1] / "scenes" / f"{name}-resonance.toml") for name in ("undamped", "two-mass")
+)
+"""Scenes of mathematics and no device: H_env and dH vanish together; a second mass on a lightly damped spring."""
+
+QUICK_SCENES = {"fu2019", "delayed-spring", "sidestick", "stick-with-friction"}
+"""Shipped scenes whose formulas are short: a rational one, a delay, a rotation, friction."""
 
 WRITTEN_OUT = tuple(name for name in hs.scene_names() if name != "control-stick-in-detail")
 """Shipped scenes whose closed forms are written out in all symbols: that of ten effects would fill a book."""

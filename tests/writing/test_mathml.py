@@ -130,7 +130,7 @@ def test_other_things_have_no_mathml():
 # What is marked up is what it stands for.
 
 
-@pytest.mark.few("fu2019", "delayed-spring", "undamped-resonance")
+@pytest.mark.few("fu2019", "delayed-spring")
 @pytest.mark.parametrize("name", often(WRITTEN_OUT, QUICK_SCENES.__contains__))
 def test_every_closed_form_of_a_shipped_scene_reads_back_exactly(name):
     for form in closed_forms(name):

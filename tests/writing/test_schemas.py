@@ -21,7 +21,7 @@ jsonschema = import_module("jsonschema")
 
 HAND = ("--hand", "postural-arm")
 OF_A_SCENE: tuple[tuple[str, ...], ...] = (
-    ("evaluate", "{}", "--regions"),
+    ("evaluate", "{}", "--regions", "--discriminate"),
     ("effects", "{}"),
     ("metrics", "{}"),
     ("derive", "{}"),
@@ -38,7 +38,7 @@ OTHERS: dict[str, tuple[str, ...]] = {
     "designmap": ("require", "fu2019", *MAP, "--that", "transparent", "--that", "passive"),
     "design": ("design", "fu2019", "--free", "zeta=0.3:1", "--keep", "passive"),
     "requirement": ("require", "fu2019", "--free", "omega_n", "--that", "transparent", "--that", "stable", *HAND),
-    "evaluation": ("evaluate", "fu2019", "--regions", "--tolerance", "0.2"),
+    "evaluation": ("evaluate", "fu2019", "--regions", "--discriminate", "--tolerance", "0.2"),
     "evaluations": ("evaluate", "palpation-device", "--regions"),
     "answers": ("require", "palpation-device", "--free", "omega_c", "--that", "stable", *HAND),
     "effects": ("effects", "fu2019"),

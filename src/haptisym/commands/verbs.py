@@ -60,6 +60,7 @@ from haptisym.model.scenefile import (
     option("--environments FILE...", "Use the environments of these scenes instead.", multiple=True),
     option("--tolerance X", "Leave out effects that together change the ratios by at most X."),
     option("--regions", "Compare with square, disc and diamond of the same half widths."),
+    option("--discriminate", "With --regions: the changes that would decide between square, disc and tilted ellipse."),
     option("--proportion P", "Convert the JND to this proportion of correct answers, as 0.84."),
     option(
         "--movement MOVEMENT",
@@ -71,7 +72,10 @@ from haptisym.model.scenefile import (
     CERTIFICATE,
     OWN_LIMIT,
     FORMULAS,
-    needs=[("--points", "--response", "the lines of a file")],
+    needs=[
+        ("--points", "--response", "the lines of a file"),
+        ("--discriminate", "--regions", "a comparison of regions"),
+    ],
 )
 def evaluate(ask: Ask) -> Answer:
     """Find when a hand notices a display, and as what.
@@ -93,6 +97,7 @@ def evaluate(ask: Ask) -> Answer:
       haptisym evaluate fu2019 --figures figures --latex fu2019.tex
       haptisym evaluate fu2019 --report fu2019.html
       haptisym evaluate fu2019 --regions
+      haptisym evaluate fu2019 --regions --discriminate
       haptisym evaluate palpation-device --regions
       haptisym evaluate my-device.toml --proportion 0.84
       haptisym evaluate fu2019 --movement 0:15
@@ -111,7 +116,7 @@ def evaluate(ask: Ask) -> Answer:
     family = felt_through(opened, ask.scene, (*ask.environments, *ask.more))
     same: dict[str, Any] = {"regions": ask.regions, "proportion": ask.proportion, "limit": None}
     if ask.environment is None and (ask.environments or len(family) > 1):
-        for one in ("--tolerance", "--certificate", "--response", "--movement"):
+        for one in ("--tolerance", "--certificate", "--response", "--movement", "--discriminate"):
             if given(one):
                 raise SceneError(f"{one} takes one environment: choose it with --environment NAME")
         from haptisym.verbs.family.entry import evaluate_all
@@ -122,7 +127,8 @@ def evaluate(ask: Ask) -> Answer:
 
     scene = family[str(ask.environment)] if ask.environments else chosen(family, Path(ask.scene).name, ask.environment)
     with progress() as told, limited(ask.limit, told):
-        result = of(scene, ask.digits or 15, tolerance=ask.tolerance, movement=ask.movement, **same)
+        own = {"tolerance": ask.tolerance, "movement": ask.movement, "discriminate": ask.discriminate}
+        result = of(scene, ask.digits or 15, **own, **same)
         _ = result.bandwidths  # of a range of thresholds: within the limit
         proof = result.certificate() if ask.certificate else ""
     keep_text("certificate", ask.certificate, lambda: proof)
@@ -136,7 +142,7 @@ def evaluate(ask: Ask) -> Answer:
 
 _ABOUT_FORMULAS = (
     "--environments", "--environment", "--digits", "--tolerance", "--certificate", "--regions", "--proportion", "--response",
-    "--points", "--limit", "--movement",
+    "--points", "--limit", "--movement", "--discriminate",
 )  # fmt: skip
 
 
@@ -798,6 +804,7 @@ class _Number(click.ParamType[object]):
 @verb(
     optional("data"),
     option("--published", "List published thresholds that a scene can use by name."),
+    option("--discriminate", "With --regions: the changes that would decide between square, disc and tilted ellipse."),
     option("--proportion P", "Proportion of responses that defines the JND (0.75 if not given).", type=_Number()),
     option("--alternatives M", "Forced choice between M alternatives; levels are differences.", type=int),
     option("--reference X", "Level of the standard, for the JND as a fraction of it.", type=_Number()),

@@ -398,16 +398,30 @@ const haptisymScene = (function () {
       return [new Map([...found[0]].filter(([key]) => key !== "rendered")), found[0].get("rendered")];
     }
 
+    /** What a file's device puts at the hand: a shunt of its mass and damping, and its friction at an amplitude. */
+    function carried(table) {
+      const keys = ["like", "m", "b", "friction", "amplitude"];
+      need(table instanceof Map && [...table.keys()].every((key) => keys.includes(key)), "[device] is not understood");
+      const known = Object.entries(catalogue.devices).find(([name]) => name === table.get("like"));
+      need(known !== undefined, "the device is not known");
+      const own = new Map([...Object.entries(known[1]), ...table]);
+      const shunt = [...own].filter(([key]) => key === "m" || key === "b");
+      need(shunt.length && (own.has("friction") || !own.has("amplitude")), "a number of the device is missing");
+      const rubbing = [["model", "coulomb-friction"], ["force", own.get("friction")], ["amplitude", own.get("amplitude")]];
+      return [new Map([["model", "shunt"], ...shunt]), ...(own.has("amplitude") ? [new Map(rubbing)] : [])];
+    }
+
     /** Band, thresholds and chain of a scene file; `name`: which of several environments; `free`: keys of a number left free. */
     return function scene(text, name, free = null) {
       const table = toml(text);
-      const keys = ["title", "source", "environment", "environments", "rendered", "effects", "evaluation", "hand", "hands"];
+      const keys = ["title", "source", "environment", "environments", "rendered", "effects", "device", "evaluation", "hand", "hands"];
       need([...table.keys()].every((key) => keys.includes(key)), "the scene has keys that are not understood");
       const [felt, rendered] = chosen(table, name);
       if (free) leaveFree(table.has("environments") ? new Map([...table, ["environment", felt], ["rendered", rendered]]) : table, free);
       const environment = element(felt, 1);
       const source = rendered === undefined ? environment : element(rendered, 1, environment);
-      const effects = tables(table.get("effects") || []).map((x) => element(x, 4));
+      const worn = table.has("device") ? carried(table.get("device")) : [];
+      const effects = [...tables(table.get("effects") || []), ...worn].map((x) => element(x, 4));
       const every = [environment, source, ...effects];
       const told = table.get("evaluation") || new Map();
       const hands = tables(table.has("hand") ? [table.get("hand")] : table.get("hands") || []);

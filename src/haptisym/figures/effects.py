@@ -386,7 +386,7 @@ def released(found: ControlLoading) -> Chart:
     end = max(float(x.end) for x in known)
     time = np.linspace(0, end, _TIMES)
     for motion, color, stroke, name in zip(
-        known, (pen.INK, pen.RED), (pen.SOLID, pen.DASHED), ("environment", "display"), strict=True
+        known, (pen.INK, pen.RED), (pen.SOLID, pen.DASHED), ("aircraft", "display"), strict=True
     ):
         height = [float(motion.value(arb(t)).mid()) for t in time]
         layers.append(Curve(time, np.array(height), color, stroke, label=name))

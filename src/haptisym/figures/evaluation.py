@@ -2,7 +2,8 @@
 
 ``ratios``: r_r and r_i over the band with thresholds, crossings and transparent bands. ``nyquist``: H_env and H_perc in the
 complex plane. ``projections``: the magnitude of one part of both, with what is felt. ``square``: the JND at one frequency.
-``regions``: the distortion's way among other JND regions. ``bandwidths``: the bandwidth over a threshold that has a range.
+``regions``: the distortion's way among other JND regions; ``discriminate``: what would decide between them.
+``bandwidths``: the bandwidth over a threshold that has a range.
 """
 
 from __future__ import annotations
@@ -100,7 +101,7 @@ def ratios(e: Evaluation) -> Chart:
     >>> from haptisym.figures.layers import draw
     >>> from matplotlib.figure import Figure
     >>> ax = Figure().add_subplot()
-    >>> for name in ("fu2019", "undamped-resonance"):
+    >>> for name in ("fu2019", "helicopter-cyclic"):
     ...     lines = draw(ax, ratios(evaluate(load_scene(name))), label=name)
     >>> len(lines), ax.get_xlabel(), ax.get_xlim() == (0, 40)
     (2, '$\\\\omega$ (rad/s)', True)
@@ -723,6 +724,28 @@ def regions(e: Evaluation) -> Chart:
     return Chart([way, Origin(), *shapes, *spots], *changes(reach), height=2.9, equal=True)
 
 
+def discriminate(e: Evaluation) -> Chart:
+    """(Re dH, Im dH)/``|H_env|`` over the band, the regions of models, and the numbers of the changes that decide between them.
+
+    NothingToDrawError where that was not asked.
+    """
+    found = e.discrimination
+    if found is None:
+        raise NothingToDrawError("kind: no models were told apart: ask for it with evaluate(scene, discriminate=True)")
+    shapes, reach = list[Layer](), 0.0
+    for (name, x), (color, stroke, _) in zip(found.models.items(), REGIONS, strict=True):
+        around = outline(noticed(x), np.zeros(2), found.stimuli[0].omega, 1.0)
+        look: dict[str, Any] = {"linewidth": 1.0, "linestyle": stroke, "zorder": 2}
+        shapes += [Region(around, color, filled=False, look=look), Words(label=name, look=_line(color, stroke, 1.0))]
+        reach = max(reach, 1.6 * float(np.abs(around.corners).max()))
+    marks = [
+        Mark([x.real], [x.imag], shape=f"${i}$", size=5, look={"markeredgewidth": 0.3})
+        for i, x in enumerate(found.stimuli, 1)
+    ]
+    way = Curve(*_way(e.distortion.compile()(sampled(e))).T, label=r"$\Delta H$ over the band")
+    return Chart([way, Origin(), *shapes, *marks], *changes(reach), height=2.9, equal=True)
+
+
 def _way(v: Values) -> Array:
     """Both ratios with their signs."""
     return np.stack([np.copysign(v.ratio_real, v.real), np.copysign(v.ratio_imag, v.imag)], axis=1)
@@ -842,6 +865,7 @@ EVALUATION = Drawings[Evaluation](
             for name, part in (("real", Part.REAL), ("imag", Part.IMAG))
         },
         "regions": regions,
+        "discriminate": discriminate,
         "jnd-square": square,
     }
 )

@@ -127,7 +127,7 @@ class Answer(Shown):
         >>> from haptisym import evaluate
         >>> from matplotlib.figure import Figure
         >>> ax = evaluate("fu2019").plot(Figure().add_subplot(), label="filter", linewidth=2)
-        >>> evaluate("undamped-resonance").plot(ax, label="no damper").get_xlabel()
+        >>> evaluate("helicopter-cyclic").plot(ax, label="stick").get_xlabel()
         '$\\\\omega$ (rad/s)'
         """
         return resolve_name("haptisym.figures.sheet:plot")(self, ax, kind, color, label, style)

@@ -177,6 +177,29 @@ class Reported(Protocol):
         """As a part of a document."""
 
 
+class Deciding(Protocol):
+    """What would decide between models of the JND: ``verbs.evaluate.discriminate``."""
+
+    @property
+    def stimuli(self) -> Sequence[Any]:
+        """For each two models the change of the largest margin."""
+
+    @property
+    def display(self) -> Sequence[Any]:
+        """Where the display is itself such a change."""
+
+    @property
+    def models(self) -> Mapping[str, Threshold]:
+        """The models."""
+
+    @property
+    def undecided(self) -> Sequence[RealNumber]:
+        """Where a verdict stayed open at the precision limit."""
+
+    def row(self) -> dict[str, Any]:
+        """As a part of a document."""
+
+
 @dataclass(frozen=True, repr=False)
 class Evaluation(Answer):
     """The answers for a scene: when a change is noticed, and as what.
@@ -193,8 +216,9 @@ class Evaluation(Answer):
     ``undecided`` : where something stayed open at the precision limit, such as a tangency of a scene with delays; empty of each
     rational scene. ``certified`` : nothing is.
     ``digits`` : decimal digits shown of each crossing.
-    ``relevance``, ``regions``, ``movement`` : where a tolerance was given, what was left out (all answers are then those of the
-    pruned scene, ``scene``); what other JND regions say; what a fit to a movement reports. None where they were not asked for.
+    ``relevance``, ``regions``, ``movement``, ``discrimination`` : where a tolerance was given, what was left out (all answers are
+    then those of the pruned scene, ``scene``); what other JND regions say; what a fit to a movement reports; which changes would
+    decide between JND regions. None where they were not asked for.
 
     Guaranteed: each number is proven, no crossing on the band is missing and none invented, but for what ``undecided`` names.
 
@@ -217,6 +241,7 @@ class Evaluation(Answer):
     relevance: LeftOut | None = None
     regions: tuple[Compared, ...] = ()
     movement: Reported | None = None
+    discrimination: Deciding | None = None
 
     def _line(self) -> str:
         width = "no bandwidth" if self.bandwidth is None else f"bandwidth {self.bandwidth.digits(5)} rad/s"
@@ -365,6 +390,7 @@ class Evaluation(Answer):
         found: dict[str, Any] = {"undecided": rows} if rows else {}
         found |= {"regions": [x.row(self.digits) for x in self.regions]} if self.regions else {}
         found |= {} if self.movement is None else {"movement": self.movement.row()}
+        found |= {} if self.discrimination is None else {"discriminate": self.discrimination.row()}
         return found | ({} if self.relevance is None else {"relevance": self.relevance.row()})
 
     def _crossing(self, c: Crossing) -> dict[str, Any]:

@@ -30,7 +30,7 @@ from haptisym.model.quantities import Dimension, Unit
 from haptisym.model.scene import caveats as cautions
 from haptisym.pages import words as w
 from haptisym.writing import document as doc
-from haptisym.writing.boxes import Operator, Prefixed, text
+from haptisym.writing.boxes import Operator, Prefixed, Titled, text
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
 from haptisym.writing.layout import equation, named, quantity
 from haptisym.writing.mathml import readable
@@ -51,6 +51,7 @@ def page(e: Evaluation) -> Document:
         doc.Section("Scene", (doc.Versions((), full.scene),), "scene"),
         doc.Section(step_1, tuple(_step_1(e)), "step-1"),
         *regions(e),
+        *deciding(e),
         doc.Section("Step 2: perceived change", tuple(_step_2(e)), "step-2"),
         *_movement(e),
         *w.noted(_remarks(e)),
@@ -470,6 +471,45 @@ def regions(e: Evaluation) -> Iterator[Block]:
     yield doc.Section(_SURVIVES, (doc.Paragraph(_spread(e.regions)), rows, figure), "regions")
 
 
+_DECIDING = (
+    "The regions of the models, the numbers of the changes that would decide between them, and the distortion of the display "
+    "over the band. Regions that depend on the frequency are drawn as they are at that of the first change."
+)
+
+
+def deciding(e: Evaluation) -> Iterator[Block]:
+    """Which changes would decide between models of the JND, and where the display is one; nothing where that was not asked."""
+    found = e.discrimination
+    if found is None:
+        return
+    place = {id(x): i for i, x in enumerate(found.stimuli, 1)}
+    who = w.Field("noticed by", lambda x: x.noticed_by), w.Field("not by", lambda x: x.not_by)
+    margin = w.number("margin", lambda x: w.near(x.margin))
+    more, units = named("Delta"), [w.unit(x, e.scene.motion) for x in (Dimension.STIFFNESS, Dimension.DAMPING)]
+    rows = w.table(
+        found.stimuli, "For each two models the change of stiffness and damping that one notices and the other does not by the "
+        "largest margin, computed.",
+        w.Field("", lambda x: str(place[id(x)])), *who, w.number(w.IN_UNIT, lambda x: w.cell(x.omega)),
+        w.number((Titled("dk", Prefixed(more, named("k"))), f" ({units[0]})"), lambda x: w.near(x.stiffness)),
+        w.number((Titled("db", Prefixed(more, named("b"))), f" ({units[1]})"), lambda x: w.near(x.damping)), margin,
+    )  # fmt: skip
+    words = (
+        "Computed predictions of the models, not results with persons. Each change exceeds the limit of one model by its margin, "
+        "and stays below that of the other by the same factor. The opposite change is judged equally."
+    )
+    near = listed(map(w.both, found.undecided))
+    said = [words, *([w.undecided(("whether a region is reached near ", near))] if near else [])]
+    figure = w.drawing("discriminate", _DECIDING, "sheet:draw_figure", e, "discriminate")
+    yield doc.Section("Which changes would decide between the models?", (rows, *w.noted(said), figure), "discriminate")
+    display: Block = doc.Paragraph("All models judge the display equally on the whole band.")
+    if found.display:
+        display = w.table(
+            found.display, "Where two models judge the display differently, proven; where by the largest margin, computed.",
+            *who, w.Field(w.IN_UNIT, lambda x: w.ends(x.interval)), w.number("clearest at", lambda x: w.cell(x.omega)), margin,
+        )  # fmt: skip
+    yield doc.Section("Where does the display decide?", (display,), "display-decides")
+
+
 _REGION = w.Field("region", lambda x: x.name), w.Field("what it is", lambda x: w.limits(x.threshold), full=True)
 
 
@@ -661,7 +701,8 @@ def _proven(e: Evaluation) -> Iterator[Phrase]:
         yield "Proven: everything else."
         return
     passive = ", passivity" if e.passivity is not None and e.passivity.holds is not None else ""
-    yield w.proof(e.scene, f"all crossings on the band{passive}, and all digits printed")
+    but = " but of what is computed" if e.discrimination else ""
+    yield w.proof(e.scene, f"all crossings on the band{passive}, and all digits printed{but}")
     if e.bandwidths is not None and e.bandwidths.undecided:
         yield w.undecided(e.bandwidths.undecided)
 

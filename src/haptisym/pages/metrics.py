@@ -25,6 +25,7 @@ from haptisym.pages.words import (
     undecided,
 )
 from haptisym.verbs.metrics.controlloading import ControlLoading, Trial
+from haptisym.verbs.metrics.freeresponse import Rule
 from haptisym.verbs.metrics.metric import Form, Metric, Metrics, Value
 from haptisym.writing import boxes
 from haptisym.writing import document as doc
@@ -62,7 +63,7 @@ def control_page(found: ControlLoading) -> Document:
     )
     answer = (
         ("Result", (result, f"; {left} not tested" if left else "")),
-        ("Rule", f"14 CFR Part 60, table {found.rule.value}, {found.control}"),
+        ("Rule", (f"14 CFR Part 60, table {found.rule.value}, {found.control}", *_travel(found))),
         ("JND", jnd_verdict(found)),
     )
     caption = "The tests: the environment is the aircraft's control, the display is the device's."
@@ -76,31 +77,43 @@ def control_page(found: ControlLoading) -> Document:
     )  # fmt: skip
     untested = doc.Section("Not tested", noted((f"{x.entry} {x.name}", f": {x.why}") for x in found.untested))
     figure = doc.Figure(
-        "free-response", "Free response of environment and display; dotted: 5 % of the displacement.", found.figure
+        "free-response",
+        "Free response of the aircraft's control and of the display; dotted: 5 % of the displacement.",
+        found.figure,
     )
-    blocks: tuple[Block, ...] = (
-        shown, doc.Notes(tuple(map(formulated, _MEANINGS))), untested, doc.Versions((), lambda: [figure]),
-        *caveats(found.evaluation.caveats)
-    )  # fmt: skip
+    released = doc.Versions((), lambda: [figure])
+    meanings = doc.Notes(tuple(map(formulated, _meanings(found))))
+    blocks: tuple[Block, ...] = shown, meanings, released, untested, *caveats(found.evaluation.caveats)
     proven = (
         (undecided("a test"),)
         if not found.certified
         else (proof(found.scene, "results, and all digits printed but margins"),)
     )
-    return page_about(found.scene, answer, blocks, proven, "Control loading", found.asides(), ())
+    return page_about(found.scene, answer, blocks, proven, "Control-loading report", found.asides(), ())
 
 
 _RESULT: dict[bool | None, Phrase] = {True: "passes", False: Strong("fails"), None: "not tested"}
-_MEANINGS = (
-    (
-        "P_0: to the first zero crossing, from 90 % of A_d (aeroplanes) or the release (helicopters); P_1, P_2: periods; "
-        "A_1, A_2: overshoots. Sweep: force above the slow one, per travel."
-    ),
-    (
+
+
+def _travel(found: ControlLoading) -> tuple[Phrase, ...]:
+    return () if found.travel is None else ("; travel ", near(found.travel), " m")
+
+
+def _meanings(found: ControlLoading) -> Iterator[str]:
+    """What the names of the tests mean, those that were made."""
+    tested = {x.name.partition(" ")[0] for x in found.trials if x.environment is not None}
+    start = "the release" if found.rule is Rule.HELICOPTER else "90 % of A_d"
+    response = f"P_0: from {start} to the first zero crossing; P_1, P_2: periods; A_1, A_2: overshoots."
+    swept = "Sweep: force above the slow one, per travel."
+    known = [
+        x for x, made in ((response, tested - {"static", "breakout", "sweep"}), (swept, "sweep" in tested)) if made
+    ]
+    if known:
+        yield " ".join(known)
+    yield (
         "Margin: share of the tolerance left (100 %: no change, 0: at the limit). Noticed: by the JND, at the frequency of "
         "the test; of a free response, on the band."
-    ),
-)
+    )
 
 
 def _test(x: Trial) -> Phrase:

@@ -15,7 +15,6 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-import tomllib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -102,8 +101,6 @@ def name_in_file(scene: Scene) -> str | None:
     if scene.threshold.source:
         name = scene.threshold.source
         raise SceneError(f'certificate: write the JND as a number in the scene file, not like = "{name}"')
-    if "device" in tomllib.loads(scene.text):
-        raise SceneError("certificate: write [device] as an effect, a shunt with its m and b")
     if not scene.text:
         raise SceneError("certificate: write the scene to a file, and evaluate that")
     family = read_scenes(scene.text)

@@ -32,6 +32,7 @@ def evaluate(
     regions: bool = ...,
     proportion: Number | None = ...,
     movement: str | Path | None = ...,
+    discriminate: bool = ...,
     limit: float | None = ...,
 ) -> Evaluation: ...
 @overload
@@ -43,6 +44,7 @@ def evaluate(
     regions: bool = ...,
     proportion: Number | None = ...,
     movement: str | Path | None = ...,
+    discriminate: bool = ...,
     limit: float | None = ...,
 ) -> Evaluation | Any: ...
 def evaluate(
@@ -53,6 +55,7 @@ def evaluate(
     regions: bool = False,
     proportion: Number | None = None,
     movement: str | Path | None = None,
+    discriminate: bool = False,
     limit: float | None = SECONDS,
 ) -> Evaluation | MeasuredEvaluation:
     """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing, as many as wanted.
@@ -61,7 +64,8 @@ def evaluate(
     without the others, and ``relevance`` says by how much the full scene's ratios may differ, and where its crossings are.
     ``regions`` : whether ``regions`` is to tell what square, disc and diamond of the JND's half widths say, beside its own.
     ``proportion`` : of right answers, to which a JND that tells its own is converted. ``movement`` : such as "0:15" (rad/s),
-    of which ``movement`` is to tell what a fit of k, b and m to it reports (``verbs.evaluate.movement``).
+    of which ``movement`` is to tell what a fit of k, b and m to it reports (``verbs.evaluate.movement``). ``discriminate`` :
+    whether ``discrimination`` is to tell which changes would decide between square, disc and tilted ellipses.
     ``limit`` : seconds after which a LimitError says that it is not decided; None for none.
     A scene whose perceived dynamics is measured is judged at its lines alone, and gives a ``MeasuredEvaluation``.
     Raises SceneError if a parameter is still a symbol.
@@ -73,16 +77,26 @@ def evaluate(
     if isinstance(given, MeasuredScene):
         from haptisym.verbs.measured.entry import judge  # loaded where it is asked for
 
-        if tolerance is not None or digits != _DIGITS or regions or proportion is not None or movement is not None:
+        if (
+            any(x is not None for x in (tolerance, proportion, movement))
+            or digits != _DIGITS
+            or regions
+            or discriminate
+        ):
             raise SceneError(
-                "a measured scene is evaluated without digits, tolerance, regions, proportion and movement: leave them out"
+                "a measured scene is evaluated without digits, tolerance, regions, discriminate, proportion and movement: "
+                "leave them out"
             )
         return judge(given)
     if proportion is not None:
         given = as_scene(given).at_proportion(proportion)
     with limited(limit):
         found = _evaluated(given, digits, tolerance)
-        found = found.with_regions() if regions else found
+        found = found.with_regions() if regions or discriminate else found
+        if discriminate:
+            from haptisym.verbs.evaluate.discriminate import discriminate as deciding  # loaded where it is asked for
+
+            found = replace(found, discrimination=deciding(found))
         if movement is None:
             return found
         from haptisym.verbs.evaluate.movement import movement as fitted  # loaded where it is asked for

@@ -113,7 +113,7 @@ class Increment(RealNumber):
 
 @dataclass(frozen=True, repr=False)
 class ControlLoading(Answer):
-    """The tests of a control by a table, its JND evaluation beside them."""
+    """The tests of a control by a table, its JND evaluation beside them; ``travel`` : m, None where it was not given."""
 
     _schema: ClassVar[str] = "haptisym.controlloading/1"
     _page: ClassVar[str] = "haptisym.pages.metrics:control_page"
@@ -123,6 +123,7 @@ class ControlLoading(Answer):
     rule: Rule
     control: str
     trials: tuple[Trial, ...]
+    travel: Any = None
 
     def _line(self) -> str:
         return f"{titled(self.scene.title)}: {counted(len(self.trials), 'test')} of table {self.rule.value}"
@@ -157,6 +158,7 @@ class ControlLoading(Answer):
         return {
             "rule": next(name for name, rule in RULES.items() if rule is self.rule),
             "control": self.control,
+            **({} if self.travel is None else {"travel": float(self.travel)}),
             "passes": not self.failed,
             "tests": [_row(x) for x in self.trials],
             "jnd": {
@@ -215,7 +217,7 @@ def control_loading(
             None if travel is None else _positive("travel", travel, Dimension.DISPLACEMENT),
             tuple(_positive("sweep", x, Dimension.TIME) for x in sweeps),
         )  # fmt: skip
-        return ControlLoading(asked.evaluation, asked.rule, control, tuple(asked.trials()))
+        return ControlLoading(asked.evaluation, asked.rule, control, tuple(asked.trials()), asked.travel)
 
 
 def _positive(key: str, given: Number, dimension: Dimension) -> Any:
@@ -343,7 +345,7 @@ class _Asked:
             return
         found = free_response(self.d, self.rule)
         if not found.checks:
-            yield Trial(entry, "free response", "10 %", why=found.refused)
+            yield Trial(entry, "free response", "10 %", why=found.refused.removeprefix("not offered: "))
         e = self.evaluation
         noticed = e.bandwidth is not e.chart.points[-1].omega
         for x in found.checks:

@@ -229,9 +229,6 @@ def _keys(scene: Scene, found: Requirement, environment: str | None) -> list[str
     place: list[str | int] = [free.place]
     if free.place.startswith("effects."):
         place = ["effects", [f"effects.{x.name}" for x in scene.effects].index(free.place)]
-    own: Any = table
-    for key in place:
-        own = own[key] if isinstance(key, int) or key in own else {}
     name, _, index = free.key.partition("[")
     keys: list[str | int] = [*name.split("."), *([int(index.rstrip("]")) - 1] if index else [])]
     for path in ([*place, *keys], [*place, "parameters", *keys]):
