@@ -79,7 +79,7 @@ class Budget:
             raise LimitError(
                 f"not decided within {own}the limit of {self.whole or self.seconds:g} s; a longer limit may decide it"
             )
-        if done is not None:
+        if done is not None and (what or not self._last[2]):  # an inner loop without a name leaves the outer one's word
             self._last = done, total, what
         self._tell_now_and_then(now)
 
@@ -91,13 +91,13 @@ class Budget:
     def _tell_now_and_then(self, now: float) -> None:
         if now >= self._next:
             self._next = now + _PAUSE
-            self._tell()
+            self._tell(*self._last)
 
-    def _tell(self) -> None:
+    def _tell(self, done: float, total: float | None, what: str) -> None:
         if self.told is not None:
-            self.told(*self._last)
+            self.told(done, total, what)
         elif self.outer is not None:
-            self.outer._tell()
+            self.outer._tell(done, total, what)
 
 
 _budget: ContextVar[Budget | None] = ContextVar("budget", default=None)
