@@ -30,6 +30,7 @@ from marks import required
 
 import haptisym as hs
 from haptisym.cli import app
+from haptisym.model.scenefile import scene_text
 from haptisym.pages.report import save_report
 
 pytestmark = pytest.mark.slow
@@ -339,7 +340,7 @@ def test_every_shipped_scene_has_the_same_digits_in_webassembly(
 ) -> None:
     node = shutil.which("node")
     required("node", node)
-    texts = {name: text_of(name) for name in (*hs.scene_names(), *hs.family_names())}
+    texts = {name: scene_text(name)[0] for name in (*hs.scene_names(), *hs.family_names())}
     given = json.dumps([[name, text, edited(text)] for name, text in texts.items()])
     witness = Path(questions.__file__)
     done = subprocess.run(
@@ -439,7 +440,7 @@ def test_a_slider_writes_its_number_into_the_scene_and_the_answer_follows(tried:
 
 
 def test_a_slider_of_a_family_is_that_of_the_chosen_environment_and_so_is_each_limit_of_the_jnd(tried: Browser) -> None:
-    text = text_of("palpation-device")
+    text = scene_text("palpation-device")[0]
     do(tried, PUT.format(json.dumps(text)), "Answered in")
     choose = "const own = document.getElementById('environments'); own.value = 'muscle'; own.dispatchEvent(new Event('change'))"
     do(tried, choose, "Answered in")
@@ -483,7 +484,7 @@ def test_a_long_question_tells_how_far_it_is_and_is_stopped_and_what_was_typed_m
     do(tried, PUT.format(json.dumps(text_of("four-channel-teleoperation"))), "Answered in")
     path = "document.getElementById('paths').value = 'effects.teleoperator.Ms';"
     do(tried, path + CLICK.format("ask-require"), "Proving")
-    until(tried, r"/\\d+ of \\d+ values in cells/.test(document.getElementById('said').textContent)")
+    until(tried, r"/\d+ of \d+ values in cells/.test(document.getElementById('said').textContent)")
     tried.value(f"(() => {{ {PUT.format(json.dumps(text_of('delayed-spring')))} }})()")
     time.sleep(0.5)  # until the page takes it for the end of the typing
     do(tried, CLICK.format("stop"), "Answered in")
@@ -511,7 +512,7 @@ def test_the_page_fits_a_telephone_and_the_dark_and_axe_finds_nothing_wherever_i
     tried.call("Runtime.evaluate", expression=axe.read_text(encoding="utf-8"))
     faults = "axe.run(document).then((x) => x.violations.map((y) => `${y.id}: ${y.nodes[0].target}`))"
     colour, colours = "getComputedStyle(document.body).backgroundColor", set()
-    for text, then in ((text_of("palpation-device"), "Answered in"), ("wrong", "scene: not valid TOML")):
+    for text, then in ((scene_text("palpation-device")[0], "Answered in"), ("wrong", "scene: not valid TOML")):
         do(tried, PUT.format(json.dumps(text)), then)
         for width, dark in ((1280, False), (400, True), (400, False)):
             tried.look(width, dark=dark)

@@ -93,11 +93,12 @@ class Budget:
             self._next = now + _PAUSE
             self._tell(*self._last)
 
-    def _tell(self, done: float, total: float | None, what: str) -> None:
+    def _tell(self, *word: Any) -> None:
+        """Pass a word on; the last one outside, if there is any, is said again in place of one from inside."""
         if self.told is not None:
-            self.told(done, total, what)
+            self.told(*word)
         elif self.outer is not None:
-            self.outer._tell(done, total, what)
+            self.outer._tell(*(self.outer._last if self.outer._last[2] else word))
 
 
 _budget: ContextVar[Budget | None] = ContextVar("budget", default=None)
