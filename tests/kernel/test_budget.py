@@ -62,7 +62,10 @@ def test_while_work_goes_on_inside_that_nobody_is_told_of_the_last_word_outside_
         own.say(4, 8, "samples")
     assert words == [*[(3, 8, "samples")] * 3, (4, 8, "samples")]
     words.clear()
-    with limited(told=lambda *word: words.append(word)), limited(50):  # who says nothing outside leaves it to the inside
+    with (
+        limited(told=lambda *word: words.append(word)),
+        limited(50),
+    ):  # who says nothing outside leaves it to the inside
         tick(1, 99, "cells")
         for _ in range(3):  # which has loops without a name in it
             clock.now += 1
