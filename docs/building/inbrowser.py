@@ -1,8 +1,9 @@
 """The page that runs haptisym in a browser, ``try/`` of the site, and the packages that it needs.
 
 ``python docs/building/inbrowser.py FOLDER`` fetches Pyodide from npm and the wheels from PyPI into a folder, once, and
-compiles them, so that SymPy is loaded in 1 s and not in 7. A site that is built while HAPTISYM_BROWSER names that folder
-(``build/browser`` if it names none) holds the page; without it the page says how. By itself:
+compiles them, so that SymPy is loaded in 1 s and not in 7; and axe, by which the tests judge whether everybody can use the
+page. A site that is built while HAPTISYM_BROWSER names that folder (``build/browser`` if it names none) holds the page; without
+it the page says how. By itself:
 ``python docs/building/inbrowser.py FOLDER SITE`` writes SITE/try.
 """
 
@@ -22,7 +23,7 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "try"
 FOLDER = Path(os.environ.get("HAPTISYM_BROWSER") or ROOT / "build" / "browser")
-PYODIDE, FLINT = "314.0.7", "0.9.0"
+PYODIDE, FLINT, AXE = "314.0.7", "0.9.0", "4.10.3"
 PLATFORM = [
     "--platform", "pyemscripten_2026_0_wasm32", "--implementation", "cp", "--abi", "cp314", "--python-version", "314",
 ]  # fmt: skip
@@ -35,14 +36,15 @@ MOST = 35_000_000
 def fetch(folder: Path) -> None:
     """Fetch what is missing from a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    if not (folder / "pyodide").is_dir():
-        said = subprocess.run(
-            ["npm", "pack", "--silent", f"pyodide@{PYODIDE}"], cwd=folder, check=True, capture_output=True, text=True
-        )
+    for name, version in (("pyodide", PYODIDE), ("axe-core", AXE)):
+        if (folder / name).is_dir():
+            continue
+        packing = ["npm", "pack", "--silent", f"{name}@{version}"]
+        said = subprocess.run(packing, cwd=folder, check=True, capture_output=True, text=True)
         archive = folder / said.stdout.split()[-1]
         with tarfile.open(archive) as packed:
             packed.extractall(folder, filter="data")
-        (folder / "package").rename(folder / "pyodide")
+        (folder / "package").rename(folder / name)
         archive.unlink()
     if not (folder / "packages.zip").is_file():
         with TemporaryDirectory() as wheels:

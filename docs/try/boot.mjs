@@ -15,5 +15,5 @@ export async function boot({ load, read, base, told = () => {} }) {
   told(1);
   python.runPython(decode(await read("answers.py")));
   const answer = python.globals.get("answer");
-  return { python, answer: (asked) => JSON.parse(answer(JSON.stringify(asked))) };
+  return { python, answer: (asked, done) => JSON.parse(answer(JSON.stringify(asked), done)) };
 }

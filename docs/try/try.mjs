@@ -3,7 +3,7 @@ const find = (id) => document.getElementById(id);
 const QUIET = 250; // ms without a change before the scene is asked about
 const scene = find("scene");
 let [worker, ready, scenes] = [null, false, {}];
-let [busy, waiting, last] = [null, null, 0]; // the question that is being answered, and the next one: the latest alone
+let [busy, waiting, last] = [null, [], 0]; // the question that is being answered, and the next ones: of each kind the latest alone
 
 // Questions.
 
@@ -13,11 +13,13 @@ function start() {
   worker = new Worker(new URL("worker.mjs", import.meta.url), { type: "module" });
   worker.onmessage = ({ data }) => {
     if ("share" in data) find("share").value = data.share;
+    else if (data.words) said(data);
     else if (data.failed) say(`haptisym could not be loaded: ${data.failed}. The page needs a server: python -m http.server in its folder.`, "wrong");
     else if (data.ready) begin(data.found);
     else if (busy && data.id === busy.id) {
-      const { then } = busy;
+      const { then, asked } = busy;
       finished();
+      if (asked.ask === "evaluate") invalid(Boolean(data.found.error));
       if (data.found.error) say(data.found.error, "wrong");
       else then(data.found, data.seconds);
       next();
@@ -27,18 +29,24 @@ function start() {
 }
 
 function ask(asked, then, words) {
-  waiting = { id: (last += 1), asked, then, words };
+  waiting = [...waiting.filter((x) => x.asked.ask !== asked.ask), { id: (last += 1), asked, then, words }];
   next();
 }
 
 function next() {
-  if (!ready || busy || !waiting) return;
-  [busy, waiting] = [waiting, null];
+  if (!ready || busy || !waiting.length) return;
+  busy = waiting.shift();
   worker.postMessage({ id: busy.id, asked: busy.asked });
+  const own = busy;
   busy.timer = setTimeout(() => {
-    say(`${busy.words} …`);
     find("stop").hidden = false;
+    said({ id: own.id, words: "" });
   }, 600);
+}
+
+/** How far a long question is. */
+function said({ id, words }) {
+  if (id === busy?.id && !find("stop").hidden) say(`${busy.words} … ${words}`);
 }
 
 function finished() {
@@ -49,19 +57,18 @@ function finished() {
 
 function stop() {
   worker.terminate();
-  waiting = null;
+  waiting = waiting.filter((x) => x.asked.ask === "evaluate");
   finished();
   say("Stopped. Python is loaded anew, from the browser's cache.");
   start();
 }
 
-function begin({ scenes: texts, hands }) {
+function begin({ scenes: texts }) {
   [ready, scenes] = [true, texts];
   find("loading").hidden = true;
   if (!find("names").options.length) {
     const names = Object.keys(scenes).sort((a, b) => (b === "fu2019") - (a === "fu2019"));
     find("names").append(...names.map((name) => new Option(name, name)));
-    find("hands").prepend(...hands.map((name) => new Option(name, name, false, name === hands[0])));
     if (!scene.value) fromLink();
     else evaluate();
   }
@@ -71,9 +78,13 @@ function begin({ scenes: texts, hands }) {
 function say(text, kind = "") {
   find("said").textContent = text;
   find("said").className = kind;
-  if (kind === "wrong") scene.setAttribute("aria-invalid", "true");
+}
+
+/** Whether the scene cannot be answered as it is: what stands below it is then about another one. */
+function invalid(is) {
+  if (is) scene.setAttribute("aria-invalid", "true");
   else scene.removeAttribute("aria-invalid");
-  if (kind === "wrong") find("answer").className = "old";
+  ["answer", "rest", "explorer-place"].forEach((id) => { find(id).className = is ? "old" : ""; });
 }
 
 // The answer.
@@ -86,8 +97,7 @@ function put(id, html) {
 /** Ask about the text. `moved`: it was a slider that changed it, and so the sliders stay. */
 function evaluate(moved = false) {
   const text = scene.value;
-  ask({ ask: "evaluate", scene: text }, (found, seconds) => {
-    find("answer").className = "";
+  ask({ ask: "evaluate", scene: text, environment: find("environments").value }, (found, seconds) => {
     find("json").value = found.json;
     put("rest", found.html);
     const all = find("rest").firstElementChild;
@@ -95,10 +105,19 @@ function evaluate(moved = false) {
     find("answer").replaceChildren(...[...all.children].slice(0, end)); // the rest below the figures
     find("further").replaceChildren();
     say(`Answered in ${seconds.toFixed(2)} s.`);
-    const chosen = find("paths").value;
-    find("paths").replaceChildren(...found.paths.map((path) => new Option(path, path, false, path === chosen)));
+    options("paths", found.paths);
+    options("hands", [...found.hands, ""], { "": "the scene’s hands" });
+    options("environments", found.environments);
+    find("family").hidden = !found.environments.length;
     if (!moved) explore(found.explorer);
   }, "Evaluating");
+}
+
+/** Put names into a list to choose from; what was chosen stays where it is still there. */
+function options(id, names, shown = {}) {
+  const chosen = find(id).value;
+  const kept = names.includes(chosen) && find(id).options.length > 1 ? chosen : names[0];
+  find(id).replaceChildren(...names.map((name) => new Option(shown[name] ?? name, name, false, name === kept)));
 }
 
 let [paths, units, sent] = [[], new Map(), new Map()]; // of the sliders: where their numbers stand, and what was written there
@@ -107,9 +126,9 @@ let [paths, units, sent] = [[], new Map(), new Map()]; // of the sliders: where 
 function explore(html) {
   find("explorer").hidden = false;
   find("explorer-place").innerHTML = html;
-  const { paths: places, sliders } = JSON.parse(find("explorer-data").textContent);
+  const { paths: places, sliders, limits } = JSON.parse(find("explorer-data").textContent);
   const first = places.filter(([id], i) => places.findIndex(([other]) => other === id) === i); // elsewhere it is referred to
-  paths = [...first, ...(find("explorer-c") ? [["explorer-c", "evaluation", "jnd"]] : [])];
+  paths = [...first, ...limits.map((id) => [id, "evaluation", id === "explorer-c" ? "jnd" : id.replace(/^explorer-(c-)?/, "")])];
   units = new Map(sliders.map((slider) => [slider.id, slider.unit]));
   [...find("explorer-place").querySelectorAll("script:not([type])")].forEach((old) => {
     const fresh = document.createElement("script");
@@ -119,17 +138,21 @@ function explore(html) {
   sent = new Map(paths.map(([id]) => [id, find(`${id}-value`).value]));
 }
 
-/** The text with another number at a key of a table (or of the i-th effect, or of its parameters); null where it has none there. */
-export function rewritten(text, place, key, number, unit) {
+/** The text with another number at a key of a table (or of the i-th effect or environment, or of its parameters); null where it has none there. */
+export function rewritten(text, place, key, number, unit, environment) {
   const lines = text.split("\n");
-  let [table, effects] = ["", -1];
+  const count = { effects: -1, environments: -1 };
+  let table = "";
   for (let i = 0; i < lines.length; i += 1) {
-    const head = /^\s*\[+\s*([\w.]+)\s*\]+/.exec(lines[i]);
+    const head = /^\s*\[+\s*(\w+)(\.parameters)?\s*\]+/.exec(lines[i]);
     if (head) {
       table = head[1];
-      effects += table === "effects";
-    } else if (table === place || (table === "effects" && effects === place)) {
-      const found = new RegExp(`^(\\s*|\\s*parameters\\s*=\\s*\\{.*?[{,\\s])(${key}\\s*=\\s*)("[^"]*"|[-+\\d.eE_]+)`).exec(lines[i]);
+      if (table in count && !head[2]) count[table] += 1;
+    }
+    const own = table === place || (table === "effects" && count.effects === place) || (table === "environments" && place === "environment" && count.environments === environment);
+    const within = own ? "(?:parameters|jnd)" : !table && place;
+    if (!head && within !== false) {
+      const found = new RegExp(`^(${own ? "\\s*|" : ""}\\s*${within}\\s*=\\s*\\{.*?[{,\\s])(${key}\\s*=\\s*)("[^"]*"|[-+\\d.eE_]+)`).exec(lines[i]);
       if (found) {
         const ascii = unit.replaceAll("·", "*").replaceAll("²", "^2");
         const value = found[3].startsWith('"') && unit ? `"${number} ${ascii}"` : number;
@@ -143,13 +166,16 @@ export function rewritten(text, place, key, number, unit) {
 
 /** What the boxes show that the text does not have yet goes into the text. */
 function moved() {
-  let text = scene.value;
+  let [text, lost] = [scene.value, ""];
   paths.forEach(([id, place, key]) => {
     const box = find(`${id}-value`);
     if (box.value === sent.get(id) || box.hasAttribute("aria-invalid")) return;
-    text = rewritten(text, place, key, box.value, units.get(id)) ?? text;
+    const found = rewritten(text, place, key, box.value, units.get(id), Math.max(0, find("environments").selectedIndex));
+    if (found === null) lost = key;
+    text = found ?? text;
     sent.set(id, box.value);
   });
+  if (lost) say(`${lost}: the page did not find that number in the scene; write it there.`, "wrong");
   if (text === scene.value) return;
   scene.value = text;
   evaluate(true);
@@ -175,6 +201,8 @@ const further = (asked, words) => ask({ ...asked, scene: scene.value }, (found, 
 }, words);
 find("ask-stability").addEventListener("click", () => further({ ask: "stability", hand: find("hands").value }, "Counting roots"));
 find("ask-require").addEventListener("click", () => further({ ask: "require", path: find("paths").value }, "Proving for which values nothing is noticed, which may take a minute or two"));
+find("ask-derive").addEventListener("click", () => further({ ask: "derive" }, "Deriving"));
+find("environments").addEventListener("change", () => evaluate());
 find("ask-certificate").addEventListener("click", () => ask({ ask: "certificate", scene: scene.value }, ({ text }) => keep("certificate.json", text), "Writing the certificate"));
 
 // Scenes as links and files.
@@ -192,13 +220,18 @@ function open(text) {
 }
 
 function fromLink() {
-  const given = decodeURIComponent(location.hash.slice(1));
-  if (given in scenes) find("names").value = given;
-  open(scenes[given] ?? (given || scenes.fu2019));
+  let given = location.hash.slice(1);
+  try {
+    given = decodeURIComponent(given);
+  } catch {} // as it is
+  const shipped = Object.hasOwn(scenes, given);
+  if (shipped) find("names").value = given;
+  open(shipped ? scenes[given] : given || scenes.fu2019);
 }
 
 function take(file) {
-  file?.text().then((text) => {
+  if (file && !/\.(toml|json|txt)$/i.test(file.name)) say(`${file.name}: the page takes scenes (.toml) and certificates (.json); measured responses are judged by haptisym evaluate on a computer.`, "wrong");
+  else file?.text().then((text) => {
     if (!text.trimStart().startsWith("{")) open(text);
     else ask({ ask: "checked", scene: scene.value, proof: text }, ({ said, proven }) => say(said, proven ? "proven" : "wrong"), "Checking the certificate");
   });

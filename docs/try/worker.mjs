@@ -23,7 +23,7 @@ try {
   onmessage = ({ data: { id, asked } }) => {
     const began = performance.now();
     try {
-      const found = answer(asked);
+      const found = answer(asked, (words) => postMessage({ id, words }));
       postMessage({ id, found, seconds: (performance.now() - began) / 1000 });
     } catch (error) {
       postMessage({ id, found: { error: `this should not happen: ${String(error.message).trim().split("\n").pop()}` } });

@@ -61,6 +61,16 @@ def test_while_work_goes_on_inside_that_nobody_is_told_of_the_last_word_outside_
                 tick(1, 99, "cells")
         own.say(4, 8, "samples")
     assert words == [*[(3, 8, "samples")] * 3, (4, 8, "samples")]
+    words.clear()
+    with (
+        limited(told=lambda *word: words.append(word)),
+        limited(50),
+    ):  # who says nothing outside leaves it to the inside
+        tick(1, 99, "cells")
+        for _ in range(3):  # which has loops without a name in it
+            clock.now += 1
+            tick(5, 6)
+    assert words == [(1, 99, "cells")] * 4
 
 
 def test_the_time_is_over_after_the_limit_and_not_at_it_for_the_nearer_of_two(clock: Clock) -> None:

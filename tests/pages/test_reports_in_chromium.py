@@ -30,6 +30,7 @@ from marks import required
 
 import haptisym as hs
 from haptisym.cli import app
+from haptisym.model.scenefile import scene_text
 from haptisym.pages.report import save_report
 
 pytestmark = pytest.mark.slow
@@ -303,18 +304,23 @@ const found = {};
 for (const [name, text, edited] of scenes) {
   const evaluated = answer({ ask: "evaluate", scene: text });
   const again = answer({ ask: "evaluate", scene: edited });
-  found[name] = { json: evaluated.json, edited: again.json, answers: JSON.parse(asked(name)) };
+  found[name] = { json: evaluated.json, edited: again.json, answers: evaluated.environments.length ? {} : JSON.parse(asked(name)) };
 }
 process.stdout.write(JSON.stringify(found));
 """
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The page and its packages, as the site has them."""
+def packages() -> Path:
+    """What the page needs, and axe."""
     if os.environ.get("HAPTISYM_BROWSER") == "none":
         pytest.skip("the packages could not be fetched")
-    packages = Path(os.environ.get("HAPTISYM_BROWSER") or ROOT / "build" / "browser")
+    return Path(os.environ.get("HAPTISYM_BROWSER") or ROOT / "build" / "browser")
+
+
+@pytest.fixture(scope="module")
+def site(packages: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page and its packages, as the site has them."""
     required(f"{packages}, by python docs/building/inbrowser.py {packages},", (packages / "packages.zip").is_file())
     built = tmp_path_factory.mktemp("site")
     subprocess.run([sys.executable, ROOT / "docs" / "building" / "inbrowser.py", packages, built], check=True)
@@ -323,7 +329,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def edited(text: str) -> str:
     """The scene with another threshold, and one more of a number of its environment."""
-    changed = re.sub(r'(\[environment\][^\[]*?= ")(\d+)', lambda x: f"{x[1]}{int(x[2]) + 1}", text, count=1)
+    changed = re.sub(r'(\[environments?\]+[^\[]*?= ")(\d+)', lambda x: f"{x[1]}{int(x[2]) + 1}", text, count=1)
     assert changed != text
     return changed
 
@@ -334,7 +340,7 @@ def test_every_shipped_scene_has_the_same_digits_in_webassembly(
 ) -> None:
     node = shutil.which("node")
     required("node", node)
-    texts = {name: hs.load_scene(name).text for name in hs.scene_names()}
+    texts = {name: scene_text(name)[0] for name in (*hs.scene_names(), *hs.family_names())}
     given = json.dumps([[name, text, edited(text)] for name, text in texts.items()])
     witness = Path(questions.__file__)
     done = subprocess.run(
@@ -346,8 +352,10 @@ def test_every_shipped_scene_has_the_same_digits_in_webassembly(
     for name, text in texts.items():
         printed = CliRunner().invoke(app, ["evaluate", name, "--json"]).stdout
         assert told[name]["json"].strip() == printed.strip(), name
-        assert told[name]["edited"] == hs.evaluate(hs.parse_scene(edited(text))).to_json(), name
-        assert told[name]["answers"] == questions.answers(name), name
+        is_family = name in hs.family_names()
+        again = hs.evaluate_all if is_family else lambda scenes: hs.evaluate(scenes.first)
+        assert told[name]["edited"] == again(hs.parse_scenes(edited(text))).to_json(), name
+        assert told[name]["answers"] == ({} if is_family else questions.answers(name)), name
 
 
 @contextmanager
@@ -406,10 +414,11 @@ PUT = "const box = document.getElementById('scene'); box.value = {}; box.dispatc
 def test_the_page_answers_every_shipped_scene_as_the_command_line_does_and_asks_for_nothing_from_elsewhere(
     tried: Browser,
 ) -> None:
-    for name in hs.scene_names():
+    for name in (*hs.scene_names(), *hs.family_names()):
         choose = f"const names = document.getElementById('names'); names.value = '{name}'; names.dispatchEvent(new Event('change'))"
         do(tried, choose, "Answered in")
-        assert tried.value("document.getElementById('json').value") == hs.evaluate(name).to_json(), name
+        own = hs.evaluate_all(name) if name in hs.family_names() else hs.evaluate(name)
+        assert tried.value("document.getElementById('json').value") == own.to_json(), name
     assert tried.complaints() == []
     assert {url.split("/")[2].partition(":")[0] for url in tried.requests() if not url.startswith("blob:")} == {
         "127.0.0.1"
@@ -430,6 +439,21 @@ def test_a_slider_writes_its_number_into_the_scene_and_the_answer_follows(tried:
     until(tried, f"document.getElementById('scene').value === {json.dumps(text_of('fu2019'))}")
 
 
+def test_a_slider_of_a_family_is_that_of_the_chosen_environment_and_so_is_each_limit_of_the_jnd(tried: Browser) -> None:
+    text = scene_text("palpation-device")[0]
+    do(tried, PUT.format(json.dumps(text)), "Answered in")
+    choose = "const own = document.getElementById('environments'); own.value = 'muscle'; own.dispatchEvent(new Event('change'))"
+    do(tried, choose, "Answered in")
+    typed(tried, "explorer-0", "310")
+    typed(tried, "explorer-c-real", "0.2")
+    changed = (
+        text.replace("290 N/m", "310 N/m", 2)
+        .replace("310 N/m about", "290 N/m about")
+        .replace("real = 0.10", "real = 0.2")
+    )
+    until(tried, f"document.getElementById('scene').value === {json.dumps(changed)}")
+
+
 @pytest.mark.core
 def test_the_page_says_what_is_wrong_answers_further_questions_and_checks_certificates(
     tried: Browser, tmp_path: Path
@@ -440,12 +464,12 @@ def test_the_page_says_what_is_wrong_answers_further_questions_and_checks_certif
     do(tried, PUT.format(json.dumps(text_of("fu2019"))), "Answered in")
     do(tried, CLICK.format("ask-stability"), "Answered in")
     assert "postural-arm" in words(tried, "further")
-    do(
-        tried,
-        "document.getElementById('paths').value = 'effects.filter.zeta';" + CLICK.format("ask-require"),
-        "Answered in",
-    )
-    assert "0 ≤ ζ ≤ 0.2643" in words(tried, "further")
+    for path, said in (("filter.zeta", "0 ≤ ζ ≤ 0.2643"), ("filter.omega_n", "ω_n ≥ 122.4")):
+        choose = f"document.getElementById('paths').value = 'effects.{path}';"
+        do(tried, choose + CLICK.format("ask-require"), "Answered in")
+        assert said in words(tried, "further").replace("ωn", "ω_n")
+    do(tried, CLICK.format("ask-derive"), "Answered in")
+    assert "by exact algebra" in words(tried, "further")
     proof = tmp_path / "proof.json"
     for text, said in ((hs.evaluate("fu2019").certificate(), "Proven"), ("{}", "NOT proven")):
         proof.write_text(text, encoding="utf-8")
@@ -454,20 +478,45 @@ def test_the_page_says_what_is_wrong_answers_further_questions_and_checks_certif
         until(tried, f"document.getElementById('said').textContent.startsWith('{said}')")
 
 
-def test_a_long_question_is_stopped_and_the_page_fits_a_telephone_and_the_dark(tried: Browser) -> None:
-    do(tried, PUT.format(json.dumps(text_of("fu2019"))), "Answered in")
-    do(
-        tried,
-        "document.getElementById('paths').value = 'effects.filter.omega_n';" + CLICK.format("ask-require"),
-        "Proving",
-    )
-    do(tried, CLICK.format("stop"), "Stopped")
-    until(tried, "document.getElementById('loading').hidden")
+def test_a_long_question_tells_how_far_it_is_and_is_stopped_and_what_was_typed_meanwhile_is_answered(
+    tried: Browser,
+) -> None:
+    do(tried, PUT.format(json.dumps(text_of("four-channel-teleoperation"))), "Answered in")
+    path = "document.getElementById('paths').value = 'effects.teleoperator.Ms';"
+    do(tried, path + CLICK.format("ask-require"), "Proving")
+    until(tried, r"/\d+ of \d+ values in cells/.test(document.getElementById('said').textContent)")
+    tried.value(f"(() => {{ {PUT.format(json.dumps(text_of('delayed-spring')))} }})()")
+    time.sleep(0.5)  # until the page takes it for the end of the typing
+    do(tried, CLICK.format("stop"), "Answered in")
+    assert tried.value("document.getElementById('json').value") == hs.evaluate("delayed-spring").to_json()
+
+
+def test_a_link_opens_its_scene_and_a_broken_one_is_a_scene_that_is_wrong(tried: Browser) -> None:
+    scene = text_of("fu2019").replace("80 rad/s", "75 rad/s") + "# 100 %\n"
+    do(tried, PUT.format(json.dumps(scene)), "Answered in")
+    do(tried, CLICK.format("link"), "The link is in the address bar")
+    link = tried.value("location.href")
     do(tried, PUT.format(json.dumps(text_of("delayed-spring"))), "Answered in")
-    colour = "getComputedStyle(document.body).backgroundColor"
-    light = tried.value(colour)
-    tried.look(400, dark=True)
-    assert tried.value(colour) != light
-    assert tried.value("document.documentElement.scrollWidth") <= 400
-    unnamed = "[...document.querySelectorAll('button, input, select, textarea')].filter(x => !(x.labels?.length || x.ariaLabel || x.textContent.trim())).length"
-    assert tried.value(unnamed) == 0
+    tried.open("about:blank")
+    tried.open(link)
+    until(tried, "document.getElementById('json').value")
+    assert tried.value("document.getElementById('scene').value") == scene
+    do(tried, "location.hash = '#100%'", "scene: not valid TOML")
+
+
+def test_the_page_fits_a_telephone_and_the_dark_and_axe_finds_nothing_wherever_it_stands(
+    tried: Browser, packages: Path
+) -> None:
+    axe = packages / "axe-core" / "axe.min.js"
+    required(f"{axe}, by python docs/building/inbrowser.py {packages},", axe.is_file())
+    tried.call("Runtime.evaluate", expression=axe.read_text(encoding="utf-8"))
+    faults = "axe.run(document).then((x) => x.violations.map((y) => `${y.id}: ${y.nodes[0].target}`))"
+    colour, colours = "getComputedStyle(document.body).backgroundColor", set()
+    for text, then in ((scene_text("palpation-device")[0], "Answered in"), ("wrong", "scene: not valid TOML")):
+        do(tried, PUT.format(json.dumps(text)), then)
+        for width, dark in ((1280, False), (400, True), (400, False)):
+            tried.look(width, dark=dark)
+            colours.add(tried.value(colour))
+            assert tried.value("document.documentElement.scrollWidth") <= width
+            assert tried.value(faults) == []
+    assert len(colours) == 2

@@ -13,7 +13,7 @@ from typing import Any
 
 ARRAYS = ("numpy", "matplotlib", "scipy")
 REQUIRED = {
-    "fu2019": ("effects.filter.zeta", "evaluation.jnd"),
+    "fu2019": ("effects.filter.omega_n", "effects.filter.zeta", "evaluation.jnd"),
     "delayed-spring": ("effects.delay.tau",),
     "sampled-wall": ("evaluation.jnd",),
     "virtual-wall": ("environment.b",),
@@ -39,8 +39,10 @@ def answers(name: str) -> dict[str, str]:
         answer = ask()
         found[question], found[f"{question}, as text"] = answer.to_json(), str(answer)
     if name == "fu2019":
-        found["firm-grip"] = hs.stability(scene, "firm-grip").to_json()
-        found["certificate"] = hs.evaluate(scene).certificate()
+        held = hs.stability(scene, "firm-grip")
+        found["firm-grip"] = held.to_json()
+        proven = {"evaluate": hs.evaluate(scene), "stability": held, "require": hs.require(scene, "zeta", limit=None)}
+        found |= {f"certificate of {question}": answer.certificate() for question, answer in proven.items()}
     return found
 
 

@@ -79,7 +79,7 @@ class Budget:
             raise LimitError(
                 f"not decided within {own}the limit of {self.whole or self.seconds:g} s; a longer limit may decide it"
             )
-        if done is not None:
+        if done is not None and (what or not self._last[2]):  # an inner loop without a name leaves the outer one's word
             self._last = done, total, what
         self._tell_now_and_then(now)
 
@@ -91,13 +91,14 @@ class Budget:
     def _tell_now_and_then(self, now: float) -> None:
         if now >= self._next:
             self._next = now + _PAUSE
-            self._tell()
+            self._tell(*self._last)
 
-    def _tell(self) -> None:
+    def _tell(self, *word: Any) -> None:
+        """Pass a word on; the last one outside, if there is any, is said again in place of one from inside."""
         if self.told is not None:
-            self.told(*self._last)
+            self.told(*word)
         elif self.outer is not None:
-            self.outer._tell()
+            self.outer._tell(*(self.outer._last if self.outer._last[2] else word))
 
 
 _budget: ContextVar[Budget | None] = ContextVar("budget", default=None)

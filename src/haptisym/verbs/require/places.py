@@ -34,7 +34,7 @@ from sympy import Expr, Rational, Symbol
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
-from haptisym.kernel.enclosures import range_of
+from haptisym.kernel.enclosures import Sheet, range_of
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.waves import CompiledWaves
@@ -259,6 +259,28 @@ class Strip:
         return cls(shape, shape.over(low.union(high)), (low, high))
 
     @cached_property
+    def _sheet(self) -> Sheet | None:
+        """The condition as a polynomial in both: as tight for a wide cell as for a narrow one; None where it is none."""
+        axis = self.shape.axis
+        if axis.angles or axis.orders:
+            return None
+        [powers] = _coefficients(self.shape, flint.ctx.prec).values()
+        return Sheet.of(powers, *self.ends)
+
+    @property
+    def most_boxes(self) -> int:
+        """Into how many pieces the band is cut at most."""
+        low, high = self.ends
+        return _FEW_BOXES if self._sheet and (high - low) * 4 > high.max(-low) else _MOST_BOXES
+
+    @cached_property
+    def _from_zero(self) -> tuple[Sheet, Sheet | None]:
+        """The same over the power of omega that is a factor; its slope over omega where it is a function of omega^2."""
+        assert self._sheet is not None
+        sheet = self._sheet.divided(int(self.shape.order_at_zero))
+        return sheet, sheet.steepness if self.shape.is_even else None
+
+    @cached_property
     def middle(self) -> CompiledWaves:
         """The condition for the middle of the cell."""
         return self.shape.over(((self.ends[0] + self.ends[1]) / 2).mid())
@@ -291,6 +313,8 @@ class Strip:
 
     def value(self, x: Ball) -> Ball:
         """The values at a ball of frequencies, for all values of the parameter."""
+        if self._sheet is not None:
+            return self._sheet.at(x)
         value = self.whole.value(x)
         if value > 0 or value < 0 or not self._rows:
             return value
@@ -298,6 +322,8 @@ class Strip:
 
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
         """Value, slope and half curvature over a ball of frequencies."""
+        if self._sheet is not None:
+            return self._by_sheet(box.lower(), box.upper())
         if self.whole.exponents and not box > 0:
             return self.shape.from_zero(self.whole, box.upper()), NOTHING, NOTHING
         if self.shape.order_at_zero and not box > 0:
@@ -308,6 +334,15 @@ class Strip:
         rows = zip(*(f.over(box) for f in self._rows), strict=True)
         value, slope, bend = (_both(x, self._together(y)) for x, y in zip((value, slope, bend), rows, strict=True))
         return value, slope, bend
+
+    def _by_sheet(self, low: Ball, high: Ball) -> tuple[Ball, Ball, Ball]:
+        """The same of a polynomial; from 0 on over the power of omega that is a factor, and what has the sign of the slope."""
+        assert self._sheet is not None
+        if low > 0 or not self.shape.order_at_zero:
+            return self._sheet.over(low, high)
+        sheet, steepness = self._from_zero
+        value, slope, bend = sheet.over(low, high)
+        return value, steepness.over(low, high)[0] if steepness else slope, bend
 
     def _over_zero(self, box: Ball) -> tuple[Ball, Ball, Ball]:
         """Of f(x)/x^k, k a power of omega that is a factor: a k-th Taylor coefficient in between, and its slope the next one.
@@ -322,6 +357,8 @@ class Strip:
 
     def coefficient(self, box: Ball, n: int) -> Ball:
         """Taylor's in omega, over a ball of frequencies, for all values of the parameter."""
+        if self._sheet is not None:
+            return self._sheet.at(box, n)
         value = self.whole.taylor(box, n)
         if value < 0 or value > 0 or not self._rows:
             return value
@@ -509,6 +546,8 @@ def corner_signs(rising: Strip, falling: Strip, place: CriticalPlace) -> tuple[i
 
 
 _MOST_BOXES, _FINEST = 200, 20
+_FEW_BOXES = 40
+"""Of a wide cell of polynomials, which shows itself in a few boxes if at all."""
 _SAMPLES, _NEAR_END = 24, 1 << 10
 _STEPS = 3
 """Of Newton's from a frequency at which a condition is broken to the maximum beside it."""
@@ -524,6 +563,11 @@ class Strips:
     def of(cls, shapes: Sequence[Shape], low: Ball, high: Ball) -> Strips:
         """The cell between two dyadic numbers."""
         return cls(tuple(Strip.of(x, low, high) for x in shapes))
+
+    @property
+    def most_boxes(self) -> int:
+        """Into how many pieces the band is cut at most."""
+        return min(strip.most_boxes for strip in self.strips)
 
     def value(self, x: Ball) -> Ball:
         """The values of the least function at a ball of frequencies, for all values of the parameter."""
@@ -619,7 +663,7 @@ def _unclear(condition: Strips, low: Ball, high: Ball) -> CellVerdict | list[_Bo
         if condition.broken_in_the_middle(middle):
             broken = any(condition.value(x) > 0 for x in condition.risen([middle], a, b))
             return CellVerdict.BROKEN if broken else CellVerdict.OPEN
-        if waiting.examined > _MOST_BOXES:
+        if waiting.examined > condition.most_boxes:
             return CellVerdict.OPEN
         if (b - a) * _FINEST < high - low and (box.slope or box.bend < 0 or box.slopes):
             found.append(box)
