@@ -64,7 +64,10 @@ def _curve(found: Design, question: Question, axis: Axis) -> Chart:
     return Chart(layers, axis, upright, height=2.3)
 
 
-_LOOKS = {Part.REAL: ("real part noticed", pen.BLUE, pen.SOLID), Part.IMAG: ("imaginary part noticed", pen.RED, pen.DASHED)}
+_LOOKS = {
+    Part.REAL: ("real part noticed", pen.BLUE, pen.SOLID),
+    Part.IMAG: ("imaginary part noticed", pen.RED, pen.DASHED),
+}
 
 
 def _parts(question: Question, values: Array, end: float) -> Iterator[Layer]:
