@@ -16,6 +16,7 @@ from haptisym.figures import pen
 from haptisym.figures.layers import Axis, Chart, Curve, Ground, Layer, Mark, On, frequency, handle, parameter
 from haptisym.figures.sheet import Drawings
 from haptisym.kernel.errors import NothingToDrawError
+from haptisym.model.jnd import Part
 from haptisym.programs.values import Array
 from haptisym.verbs.design.entry import Design, Question
 
@@ -49,29 +50,32 @@ def _places(axis: Axis, count: int) -> Array:
 def _curve(found: Design, question: Question, axis: Axis) -> Chart:
     values = _places(axis, _VALUES)
     cells, bounds = question.profile(_WITHIN, _MOST)
-    bandwidths = question.points.bandwidths(values[:, None])
+    bandwidths, end = question.points.bandwidths(values[:, None]), float(found.family.band[1])
+    named = f"bandwidth if off by {float(100 * found.robust):g} %" if found.robust else "bandwidth"
     layers: list[Layer] = [
         Ground(_si(found, cells[:, 0], 0), (bounds[:, 0], bounds[:, 1]), label="proven bounds"),
         *_refused(found, question),
-        Curve(values, bandwidths, width=2.0, label="bandwidth"),
-        *_parts(question, values),
+        Curve(values, bandwidths, width=2.0, label=named),
+        *_parts(question, values, end),
         *_marks(found, lambda values, bandwidth: ([values[0]], [bandwidth])),
     ]
-    end = float(found.family.band[1])
     top = min(1.2 * float(bandwidths.max(initial=end / 100)), end)
     upright = Axis("bandwidth", found.family.frequency, (0.0, top * _ROOM), frequency(found.family.frequency).dimension)
     return Chart(layers, axis, upright, height=2.3)
 
 
-_LOOKS = {"real": ("real part noticed", pen.BLUE, pen.SOLID), "imag": ("imaginary part noticed", pen.RED, pen.DASHED)}
+_LOOKS = {
+    Part.REAL: ("real part noticed", pen.BLUE, pen.SOLID),
+    Part.IMAG: ("imaginary part noticed", pen.RED, pen.DASHED),
+}
 
 
-def _parts(question: Question, values: Array) -> Iterator[Layer]:
+def _parts(question: Question, values: Array, end: float) -> Iterator[Layer]:
     """From where on each part is noticed: the lower one limits the bandwidth."""
-    for name, first in question.points.first_crossings(values[:, None]).items():
-        if name in _LOOKS and np.isfinite(first).any():
-            label, color, stroke = _LOOKS[name]
-            yield Curve(values, first, color, stroke, 0.9, label=label)
+    for part, first in question.points.first_crossings(values[:, None]).items():
+        if (first < end).any():
+            label, color, stroke = _LOOKS[part]
+            yield Curve(values, np.where(first < end, first, np.nan), color, stroke, 0.9, label=label)
 
 
 def _map(found: Design, question: Question, x: Axis, y: Axis) -> Chart:

@@ -23,8 +23,11 @@ from haptisym.programs.program import Program
 
 
 def power(x: Ball, exponent: Ball) -> Ball:
-    """x^exponent for an exponent > 0; 0 at 0."""
-    return arb(0) if x.is_zero() else (x.log() * exponent).exp()
+    """x^exponent for x >= 0 and an exponent > 0; 0 at 0."""
+    if x.contains(0):
+        top = x.upper()
+        return arb(0) if top.is_zero() else arb(0).union((top.log() * exponent).exp())
+    return (x.log() * exponent).exp()
 
 
 def sincm1(x: Ball) -> Ball:

@@ -1,6 +1,8 @@
 """Bandwidths that are attained: many sets of values in floats, the best of them exactly, with what must be kept.
 
-Floats only propose. What is called attained was evaluated exactly at rational values, and what must be kept was decided there.
+Floats only propose: those of a sweep, and where these decide nothing (several delays and a free period, say) what the one
+search shows at single points. What is called attained was evaluated exactly at rational values, and what must be kept was
+decided there.
 """
 
 from __future__ import annotations
@@ -15,11 +17,15 @@ import numpy as np
 from sympy import Expr, Integer, Rational
 
 from haptisym.judge.evaluation import Evaluation, evaluate
+from haptisym.judge.excess import Side
 from haptisym.judge.passivity import passivity
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import HaptisymError, LimitError
+from haptisym.kernel.where import Judge
+from haptisym.model.jnd import Part
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import Array
+from haptisym.verbs.design.bound import DesignBox, at_points
 from haptisym.verbs.sweep.passes import Kernel
 
 PASSIVE, STABLE, STEADY = "passive", "stable", "steady"
@@ -28,9 +34,6 @@ _POINTS = {1: 40, 2: 160, 3: 400}
 """Sets of values to begin with, for so many parameters."""
 _ROUNDS, _ROUND = 24, {1: 16, 2: 40, 3: 80}
 """Times that the search closes in on the best, and sets of values each time."""
-_EXACT = 24
-"""Sets that are evaluated exactly at once where floats prove nothing of any."""
-_FIRST = "first_crossing_"
 _TRIED = 6
 """Of the proposals of a round that look better than what keeps all, how many are tried."""
 _GOLDEN = {1: 1.618033988749895, 2: 1.324717957244746, 3: 1.2207440846057596}
@@ -82,7 +85,18 @@ class Points:
     keep: Sequence[str]
     factors: Sequence[tuple[Expr, ...]]
     known: dict[tuple[Expr, ...], Attained | None] = field(default_factory=dict)
-    _kernels: dict[int, Kernel] = field(default_factory=dict)
+    _kernels: dict[int, Kernel | None] = field(default_factory=dict)
+
+    @cached_property
+    def boxes(self) -> list[DesignBox]:
+        """All values, of each environment, and as far off as they may be."""
+        sides = tuple(Side(x.symbol.name, *ends, x.unit) for x, ends in zip(self.free, self.ranges, strict=True))
+        return [DesignBox(s, sides).times(f) for s, f in product(self.scenes, self.factors)]
+
+    @cached_property
+    def criteria(self) -> list[list[Judge]]:
+        """What must not be positive on the band, of each box."""
+        return [box.criteria() for box in self.boxes]
 
     @cached_property
     def _scales(self) -> list[tuple[float, float, bool]]:
@@ -112,39 +126,35 @@ class Points:
     def bandwidths(self, values: Array) -> Array:
         """Of sets of values, (sets, parameters), the smallest bandwidth of all environments; in floats, 0 where none is known."""
         found = np.full(len(values), np.inf)
-        for scene, factors in product(self.scenes, self.factors):
-            own = values * np.array(factors, float)
-            columns, left = self._kernel(scene).in_floats(own.T)
-            bandwidths = np.nan_to_num(columns["bandwidth"], nan=0.0)
-            bandwidths[left] = 0.0
-            for i in left[:_EXACT] if len(left) == len(values) else ():
-                tick()
-                bandwidths[i] = self._exactly(scene, own[i])
-            found = np.minimum(found, bandwidths)
+        for (scene, factors), criteria in zip(product(self.scenes, self.factors), self.criteria, strict=True):
+            own, left, kernel = np.empty(len(values)), np.arange(len(values)), self._kernel(scene)
+            if kernel is not None:
+                columns, left = kernel.in_floats((values * np.array(factors, float)).T)
+                own = np.nan_to_num(columns["bandwidth"], nan=0.0)
+            if len(left):
+                own[left] = self._from(criteria, values[left])
+            found = np.minimum(found, own)
         return found
 
-    def first_crossings(self, values: Array) -> dict[str, Array]:
-        """From where on each part is noticed with any environment, of sets of values; in floats, nan where it is not."""
-        found: dict[str, Array] = {}
-        for scene in self.scenes:
-            columns, _ = self._kernel(scene).in_floats(values.T)
-            for name in (x for x in columns if x.startswith(_FIRST)):
-                own = found.setdefault(name.removeprefix(_FIRST), np.full(len(values), np.nan))
-                np.fmin(own, columns[name], out=own)
-        return found
+    def first_crossings(self, values: Array) -> dict[Part, Array]:
+        """From where on each part is noticed with any environment, of sets of values; the band's end where it is not."""
+        own = {part: [x for box in self.boxes for x in box.criteria(part)] for part in Part}
+        return {part: self._from(criteria, values) for part, criteria in own.items() if criteria}
 
-    def _kernel(self, scene: Scene) -> Kernel:
+    def _from(self, criteria: Sequence[Judge], values: Array) -> Array:
+        """From where on one of several criteria is exceeded at least, rad/s; the band's end where none is."""
+        start, width = np.array([(low, high - low) for low, high, _ in self._scales]).T
+        low, high = map(float, self.scenes[0].band)
+        shares = at_points(criteria, (values - start) / width)
+        return np.select([shares >= 1, shares > 0], [high, low + shares * (high - low)], 0.0)
+
+    def _kernel(self, scene: Scene) -> Kernel | None:
+        """What a sweep has, if it decides any of a few sets of values."""
         if id(scene) not in self._kernels:
-            self._kernels[id(scene)] = Kernel.of(replace(scene, hands=()), self.free)
+            kernel = Kernel.of(replace(scene, hands=()), self.free)
+            tried = self.spread(_TRIED)[:_TRIED]
+            self._kernels[id(scene)] = kernel if len(kernel.in_floats(tried.T)[1]) < len(tried) else None
         return self._kernels[id(scene)]
-
-    def _exactly(self, scene: Scene, values: Array) -> float:
-        try:
-            return least_of(evaluate(self._put(scene, exact(values))))
-        except LimitError:
-            raise
-        except HaptisymError:
-            return 0.0
 
     def _put(self, scene: Scene, values: Sequence[Expr]) -> Scene:
         return scene.with_values({x.path: value for x, value in zip(self.free, values, strict=True)})

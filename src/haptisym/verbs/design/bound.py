@@ -28,6 +28,7 @@ from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.rings import monomials, omega
 from haptisym.kernel.where import Array, Cells, Curve, Judge, Search, joined, no_better, no_worse
 from haptisym.model.distortion import Distortion
+from haptisym.model.jnd import Part
 from haptisym.model.scene import clocks
 from haptisym.programs.taylormodels import Model, Modelled, valued
 
@@ -37,6 +38,8 @@ _NARROW = 2.0**-44
 """Share of the box down to which cells are cut."""
 _LOW = -1 + 1e-3  # nearer to 0 rad/s -Im H_perc has no sign that could be seen; its lowest coefficient tells
 _OFFERED, _PATIENCE, _CUT_FIRST = 32, 8, 5
+_SEEN, _CUT_POINTS = 1e-6, 8
+"""How closely first(q) is bounded at single points, a share of the band; how often pieces are cut for it."""
 _WITHOUT_END = 10**12  # pieces: time is the limit
 _REACH = 20
 """As many times the band's high end is looked at for what must be kept: beyond, the highest coefficient alone tells."""
@@ -66,10 +69,9 @@ class DesignBox(Box):
             sides.append(replace(x, low=middle - away, high=middle + away))
         return replace(self, free=tuple(sides))
 
-    @property
-    def criteria(self) -> list[Judge]:
-        """What must not be positive on the band."""
-        found = (excess_of(self, x) for x in noticed(self.scene.threshold))
+    def criteria(self, part: Part | None = None) -> list[Judge]:
+        """What must not be positive on the band; of one part alone if it is given."""
+        found = (excess_of(self, x) for x in noticed(self.scene.threshold) if part in (None, x.part))
         return [x.curve for x in found if not x.is_zero]
 
     @property
@@ -185,6 +187,19 @@ def _pieces(low: float, high: float, count: int) -> Array:
 
 def _whole_box(criteria: Sequence[Judge], sides: int) -> Cells:
     return Cells.of(np.tile([0.0, 1.0], (1, sides, 1)), [_pieces(0.0, 1.0, _PIECES)] * len(criteria))
+
+
+def at_points(criteria: Sequence[Judge], points: Array) -> Array:
+    """Of points of a box, (points, parameters), what first(q) is at least, in shares of the band; 1 if nothing is positive."""
+    first = Cells.of(np.repeat(points[:, :, None], 2, -1), [_pieces(0.0, 1.0, _PIECES)] * len(criteria))
+    search = Search(
+        criteria, first, wide=_uncut, last=_CUT_POINTS,
+        settled=lambda low, high: np.minimum(high, 1) - np.minimum(low, 1) <= _SEEN,
+    )  # fmt: skip
+    cells = joined([*search, search.left])
+    found = np.empty(len(points))
+    found[np.lexsort(points.T)] = np.clip(cells.floor, 0.0, 1.0)[np.lexsort(cells.outer[..., 0].T)]
+    return found
 
 
 def smallest(criteria: Sequence[Judge], sides: int, relative: float) -> Iterator[tuple[float, float]]:

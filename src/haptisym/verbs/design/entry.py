@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from itertools import product
 from pathlib import Path
 from typing import Any, ClassVar, TypeAlias
 
@@ -29,10 +28,10 @@ from haptisym.kernel.budget import SECONDS, Told, limited, tick
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.where import touching
+from haptisym.kernel.where import Judge, touching
 from haptisym.model.catalogue import Hand
 from haptisym.model.quantities import Dimension, Number, number
-from haptisym.model.scene import Knob, Scene
+from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.model.scenefile import SceneFamily, as_family
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.design.attained import KEPT, PASSIVE, STABLE, STEADY, Attained, Points, exact, offsets
@@ -49,6 +48,7 @@ _LOSS = 1e-3
 _FINEST_HELD = 2.0**-5
 _ULPS = 1e-15
 _MOST_LOSS = 5.0  # seconds for what a best value costs to miss
+_MOST_HELD = 20.0  # seconds for all values of one parameter with which what must be kept is
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ class Design(Answer):
         least = (
             low if low > start else end - start
         )  # of what is noticed from the low end on the gap is a share of the band
-        return Fraction(high) - Fraction(low) <= self.gap * Fraction(least)
+        return Fraction(high) - Fraction(max(low, start) if high > 0 else low) <= self.gap * Fraction(least)
 
     @property
     def is_whole(self) -> bool:
@@ -216,48 +216,50 @@ class Question:
         """Single sets of values."""
         return Points(self.scenes, self.free, self.ranges, self.keep, offsets(len(self.free), self.robust))
 
+    @property
+    def _criteria(self) -> list[Judge]:
+        return [x for own in self.points.criteria for x in own]
+
     @cached_property
-    def boxes(self) -> list[DesignBox]:
-        """All values, of each environment, and as far off as they may be."""
-        sides = tuple(Side(x.symbol.name, *ends, x.unit) for x, ends in zip(self.free, self.ranges, strict=True))
-        return [DesignBox(s, sides).times(f) for s, f in product(self.scenes, offsets(len(self.free), self.robust))]
+    def _passive(self) -> list[tuple[Judge, int]]:
+        return [x for box in self.points.boxes for x in box.passive] if PASSIVE in self.keep else []
 
     def search(self) -> LargestBandwidth:
         """The upper bound's."""
-        criteria = [x for box in self.boxes for x in box.criteria]
-        kept = [x for box in self.boxes for x in box.passive] if PASSIVE in self.keep else []
-        return LargestBandwidth(criteria, kept, self._held[0])
+        return LargestBandwidth(self._criteria, self._passive, self._held[0])
 
     @cached_property
     def _held(self) -> tuple[Array, Array]:
-        """Cells, in shares, that hold all values with which the display may be stable, and such with which it is not."""
+        """Cells, in shares, that hold all values with which what must be kept may be, and such with which it is not.
+
+        Of one parameter as ``require`` finds them; of more where it is stable.
+        """
         whole = np.tile([0.0, 1.0], (1, len(self.free), 1))
         alone = len(self.free) == 1
-        if self.robust or not ({STABLE, STEADY} if alone else {STABLE}) & {*self.keep}:
+        asked = [x for x in self.keep if x != PASSIVE or not clocks(self.scenes[0])] if alone else [*self.keep]
+        if self.robust or not asked or (not alone and STABLE not in asked):
             return whole, whole[:0]
         try:
-            return self._held_alone() if alone else self._held_plane()
+            return self._held_alone(asked) if alone else self._held_plane()
         except UndecidedError:
             return whole, whole[:0]
 
     def refused(self, finest: float, most: int) -> Array:
         """Cells, (cells, parameters, 2), in shares, for all values of which what must be kept is proven to be broken."""
-        judges = [x for box in self.boxes for x in box.passive] if PASSIVE in self.keep else []
-        own = broken(judges, len(self.free), finest, most) if judges else self._held[1][:0]
+        own = broken(self._passive, len(self.free), finest, most) if self._passive else self._held[1][:0]
         return np.concatenate([own, self._held[1]])
 
     def profile(self, within: float, most: int) -> tuple[Array, Array]:
         """Cells in shares, and between which numbers, rad/s, the bandwidths of their values lie; as of ``bound.profile``."""
-        criteria = [x for box in self.boxes for x in box.criteria]
-        cells, shares = profile(criteria, len(self.free), within, most)
+        cells, shares = profile(self._criteria, len(self.free), within, most)
         low, high = map(float, self.family.band)
         return cells, np.where(shares > 0, low + shares * (high - low), 0.0)
 
-    def _held_alone(self) -> tuple[Array, Array]:
+    def _held_alone(self, asked: Sequence[str]) -> tuple[Array, Array]:
         from haptisym.verbs.require.required import require
 
         (low, high), [free] = self.ranges[0], self.free
-        found = require(self.scenes[0], free.path, (low, high), that=[x for x in self.keep if x != PASSIVE], limit=None)
+        found = require(self.scenes[0], free.path, (low, high), that=asked, limit=_MOST_HELD)
         spans = [*((x.low.value, x.high.value) for x in found.feasible), *found.undecided]
 
         def share(x: RealNumber | None, end: int, none: float) -> float:
@@ -285,10 +287,12 @@ class Question:
     def worst(self, best: Attained, relative: Expr, within: float = _LOSS) -> float:
         """What all values within a relative distance of the best attain, a share of the band; ``within`` : of it, how closely."""
         sides = tuple(Side(x.symbol.name, v, v, x.unit) for x, v in zip(self.free, best.values, strict=True))
-        criteria = [x for scene in self.scenes for x in DesignBox(scene, sides).around(relative).criteria]
+        criteria = [x for scene in self.scenes for x in DesignBox(scene, sides).around(relative).criteria()]
         found = 0.0
         for found, _ in smallest(criteria, len(self.free), within):  # noqa: B007  the last and closest
             tick()
+        if found <= 0:
+            tick()  # where the time was over before anything was proven that is no answer
         return found
 
     def all_keep(self, best: Attained, relative: Expr) -> bool | None:

@@ -9,7 +9,9 @@ so that k and -m solve the normal equations of Re H on 1 and omega^2 with the we
 It is what such a fit would report, not what a person was shown to perceive: inside a band on which nothing is noticed, frequency
 by frequency, the fitted mass may be off by more than the JND.
 
-Integrals over a flat band are enclosed in balls (Arb's), a recording's spectrum is SciPy's, within the scene's band.
+Integrals over a flat band are enclosed in balls (Arb's), a recording's spectrum is SciPy's, within the scene's band. Next to
+0 rad/s, where a hold is 0/0 as a formula and a power of s has no derivative, H is enclosed by its program.
+Derivation: 21_fitted_movement.
 """
 
 from __future__ import annotations
@@ -31,9 +33,12 @@ from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, s
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.quantities import Dimension, number
 from haptisym.model.scene import Scene
+from haptisym.programs.balls import FUNCTIONS, constant_ball
+from haptisym.programs.program import Program
 
 NAMES = ("k", "b", "m")
-_BITS = 128
+_BITS, _WITHIN, _ULP = 128, 2.0**-80, 2.0**-52
+_FIELDS = ("environment_real", "environment_imag", "real", "imag")
 _KINDS = ("displacement", "velocity")
 _SUFFIXES = (".csv", ".txt", ".tsv")
 
@@ -82,9 +87,12 @@ def movement(scene: Scene, given: str | Path) -> Movement:
         return _recorded(scene, Path(text))
     kind, ends = _read(text)
     weight = 0 if kind == "displacement" else -2
-    d = scene.closed
+    d, program = scene.closed, scene.chain.at({p.symbol: p.value for p in scene.parameters}).program(_FIELDS)
     with flint.ctx.workprec(_BITS):
-        fits = [_fit(*_integrals(f, ends, weight)) for f in (d.env, d.perc)]
+        fits = [
+            _fit(*_integrals(_response(f, program, changed=changed), ends, weight))
+            for f, changed in ((d.env, False), (d.perc, True))
+        ]
     shown = " to ".join(f"{float(x):g}" for x in ends)
     return Movement(f"flat {kind} spectrum, {shown} rad/s", (float(ends[0]), float(ends[1])), *fits)
 
@@ -111,13 +119,12 @@ Sums = tuple[tuple[Any, Any, Any], tuple[Any, Any], Any]
 """Moments of S: of 1, omega^2 and omega^4; of Re H with 1 and omega^2; of Im H with omega."""
 
 
-def _integrals(f: RationalFunction, ends: tuple[Expr, Expr], weight: int) -> Sums:
+def _integrals(of: Callable[[Any, bool], Any], ends: tuple[Expr, Expr], weight: int) -> Sums:
     """The sums of a flat spectrum: S = omega^weight between two frequencies."""
     a, b = (expression_ball(x) for x in ends)
-    of = _response(f)
 
     def integral(power: int) -> Any:
-        found = acb.integral(lambda z, analytic: of(z, analytic) * z ** (power + weight), a, b)
+        found = acb.integral(lambda z, analytic: of(z, analytic) * z ** (power + weight), a, b, rel_tol=_WITHIN)
         if not found.is_finite():
             raise UndecidedError("what a fit to this movement reports: H has a pole on its band")
         return found
@@ -126,25 +133,34 @@ def _integrals(f: RationalFunction, ends: tuple[Expr, Expr], weight: int) -> Sum
     return tuple(moments), (integral(0).real, integral(2).real), integral(1).imag
 
 
-def _response(f: RationalFunction) -> Callable[[Any, bool], Any]:
-    """H(j z) in balls, for frequencies z of the complex plane about the band; ``analytic`` as of ``acb.integral``."""
+def _response(f: RationalFunction, program: Program, *, changed: bool) -> Callable[[Any, bool], Any]:
+    """H(j z) in balls, for frequencies z of the complex plane about the band; ``analytic`` as of ``acb.integral``.
+
+    ``program`` : of H_env and dH, which holds next to 0 rad/s; ``changed`` : whether dH is part of H.
+    """
     ring = f.ring
     assert isinstance(ring, Ring)
+    is_rational = not any(x.has(s) for x in ring.meanings if x != s)
+    constants = {i: constant_ball(x.value) for i, x in enumerate(program.operations) if x.name == "constant"}
 
-    def values(z: Any, analytic: bool) -> list[Any]:  # noqa: FBT001  as Arb calls it
+    def next_to_rest(z: Any, analytic: bool) -> Any:  # noqa: FBT001
+        if analytic:
+            return acb("nan")
+        found = program.run(FUNCTIONS, [z.real.nonnegative_part()], constants)
+        re, im, d_re, d_im = (found[name] for name in _FIELDS)
+        return acb(re + d_re, im + d_im) if changed else acb(re, im)
+
+    def generator(x: Expr, z: Any, analytic: bool) -> Any:  # noqa: FBT001
+        """What a generator of the ring is at j z."""
         at = acb(0, 1) * z
-        found = []
-        for x in ring.meanings:
-            if x == s:
-                found.append(at)
-            elif x.has(s) and x.is_Pow and x.base == s:
-                log = z.log(analytic=analytic) + acb(0, arb.pi() / 2)
-                found.append((log * expression_ball(x.exp)).exp())
-            elif x.has(s):
-                found.append((at * expression_ball((x.args[0] / s).cancel())).exp())
-            else:
-                found.append(acb(expression_ball(x)) if x.is_number else acb(0))
-        return found
+        if x == s:
+            return at
+        if x.has(s) and x.is_Pow and x.base == s:
+            log = z.log(analytic=analytic) + acb(0, arb.pi() / 2)
+            return (log * expression_ball(x.exp)).exp()
+        if x.has(s):
+            return (at * expression_ball((x.args[0] / s).cancel())).exp()
+        return acb(*map(expression_ball, x.as_real_imag())) if x.is_number else acb(0)
 
     def polynomial(p: Polynomial, at: list[Any]) -> Any:
         total = acb(0)
@@ -155,21 +171,27 @@ def _response(f: RationalFunction) -> Callable[[Any, bool], Any]:
             total += term
         return total
 
-    def response(z: Any, analytic: bool) -> Any:  # noqa: FBT001
-        at = values(z, analytic)
+    def response(z: Any, analytic: bool) -> Any:  # noqa: FBT001  as Arb calls it
+        if not is_rational and z.contains(0):
+            return next_to_rest(z, analytic)
+        at = [generator(x, z, analytic) for x in ring.meanings]
         return polynomial(f.numerator, at) / polynomial(f.denominator, at)
 
     return response
 
 
-def _fit(moments: tuple[Any, Any, Any], real: tuple[Any, Any], imag: Any) -> dict[str, float]:
-    """k, b and m by the normal equations."""
+def _fit(moments: tuple[Any, Any, Any], real: tuple[Any, Any], imag: Any, rounding: float = 0.0) -> dict[str, float]:
+    """k, b and m by the normal equations; 0 where it is all ``rounding``, of sums relative to their terms."""
     one, two, four = moments
     below = one * four - two * two
     if not below > 0:
         raise SceneError("movement: a fit of k and m needs at least two frequencies")
-    k, m = (real[0] * four - two * real[1]) / below, (two * real[0] - one * real[1]) / below
-    return {"k": float(k), "b": float(imag / two), "m": float(m)}
+
+    def difference(x: Any, y: Any) -> float:
+        return float((x - y) / below) if abs(x - y) > rounding * (abs(x) + abs(y)) else 0.0
+
+    k, m = difference(real[0] * four, two * real[1]), difference(two * real[0], one * real[1])
+    return {"k": k, "b": float(imag / two) if abs(imag) > 0 else 0.0, "m": m}
 
 
 def _recorded(scene: Scene, path: Path) -> Movement:
@@ -189,8 +211,7 @@ def _recorded(scene: Scene, path: Path) -> Movement:
     if own.sum() < 2 or not power[own].any():
         raise SceneError(f"movement: {path}: fewer than two frequencies of the recording lie on the band of the scene")
     w, S = omega[own], power[own]
-    names = ["environment_real", "environment_imag", "real", "imag"]
-    f = scene.closed.compile(of=names)(w)
+    f = scene.closed.compile(of=list(_FIELDS))(w)
     moments = tuple(float((S * w**n).sum()) for n in (0, 2, 4))
     fits = []
     for re, im in (
@@ -198,6 +219,6 @@ def _recorded(scene: Scene, path: Path) -> Movement:
         (f.environment_real + f.real, f.environment_imag + f.imag),
     ):
         real = tuple(float((S * w**n * re).sum()) for n in (0, 2))
-        fits.append(_fit(moments, real, float((S * w * im).sum())))  # type: ignore[arg-type]
+        fits.append(_fit(moments, real, float((S * w * im).sum()), len(w) * _ULP))  # type: ignore[arg-type]
     said = f"recorded movement {path.name}, {len(w)} frequencies from {w[0]:.3g} to {w[-1]:.4g} rad/s"
     return Movement(said, (float(w[0]), float(w[-1])), *fits)
