@@ -457,7 +457,7 @@ class MeasuredPercept(NamedTuple):
 class MeasuredEvaluation(Answer):
     """The two steps at each measured frequency point: dH/abs(H_env) with its uncertainty disc, against the threshold.
 
-    ``lines`` : arrays over the points: ``omega``, rad/s, both responses and their radii, N/m or N m/rad, ``change`` = dH/abs(H_env)
+    ``lines`` : arrays over the points: ``omega``, rad/s, both responses and radii, N/m or N m/rad, ``change`` = dH/abs(H_env)
     (complex) and its ``radius``. ``distance`` : of each part's ratio from its threshold, positive above it. ``verdict`` : of
     each part 1 where the whole disc exceeds, -1 where all of it is below, 0 where it is unresolved; ``joint`` : the same of a
     region that judges both parts together, else None. ``signs`` : those that step 2 needs. ``rows``, ``percepts`` : the same as

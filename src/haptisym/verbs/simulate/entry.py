@@ -170,7 +170,7 @@ class Simulation(_Runs):
 
     ``time``, s; ``displacement``, m or rad, and ``force``, N or N m, at the hand; ``environment_displacement`` and
     ``environment_force``, the same at the environment: arrays of one length. ``estimates`` : for each excited frequency
-    ``omega``, rad/s, ``simulated`` and ``closed`` H_perc (complex, N/m or N m/rad), their ``difference``, the estimated ``error``,
+    ``omega``, rad/s, ``simulated`` and ``closed`` H_perc (complex, N/m or N m/rad), their ``difference``, an estimated ``error``,
     and whether they agree; none for a chirp, a recording or a short run. ``built`` : the models that were simulated.
     ``extras`` : encoder and force limit. ``notes`` : what a reader of the force should know. ``error`` : of a chirp or recording
     with extras, the force against that of ideal hardware, N or N m; else None.
