@@ -57,8 +57,11 @@ class _Sisters(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args and (hint := meant(args[0], VERBS)) and args[0] not in VERBS:
-            ctx.fail(f'unknown command "{args[0]}": {hint.rstrip()}')
+        if args and args[0] not in VERBS:
+            hint = meant(args[0], VERBS)
+            if args[0].endswith(".toml"):
+                hint = f'did you mean "haptisym evaluate {args[0]}"?'
+            ctx.fail(f'unknown command "{args[0]}": {hint or "haptisym --help lists them"}'.rstrip())
         return super().resolve_command(ctx, args)
 
     def make_context(self, *args: Any, **options: Any) -> click.Context:

@@ -61,7 +61,7 @@ def dynamics(system: System) -> Expr:
 
 
 def environment(system: System) -> Environment:
-    """The environment with H_env(s) = ``dynamics(system)``: force per position, N/m or N m/rad.
+    """The environment with H_env(s) = ``dynamics(system)``, exact: force per position, N/m or N m/rad; errors as there.
 
     >>> environment(([2, 0, 50], [1])).H
     2*s**2 + 50
@@ -70,7 +70,9 @@ def environment(system: System) -> Environment:
 
 
 def series(system: System, name: str = "") -> Effect:
-    """The effect that multiplies the force by G(s) = ``dynamics(system)``: a filter, an actuator, a sensor.
+    """The effect that multiplies the force by G(s) = ``dynamics(system)``, exact, no unit: a filter, an actuator, a sensor.
+
+    ``name`` : of the effect, as in paths of parameters. Errors as of ``dynamics``.
 
     >>> series(([20], [1, 20]), name="actuator").matrix
     (20/(s + 20), 0, 0, 1)
@@ -79,9 +81,9 @@ def series(system: System, name: str = "") -> Effect:
 
 
 def to_sympy(system: System) -> Any:
-    """The system as a ``sympy.physics.control.TransferFunction``, exact, in lowest terms; parameters may be symbols.
+    """The system as a ``sympy.physics.control.TransferFunction``, exact, common factors cancelled; parameters may be symbols.
 
-    Raises SceneError for what is not rational in s.
+    ``system`` : as of ``dynamics``; units stay, SI. Raises SceneError for what is not rational in s.
 
     >>> to_sympy(environments.maxwell(100, 5))
     TransferFunction(100*s, s + 20, s)
@@ -94,9 +96,12 @@ def to_sympy(system: System) -> Any:
 def to_control(system: System) -> Any:
     """The system as a ``control.TransferFunction`` in continuous time, coefficients the nearest doubles.
 
-    In lowest terms, scaled so that ``dynamics`` of the result is the same system exactly where doubles allow it.
-    Raises SceneError for parameters that are still symbols, for delays and other dynamics that are not rational, and
-    where python-control is not installed.
+    ``system`` : as of ``dynamics``; units stay, SI and rad/s. Common factors are cancelled; scaled so that ``dynamics`` of the
+    result is the same system exactly where doubles allow it. Raises SceneError for parameters that are still symbols, for delays
+    and other dynamics that are not rational, and where python-control is not installed.
+
+    >>> to_control(environments.maxwell(100, 5)).num[0][0].tolist()
+    [100.0, 0.0]
     """
     return _package("control", "python-control").TransferFunction(*_floats(system))
 
@@ -106,15 +111,22 @@ def to_scipy(system: System) -> Any:
 
     SciPy divides by the leading coefficient of the denominator, in doubles: the same system comes back where the quotients
     are exact. It has frequency responses of improper systems too (a mass, say), but simulates proper ones only.
+
+    >>> to_scipy(environments.maxwell(100, 5)).poles.tolist()
+    [-20.0]
     """
     return _package("scipy.signal", "SciPy").TransferFunction(*_floats(system))
 
 
 def to_frd(response: Measurement) -> Any:
-    """A measured or sampled response as python-control's data (``control.FRD``), lines as they are.
+    """A measured or sampled response as python-control's data (``control.FRD``): the same points, H in N/m over rad/s.
 
-    Its certainty is lost on the way: FRD has no place for coherence or radius. Raises SceneError where python-control is not
-    installed.
+    ``response`` : a Measurement. Coherence and radius are lost: FRD has no place for them. Raises SceneError where
+    python-control is not installed.
+
+    >>> from haptisym.model.measuring import measured
+    >>> to_frd(measured([1, 2], [3 + 4j, 5])).omega.tolist()
+    [1.0, 2.0]
     """
     return _package("control", "python-control").frd(response.H, response.omega)
 

@@ -260,11 +260,29 @@ def test_no_output_takes_the_place_of_what_is_read_whatever_its_name(call, tmp_p
     assert scene.read_text(encoding="utf-8") == SCENE
 
 
+@pytest.mark.parametrize(
+    ("words", "way_out"),
+    [
+        ("my.toml", 'did you mean "haptisym evaluate my.toml"?'),
+        ("evaluate fu2019 --hand firm-grip", "it is an option of require, stability,"),
+        ("evaluate fu2019 --figure x.svg", "Did you mean '--figures'?"),
+        ("evaluate fu2019 --latex x.pdf", "--report x.pdf"),
+        ("require fu2019 --free zeta --that stabel", 'did you mean "stable"?'),
+        ("require fu2019 --free stiffness", 'did you mean "environment.k"?'),
+        ("require delayed-spring --free delay", 'did you mean "effects.delay.tau"?'),
+    ],
+)
+def test_a_refusal_names_the_way_out(call, words: str, way_out: str) -> None:  # type: ignore[no-untyped-def]
+    status, out, err = call(*words.split())
+    assert (status, out) == (2, "")
+    assert way_out in err
+
+
 def test_two_outputs_are_not_written_to_one_file(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     one = str(tmp_path / "one.pdf")
-    status, out, err = call("evaluate", "fu2019", "--latex", one, "--report", one)
+    status, out, err = call("evaluate", "fu2019", "--certificate", one, "--report", one)
     assert (status, out) == (2, "")
-    assert "--latex and --report would both be written to" in err
+    assert "--certificate and --report would both be written to" in err
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from contextlib import suppress
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
-from math import isfinite, pi
+from math import isfinite, log10, pi
 from pathlib import Path
 from typing import Any
 
@@ -194,8 +194,8 @@ def test_every_number_of_a_table_is_one_of_the_answer_and_its_digits_are_its_val
 
 
 def in_units(x: float) -> tuple[float, ...]:
-    """A number of SI as it is, in hertz, in per cent, in milliseconds."""
-    return x, -x, x / 2 / pi, 100 * x, 1000 * x
+    """A number of SI as it is, in hertz, in per cent, in milliseconds, in decibels."""
+    return x, -x, x / 2 / pi, 100 * x, 1000 * x, 20 * log10(x) if x > 0 else x
 
 
 def claims(words: object) -> Iterator[Real | Frequency]:

@@ -24,6 +24,7 @@ from haptisym.kernel.rings import X, omega, s
 from haptisym.model.distortion import Distortion, distort
 from haptisym.pages.notebook import latex
 from haptisym.writing.latex import broken, escape, symbol_name
+from haptisym.writing.latex import latex as latex_document
 
 SET = {"fu2019", "delayed-spring"}
 """Shipped scenes whose documents are set in a moment."""
@@ -430,3 +431,11 @@ def test_what_is_undecided_is_listed_and_nothing_is_called_proven_without_it():
     assert "proven: none missed" not in text
     assert "Undecided" in text
     assert "undecided" not in set_document(e).lower().replace("passivity undecided", "")
+
+
+def test_the_parameters_of_a_report_have_their_ranges_and_each_column_of_frequencies_is_there_once() -> None:
+    document = latex_document(evaluate(load_scene("fu2019-tolerances")).document())
+    assert "value & range & unit" in document
+    assert document.count("& \\ensuremath{\\pm}5~\\% &") == len(load_scene("fu2019-tolerances").parameters)
+    assert "(rad/s) (rad/s)" not in document
+    assert "Hz & Hz" not in document

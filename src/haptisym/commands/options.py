@@ -27,7 +27,7 @@ from click.core import ParameterSource
 from haptisym.commands.terminal import note, progress, say, say_document, to_file
 from haptisym.figures.pen import checked, checked_report
 from haptisym.kernel.budget import SECONDS, limited
-from haptisym.kernel.errors import NothingToDrawError, SceneError
+from haptisym.kernel.errors import NothingToDrawError, SceneError, meant
 
 if TYPE_CHECKING:
     from haptisym.judge.answers import Answer
@@ -67,12 +67,21 @@ def output(flags: str, words: str, checked: Callable[[Path], Path] = Path) -> cl
 
 def choice(flags: str, words: str, *values: str, **given: Any) -> click.Option:
     """An option that takes one of some words."""
-    return option(flags, words, type=click.Choice(values), **given)
+    return option(flags, words, type=_Choice(values), **given)
+
+
+class _Choice(click.Choice[str]):
+    """One of some words; the nearest is offered for another."""
+
+    def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
+        return f'"{value}" is unknown: {meant(str(value), self.choices)}valid are {", ".join(self.choices)}'
 
 
 def number(flags: str, words: str, low: int, high: int | None = None, default: int | None = None) -> click.Option:
     """An option that takes a whole number of a range; its default, where it has one, is in its help."""
-    return option(flags, words, type=click.IntRange(low, high), default=default, show_default=default is not None)
+    kind = click.IntRange(low, high)
+    kind.name = "whole number"
+    return option(flags, words, type=kind, default=default, show_default=default is not None)
 
 
 def figure(what: str) -> click.Option:
@@ -83,6 +92,14 @@ def figure(what: str) -> click.Option:
 def optional(name: str, **given: Any) -> click.Argument:
     """An argument that may be left out."""
     return click.Argument([name], required=False, **given)
+
+
+def _checked_latex(path: Path) -> Path:
+    if path.suffix.lower() in (".pdf", ".html"):
+        raise SceneError(
+            f'latex: the name "{path.name}" must end in .tex; for this page as a PDF: --report {path.name}'
+        )
+    return path
 
 
 ENVIRONMENT = option("--environment NAME", "Use this environment, where a scene has several.")
@@ -103,7 +120,7 @@ LIMIT = option("--limit SECONDS", _WORDS, **_LIMIT)
 """Of a verb whose answer is whole or none: LimitError when the time is over."""
 _DIGITS = option("--digits N", "Digits to print (4 if not given; 15 in --json).", type=click.IntRange(1, 10_000))
 _PAGES = (
-    output("--latex FILE", "Write the page as a LaTeX document."),
+    output("--latex FILE", "Write the page as a LaTeX document.", _checked_latex),
     output("--report FILE", "Write the page as a report (.html or .pdf).", checked_report),
     _DIGITS,
 )
@@ -150,9 +167,15 @@ class Verb(click.Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """As click; an option that is given twice is refused."""
-        if not ctx.resilient_parsing:
-            _once_each(self.make_parser(ctx).parse_args(args=list(args))[2])
-        return super().parse_args(ctx, args)
+        try:
+            if not ctx.resilient_parsing:
+                _once_each(self.make_parser(ctx).parse_args(args=list(args))[2])
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption as error:
+            near = any(x.startswith(error.option_name) for x in error.possibilities or ())
+            if not near and (others := _with_option(error.option_name, ctx)):
+                error.message, error.possibilities = f"{error.message.rstrip('.')}: {others}", []
+            raise
 
     def invoke(self, ctx: click.Context) -> None:
         """Ask, and hand the answer over; what contradicts itself, is ignored or would be lost is refused before."""
@@ -201,6 +224,16 @@ def given(option: str) -> bool:
     context = click.get_current_context()
     names = (str(x.name) for x in context.command.params if option in (*x.opts, x.name))
     return any(context.get_parameter_source(name) is ParameterSource.COMMANDLINE for name in names)
+
+
+def _with_option(flag: str, ctx: click.Context) -> str:
+    """The other commands that have an option."""
+    group = ctx.parent.command if ctx.parent is not None else None
+    if not isinstance(group, click.Group):
+        return ""
+    commands = [x for name in group.list_commands(ctx) if (x := group.get_command(ctx, name)) is not None]
+    having = [str(x.name) for x in commands if any(flag in y.opts for y in x.params)]
+    return f"it is an option of {', '.join(having)}" if having else ""
 
 
 def _once_each(order: Sequence[click.Parameter]) -> None:

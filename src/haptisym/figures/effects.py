@@ -180,9 +180,9 @@ class _Strip(Layer):
 def _dominance_title(narrow: list[str], slivers: list[str]) -> str:
     """What the strip shows, the names that stand as numbers in it, and those of pieces too narrow for that."""
     told = [", ".join(f"{i} {name}" for i, name in enumerate(narrow, 1))] if narrow else []
-    told += [f"in slivers {', '.join(slivers)}"] if slivers else []
+    told += [f"too narrow for a name: {', '.join(slivers)}"] if slivers else []
     title = "changes the ratios most"
-    full = f"{title}: {'; '.join(told)}" if told else title
+    full = "; ".join([title, *told])
     return full if len(full) <= 70 else f"{title}: {len(narrow) + len(slivers)} more in narrow pieces"
 
 
@@ -227,7 +227,7 @@ def elasticities(found: Sensitivities, which: int = -1) -> Chart:
     title, x = ("bandwidth", found.bandwidth) if which < 0 and found.bandwidth else listed[max(which, 0)]
     rows = [(_symbol(p.name), float(p.elasticity)) for p in _moved(x)][:_MOST]
     unit = found.evaluation.scene.frequency
-    where = f"{frequency(unit).digits(x.omega, 5)} {unit.text}{': undefined' if x.reason else ''}"
+    where = f"{frequency(unit).digits(x.omega, 4)} {unit.text}{': undefined' if x.reason else ''}"
     layers = [_Elastic(rows, f"{title}\n{where}", label="elasticity", styled=True)]
     return Chart(layers, Axis(), Axis(names=[name for name, _ in rows]), height=_ROW * len(rows) + _HEAD)
 

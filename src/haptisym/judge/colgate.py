@@ -28,8 +28,8 @@ from haptisym.kernel.roots import chart, ordered, sign_of_number
 from haptisym.model.catalogue import BACK, CLOCKS, SAMPLED_LOOP, Device, Effect, controller, device
 from haptisym.model.scene import Scene
 
-_FORCE = "the clock samples a force that was made in continuous time from more than the position at that instant"
-_TEN = "something other than mass, spring and damper lies between clock and hand"
+_FORCE = "the sampled force is made in continuous time from more than the position at that instant"
+_TEN = "something other than mass, spring and damper lies between sampler and hand"
 
 
 @dataclass(frozen=True, repr=False)

@@ -54,15 +54,17 @@ class LimitError(UndecidedError):
 
 
 def meant(given: str, valid: Iterable[str]) -> str:
-    """``did you mean "x"? ``: the valid name that an unknown one is near to, or the end of; empty if there is none.
+    """``did you mean "x"? ``: the valid name that an unknown one is near to, part of or begins; empty if there is none.
 
-    >>> meant("zta", ["zeta", "omega_n"]), meant("zeta", ["effects.filter.zeta"]), meant("x", ["zeta"])
-    ('did you mean "zeta"? ', 'did you mean "effects.filter.zeta"? ', '')
+    >>> meant("zta", ["zeta", "omega_n"]), meant("zeta", ["effects.filter.zeta"]), meant("K", ["k"]), meant("x", ["zeta"])
+    ('did you mean "zeta"? ', 'did you mean "effects.filter.zeta"? ', 'did you mean "k"? ', '')
     """
     from difflib import get_close_matches  # where something went wrong
 
-    names = list(valid)
-    close = [x for x in names if x.endswith(f".{given}")][:1] or get_close_matches(given, names, n=1)
+    names, small = list(valid), given.lower()
+    parts = [x for x in names if f".{small}." in f".{x.lower()}."]
+    begun = [x for x in names if len(small) > 2 and x.lower().startswith(small)]
+    close = [*parts, *get_close_matches(given, names, n=1), *begun, *get_close_matches(small, names, n=1)]
     return f'did you mean "{close[0]}"? ' if close else ""
 
 

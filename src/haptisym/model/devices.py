@@ -156,7 +156,8 @@ def read_device(given: Mapping[str, Any]) -> tuple[Effect, ...]:
             raise SceneError(f'device: unknown key "{key[:60]}": {meant(key, valid)}valid are {", ".join(valid)}')
     if "like" not in given:
         raise SceneError(
-            f'device: like is missing: give the name of a device, as like = "one-axis"; known are {", ".join(devices)}'
+            'device: like is missing: give the name of a device, as like = "one-axis"; a device of your own is an effect: '
+            f'[[effects]] with model = "shunt", m and b. Known are {", ".join(devices)}'
         )
     with within("device"):
         return devices[given["like"]].effects(**{key: x for key, x in given.items() if key != "like"})

@@ -299,6 +299,8 @@ def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
     """A parameter from a quantity or a range, checked; ``key`` is what errors call it, ``name`` its symbol's."""
     symbol = _symbol(name, slot.rule)
     with within(key):
+        if slot.rule in WHOLE_NUMBERS and isinstance(given, str) and not given.strip().isdecimal():
+            raise SceneError(f"{quoted(given)} {slot.rule.value}, without a unit")
         found = ranged(given, slot.dimension)
     read = found.nominal
     reserved = {x.name for x in read.value.free_symbols} & {"s", "omega", "X"}

@@ -278,8 +278,10 @@ def read_unit(unit: str, text: str, hint: str) -> tuple[Expr, dict[str, Fraction
     try:
         size = evaluate(plain, number=_unit_number, name=_named_unit, sums=False)
     except (ExpressionError, ArithmeticError):
+        usual = re.findall(r"[^\s,.]+(?=[,.])", hint)  # of the dimension: they are meant first
         same = next((f'did you mean "{x}"?' for x in _SPELT if x.lower() == unit.lower()), "")
-        near = same or meant(unit, [*_units(), *_SPELT]).rstrip()
+        bare = next((f'did you mean "{x}"?' for x in usual if x.replace("*", "") == unit.replace("*", "")), "")
+        near = same or bare or (meant(unit, usual) or meant(unit, [*_units(), *_SPELT])).rstrip()
         raise SceneError(f"unknown unit {quoted(unit)}{f': {near}' if near else '.'}{hint}") from None
     turns, *powers = size.powers
     if turns.denominator != 1 or (isinstance(size.factor, float) and size.factor != 1.0):
@@ -554,6 +556,10 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
     if not unit:
         return Quantity(value)
     factor, exponents = read_unit(unit, text, expected(dimension))
+    if dimension is Dimension.TIME and exponents == {"time": -1} and value > 0:
+        raise SceneError(
+            f"{quoted(text)} is not a time; its period is {2 * pi / (value * factor)} s.{expected(dimension)}"
+        )
     motion = _motion(exponents, text, dimension)
     written = None if factor == 1 else Unit(_JUXTAPOSED.sub("*", unit.translate(_PLAIN)), factor)
     return Quantity(_sized(value * factor, text), motion, tuple(sorted(exponents.items())), written)

@@ -166,7 +166,8 @@ class Knobs(Collection[Knob]):
             raise SceneError(f'"{given}" is ambiguous: write {" or ".join(x.path for x in found)}')
         if not found:
             paths = [path for x in self for path in x.paths]
-            hint = meant(given, [*paths, *(x.name for x in self)])
+            called = next((f'did you mean "{x.path}"? ' for x in self if x.dimension.name.lower() == given.lower()), "")
+            hint = called or meant(given, [*paths, *(x.name for x in self)])
             raise SceneError(f'unknown parameter "{given[:60]}": {hint}valid are {", ".join(paths)}')
         return found[0]
 
@@ -634,8 +635,8 @@ def _late_mass(scene: Scene) -> list[str]:
     if not {"admittance-display", "delay"} <= models:
         return []
     words = (
-        "People who pushed a mass of 6 kg off a late admittance display reported more mass, 10 % at 25 ms and 20 % at 50 ms "
-        "(PLoS ONE 10(9), e0138012; as m T/(T - tau) with a push of T = 275 to 300 ms), where step 2 says less."
+        "People who pushed a mass of 6 kg off a delayed admittance display reported more mass, 10 % at 25 ms and 20 % at 50 ms "
+        "(PLoS ONE 10(9), e0138012; as m T/(T - tau) with a push of T = 275 to 300 ms), where step 2 gives less."
     )
     return [words]
 
@@ -668,24 +669,20 @@ def _loops(scene: Scene) -> list[str]:
         return []
     hold, other = (x.name for x in found)
     words = (
-        f"{hold} holds a force that {other} brings back to a clock: images of the samples fold back into the band, and the "
-        "closed form leaves them out. It is an approximation here, and does not tell whether the sampled loop is stable; "
+        f"{hold} holds a force that {other} returns to a sampler: images of the samples fold back into the band, and the "
+        "closed form leaves them out. It is an approximation here, and does not decide whether the sampled loop is stable; "
         "haptisym stability decides that in a hand, haptisym simulate runs the loop."
     )
     return [words]
 
 
 def _hand(scene: Scene) -> list[str]:
-    """With a clock the hand closes a sampled loop, which may be unstable however stable the force under imposed motion is."""
+    """The hand closes the sampled loop, which may be unstable however stable the force under prescribed motion is."""
     clocks = [x.name for x in scene.effects if x.model in CLOCKS]
     if not clocks:
         return []
-    work = f"{' and '.join(clocks)} {'works' if len(clocks) == 1 else 'work'} by a clock"
-    words = (
-        f"{work}, so that hand and display together are a sampled loop. What is said here holds for imposed motion; "
-        "haptisym stability decides that loop in a hand."
-    )
-    return [words]
+    words = "this is for prescribed motion; a hand closes the sampled loop, which haptisym stability decides."
+    return [f"with sampling ({', '.join(clocks)}) {words}"]
 
 
 def _bands(scene: Scene) -> list[str]:
@@ -694,8 +691,9 @@ def _bands(scene: Scene) -> list[str]:
         (x.name, pi / x.parameters[0].value) for x in scene.effects if x.model in CLOCKS
     ]  # their one parameter is T
     return [
-        f"The band reaches beyond {float(nyquist):.5g} rad/s, the Nyquist frequency of {name}: above it a motion is sampled as "
-        "one of a lower frequency, and the closed form tells the component at its own frequency only."
+        f"The band exceeds {float(nyquist / scene.frequency.size):.5g} {scene.frequency.text}, the Nyquist frequency of {name}: "
+        "above it a motion is sampled as one of a lower frequency, and the closed form gives the component at the motion's "
+        "frequency only."
         for name, nyquist in holds
         if not nyquist.free_symbols and sign_of_number(high - nyquist) > 0
     ]

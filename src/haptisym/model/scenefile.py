@@ -181,6 +181,8 @@ _TOML_HINTS = {
     "Expected newline or end of document": '; a value with a unit goes in quotes, as in k = "100 N/m"',
     "Invalid value": '; a value with a unit goes in quotes, as in k = "100 N/m"',
     "('effects',) twice": "; each effect begins with [[effects]]",
+    "Cannot overwrite a value": "; each of several effects begins with [[effects]]",
+    "Expected '=' after a key": "; a heading is in brackets, as [environment]",
     "('environment',) twice": "; several environments begin with [[environments]]",
 }
 
@@ -324,13 +326,24 @@ def _hands(table: Table) -> Iterable[Hand]:
             yield read_hand(name, own)
 
 
+_COMMON = {
+    "voi": "kelvin-voigt", "spring": "mass-spring-damper", "delay": "delay", "latency": "delay", "zoh": "zero-order-hold",
+    "hold": "zero-order-hold", "sampl": "sampled-loop", "control": "sampled-loop", "discrete": "sampled-loop",
+    "mass": "shunt", "inertia": "shunt", "damp": "shunt", "device": "shunt", "friction": "coulomb-friction",
+    "low": "second-order-lowpass", "lag": "first-order-lag", "motor": "first-order-lag", "actuator": "first-order-lag",
+    "shaft": "compliance", "belt": "compliance", "coupling": "compliance", "transfer": "series",
+}  # fmt: skip
+"""Words for a model that are not its name; the first that an unknown name contains is meant."""
+
+
 def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Model, dict[str, Any]]:
     table = dict(_table(given, place))
     name = table.pop("model", None)
     if name is None:
         raise SceneError(f"{place}: model is missing: valid are {', '.join(catalogue)}")
     if not isinstance(name, str) or name not in catalogue:
-        hint = meant(str(name), catalogue)
+        common = (x for word, x in _COMMON.items() if word in str(name).lower() and x in catalogue)
+        hint = next((f'did you mean "{x}"? ' for x in common), "") or meant(str(name), catalogue)
         raise SceneError(f'{place}: unknown model "{str(name)[:60]}": {hint}valid are {", ".join(catalogue)}')
     return catalogue[name], table
 

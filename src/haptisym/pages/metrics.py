@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from haptisym.judge.passivity import Beyond
 from haptisym.kernel.objects import counted
-from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.reals import RealNumber, short
 from haptisym.kernel.rings import RationalFunction, omega, s
 from haptisym.model.quantities import unit_text
 from haptisym.pages.words import (
@@ -140,21 +141,50 @@ def jnd_verdict(m: Metrics | ControlLoading) -> Phrase:
     return "transparent ", where, " (", named("c"), f" = {limits})"
 
 
+_DESCRIBED = "relative distortion", "impedance range", "sensitivity", "effective impedance"
+"""What has no verdict of its own: a sentence that is true of every display, below its formulas."""
+
+
 def _overview(m: Metrics) -> doc.Table:
-    rows = [(x.name, formulated(x.verdict)) for x in m.told]
+    names: dict[Phrase, list[str]] = {}
+    for x in m.told:
+        if x.name not in _DESCRIBED:
+            names.setdefault(_at(x.verdict, x.at), []).append(x.name)
+    rows = [(x[0] if len(x) == 1 else x[0].partition(",")[0], verdict) for verdict, x in names.items()]
     return doc.Table((doc.Column("measure"), doc.Column("verdict")), tuple(rows), "The verdict of each measure.")
 
 
+def _at(words: str, omega: RealNumber | None) -> Phrase:
+    """Words in which the frequency is in the unit of the page."""
+    if omega is None:
+        return formulated(words)
+    before, found, after = words.partition(f"{short(omega)} rad/s")
+    return (formulated(before), both(omega), formulated(after)) if found else formulated(words)
+
+
 def _measure(x: Metric) -> doc.Section:
-    lines, values = tuple(written(x)), tuple((formulated(v.what), _value(v)) for v in x.values)
+    lines, values = tuple(written(x)), tuple((_at(_WHAT.get(v.what, v.what), v.at), _value(v)) for v in x.values)
+    described = (f"{x.verdict[0].upper()}{x.verdict[1:]}.",) if x.name in _DESCRIBED else ()
     parts: tuple[Block | None, ...] = (
         doc.Equations(lines) if lines else None, doc.Facts(values) if values else None,
-        doc.Notes((f"Source: {x.source} [{x.evidence}]",)),
+        doc.Notes((*map(formulated, described), f"Source: {x.source} [{x.evidence}]")),
     )  # fmt: skip
     return doc.Section(f"{x.name[0].upper()}{x.name[1:]}", tuple(part for part in parts if part))
 
 
+_WHAT = {"Im H_perc beyond that": "Im H_perc above that"}
+_WORDS = {
+    Beyond.NEVER.value: "≥ 0 everywhere", Beyond.ALWAYS.value: "< 0 everywhere",
+    Beyond.AGAIN.value: "< 0 at infinitely many higher frequencies", Beyond.UNKNOWN.value: "undecided",
+    Beyond.CLOCK.value: "not tested: above half the sampling rate", "holds": "passive", "does not hold": "not passive",
+    Beyond.LATE.value: "not tested: the delays turn many times before it settles", "not decided": "undecided",
+}  # fmt: skip
+"""What a value of JSON is in words."""
+
+
 def _value(x: Value) -> Phrase:
+    if isinstance(x.value, str) and x.value in _WORDS:
+        return _WORDS[x.value]
     if x.value is None:
         return "infinite"
     if isinstance(x.value, tuple):

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from math import ceil
 
+from sympy import Expr
+
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, Way, in_unit
@@ -74,7 +76,7 @@ def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
 def _range(r: Requirement) -> Phrase:
     """From where to where values are searched, with 0 where the model allows it."""
     low, high = searched(r.free, r.domain)
-    zero = "0, " if r.domain.low == 0 and r.domain.holds_low else ""
+    zero = "0 and " if r.domain.low == 0 and r.domain.holds_low else ""
     return zero, _bare(w.value_of(r.free, low, Way.NEAREST)), " to ", w.value_of(r.free, high, Way.NEAREST)
 
 
@@ -185,7 +187,8 @@ def _is_all(r: Requirement) -> bool:
 def _proven(r: Requirement) -> Iterator[Phrase]:
     what = required(r.criteria)
     if r.undecided:
-        where = listed((_limit(r.free, a, Way.DOWN), " to ", _limit(r.free, b, Way.UP)) for a, b in r.undecided)
+        first, last = searched(r.free, r.domain)
+        where = listed((_limit(r, a, first, Way.DOWN), " to ", _limit(r, b, last, Way.UP)) for a, b in r.undecided)
         why = f"; stopped after {r.limit:g} s" if r.limit is not None else ""
         yield w.undecided((named(r.free.symbol.name), " from ", where, why, f": {r.reason}" if r.reason else ""))
         if not _is_all(r):
@@ -199,10 +202,8 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
         yield w.proof(r.scene, ("no value in the range is ", what))
 
 
-def _limit(free: Knob, x: RealNumber | None, way: Way) -> Phrase:
-    if x is None:
-        return "infinity" if way is Way.UP else "minus infinity"
-    return w.value_of(free, x, way)
+def _limit(r: Requirement, x: RealNumber | None, end: Expr, way: Way) -> Phrase:
+    return w.value_of(r.free, end if x is None else x, way)
 
 
 _MOST_PARAMETERS = 8  # for more, ``haptisym require`` has the time

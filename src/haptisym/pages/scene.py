@@ -28,7 +28,7 @@ from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
 from haptisym.model.distortion import Distortion, magnitude, part_of
 from haptisym.model.jnd import Part, Shape, Threshold, is_irrational_algebraic
-from haptisym.model.parameters import values
+from haptisym.model.parameters import spread, values
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.scene import Knob, Scene
 from haptisym.pages.derive import beyond, ways
@@ -202,7 +202,10 @@ def scene_blocks(scene: Scene, short_names: Mapping[Symbol, Symbol] = _AS_THEY_A
     yield doc.Flow((*(_link(place, part) for place, part in scene.elements()), hand))
     rows = tuple(_parameter(scene, short_names, x) for x in scene.parameters)
     if rows:
-        columns = ("symbol", "of", "parameter", "quantity", "value", "unit")
+        ranges = ("range",) * any(x.interval for x in scene.parameters)
+        columns = ("symbol", "of", "parameter", "quantity", "value", *ranges, "unit")
+        if ranges:
+            rows = tuple((*row[:-1], _range(x), row[-1]) for row, x in zip(rows, scene.parameters, strict=True))
         yield doc.Table(
             tuple(doc.Column(x, number=x == "value") for x in columns), rows, "The parameters, in SI units."
         )
@@ -250,6 +253,12 @@ def _parameter(scene: Scene, short_names: Mapping[Symbol, Symbol], p: Knob) -> t
     symbol = named(short_names.get(p.symbol, p.symbol).name)
     places = ", ".join(x.removeprefix("effects.").rpartition(".")[0] for x in p.paths)
     return symbol, places, p.key, quantity, _value(p.value), own or "SI"
+
+
+def _range(p: Knob) -> str:
+    """``±5 %``, or from where to where."""
+    words = spread(p.value, p.interval) if p.interval else ""
+    return words.replace("by ", "±").replace(" %", "\xa0%").removeprefix("from ")
 
 
 def _value(value: Expr) -> Phrase:

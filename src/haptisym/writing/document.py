@@ -300,7 +300,7 @@ class Style:
         two = self.frequency == RADIANS
         for i, column in enumerate(table.columns):
             heading = (column.heading, " (", FREQUENCY_UNIT, ")") if column.hertz else column.heading
-            columns.append(replace(column, heading=self.phrase(heading)))
+            columns.append(replace(column, heading=self.phrase(heading), hertz=False))  # settled: not once more
             columns += [Column("Hz", number=True, full=column.full)] * (column.hertz and two)
             for row, cells in zip(table.rows, rows, strict=True):
                 cells.append(self.phrase(row[i]))
@@ -336,7 +336,7 @@ class Style:
         shown = self._real(Real(in_unit(x.value, self.frequency.size), x.way, x.least))
         if x.alone:
             return shown
-        if self.frequency != RADIANS or not x.value:
+        if self.frequency != RADIANS or float(x.value) == 0:
             return shown, f"\xa0{self.frequency.text}"
         return shown, f"\xa0{self.frequency.text} (", self._hertz(x), "\xa0Hz)"
 

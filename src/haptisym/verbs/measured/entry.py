@@ -455,12 +455,21 @@ class MeasuredPercept(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredEvaluation(Answer):
-    """What the measured lines say, line by line; between them nothing but by a bound on the slope, and nothing is certified.
+    """The two steps at each measured frequency point: dH/abs(H_env) with its uncertainty disc, against the threshold.
 
-    ``lines`` : the numbers. ``distance`` : of each part's ratio from its threshold, positive outside. ``verdict`` : of each part
-    by itself 1 where the whole disc exceeds the threshold, -1 where the whole disc is below, 0 where the disc does not tell;
-    ``joint`` : the same of both together, where the region judges them so.
-    ``signs`` : what step 2 is told by. ``rows``, ``percepts`` : the same as values.
+    ``lines`` : arrays over the points: ``omega``, rad/s, both responses and radii, N/m or N m/rad, ``change`` = dH/abs(H_env)
+    (complex) and its ``radius``. ``distance`` : of each part's ratio from its threshold, positive above it. ``verdict`` : of
+    each part 1 where the whole disc exceeds, -1 where all of it is below, 0 where it is unresolved; ``joint`` : the same of a
+    region that judges both parts together, else None. ``signs`` : those that step 2 needs. ``rows``, ``percepts`` : the same as
+    values. ``needed`` : which radius, coherence or averages would resolve the rest. ``scene`` : with the data.
+
+    Measured: it is true at the points, where the discs contain the response (``confidence`` of the file); between points only
+    with a bound on the slope. ``certified`` is False.
+
+    >>> import haptisym as hs
+    >>> row = hs.evaluate("fu2019-bench").rows[0]
+    >>> round(row.omega, 4), row.real.value
+    (1.5708, 'below')
     """
 
     _schema: ClassVar[str] = "haptisym.measured/1"

@@ -124,6 +124,7 @@ def _ratio(m: Measured) -> Metric:
         "Lawrence (1993): transparent where the displayed impedance is the environment's, Z_t = Z_e",
         "as the EuroVR knowledge base cites it: read; ratio and 3 dB edges derived",
         _beside_bandwidth(m, edges) if edges else "no 3 dB edge",
+        edges[0].omega if edges else None,
     )
 
 
@@ -206,7 +207,9 @@ def _sensitivity(m: Measured) -> Metric:
 def _effective(m: Measured) -> Metric:
     names = {"k": "stiffness", "m": "mass", "b": "damping"}
     values = [
-        Value(f"{names[key]} at {short(w)} rad/s", x, m.units[key]) for w, row in m.effective for key, x in row.items()
+        Value(f"{names[key]} at {short(w)} rad/s", x, m.units[key], at=w)
+        for w, row in m.effective
+        for key, x in row.items()
     ]
     return Metric(
         "effective impedance",

@@ -371,10 +371,10 @@ def motion_of(dynamics: RationalFunction) -> Motion | str:
     ring, reduced = dynamics.ring, dynamics.reduced()
     above, below = (_own(x, dynamics) for x in (reduced.numerator, reduced.denominator))
     if any(degree_in([above, below], i) for i in range(ring.size, len(ring.meanings))):
-        return "with delays, powers s^alpha or friction among the zeros or poles they are not finitely many"
+        return "the response has infinitely many modes, or friction: delays or powers of s enter its zeros or poles"
     top, bottom = (tuple(ring.coefficients(x)) for x in (above, below))
     if top[0] == 0 or bottom[0] == 0:
-        return "held displaced there is no steady force"
+        return "there is no steady force at a displacement"
     if len(top) == 1:
         return "without a zero there is no motion: it leaps back at once"
     if len(bottom) > len(top):

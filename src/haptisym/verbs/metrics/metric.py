@@ -441,6 +441,8 @@ class Value:
     reference: RealNumber | int | None = None
     tolerance: str = ""
     kept: bool = True
+    at: RealNumber | None = None
+    """The frequency that ``what`` names, as it is known."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -453,6 +455,8 @@ class Metric(Shown):
     source: str
     evidence: str
     verdict: str
+    at: RealNumber | None = None
+    """The frequency that the verdict names, as it is known."""
 
     def _line(self) -> str:
         return f"{self.name}: {self.verdict}"
@@ -573,22 +577,26 @@ def passivity_measure(m: Measured) -> Metric:
         "per frequency derived (15_metrics); of a sampled display Colgate and Schenkel (1997), as quoted by Weir and "
         "Colgate: read",
         _verdict(m, found),
+        found.active[0].low.omega if found and found.active else None,
     )
 
 
 def _values(m: Measured, found: Passivity) -> list[Value]:
-    rows = [Value(f"Im H_perc < 0, searched up to {short(ExactNumber(found.high))} rad/s", found.active, "rad/s")]
+    high = ExactNumber(found.high)
+    rows = [Value(f"Im H_perc < 0, searched up to {short(high)} rad/s", found.active, "rad/s", at=high)]
     rows += [Value("Im H_perc beyond that", found.beyond.value)]
     if (given := found.most_given) and found.active:
         where = f" at {short(given.omega)} rad/s" if given.omega else ""
-        rows += [Value(f"most energy given per cycle, over π A²{where}", given.value, m.unit)]
+        rows += [Value(f"most energy given per cycle, over π A²{where}", given.value, m.unit, at=given.omega)]
     untold = found.holds is None and found.beyond is Beyond.CLOCK
     rows += [Value("any passive operator", "undecided for a sampled display" if untold else _ANSWERS[found.holds])]
     if found.is_active and found.damping:
         where = (
             f", set at {short(found.damping.omega)} rad/s" if found.damping.omega else ", approached at high frequency"
         )
-        rows += [Value(f"hand damping that compensates it{where}", found.damping.value, m.units["b"])]
+        rows += [
+            Value(f"hand damping that compensates it{where}", found.damping.value, m.units["b"], at=found.damping.omega)
+        ]
     elif found.is_unbounded:
         rows += [Value("hand damping that compensates it", "none: the activity is unbounded")]
     return [*rows, Value("stable under prescribed motion", _YES[m.evaluation.stable])]

@@ -138,7 +138,7 @@ def _none(_: object) -> Any:
     raise SceneError("whether a display is stable in a hand is no condition at one frequency")
 
 
-_BEYOND = "further out was not looked at"
+_BEYOND = "values further out are not tested"
 
 
 @dataclass(frozen=True)

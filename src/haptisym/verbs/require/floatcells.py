@@ -285,9 +285,9 @@ class Energy:
         ring = H.ring
         assert isinstance(ring, Ring)
         if I in ring.generators:
-            raise UndecidedError("whether every passive hand may hold it, with friction beside delays or powers of s")
+            raise UndecidedError("passivity, with friction and delays or powers of s")
         if any(x.free_symbols for x in ring.orders):
-            raise UndecidedError("whether every passive hand may hold it, as a power of s changes")
+            raise UndecidedError("passivity, as a power of s changes")
         return cls([terms_in(ring, p) for p in (H.numerator, H.denominator)], symbol)
 
     def clear(self, q: Span, start: float = 0.0) -> bool:
@@ -382,7 +382,7 @@ class Energy:
         found, unknown = paired(*(list(beginnings(row)) for row in self._rows))
         lowest = min(found, default=None)
         if lowest is None or bool(lowest > self._lowest) or any(bool(p <= lowest) for p in unknown):
-            raise UndecidedError("whether every passive hand may hold it, near frequency 0")
+            raise UndecidedError("passivity, near frequency 0")
         return found[lowest]
 
     @cached_property

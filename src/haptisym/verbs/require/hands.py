@@ -71,7 +71,7 @@ def with_hands(scene: Scene, given: str | Hand | None) -> Scene:
     """The scene in the hand that is asked about; its own if none is."""
     found = scene if given is None else scene.with_hands(chosen(scene, given))
     if not found.hands:
-        raise SceneError(f"whether a display is stable is asked of it in a hand: {how_to_give()}")
+        raise SceneError(f"a display is stable in a hand, and none is given: {how_to_give()}")
     return found
 
 
@@ -310,7 +310,7 @@ def _alone(search: _Search, cells: Sequence[_Cell]) -> set[Rational]:
     }
 
 
-_TOO_NEAR = "whether every passive hand may hold it: Im H_perc comes too near to 0 somewhere to be told by cells"
+_TOO_NEAR = "passivity: Im H_perc comes too near to 0 somewhere for cells to decide"
 _LEFT = "whether Im H_perc is negative somewhere is not shown for values so near to each other, or so far out"
 
 
@@ -589,10 +589,10 @@ def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> Solved:
         return Question([], lambda _: sampled_verdict(scene), asked, closed=True).solve()
     loop = loop_of(scene.with_values({free.path: free.symbol}))
     if isinstance(loop, SampledPassivity):
-        raise UndecidedError(f"whether every passive hand may hold it: {loop.reason}")
+        raise UndecidedError(f"passivity: {loop.reason}")
     ring = Ring.of([loop.T, loop.C, loop.damping])
     if ring.functions:
-        raise UndecidedError("whether every passive hand may hold it, with a delay that is free beside a clock")
+        raise UndecidedError("passivity, with a free delay in a sampled loop")
     margins = [RealFunction((f.axis.convert(loop.damping) - f.function).reduced()) for f in loop.sides(ring)]
     turns = [*_of_margins(margins, free), *turns_of_poles(ring.convert(loop.C).reduced(), free)]
     at_rest = loop.at_rest(ring)[1]
@@ -615,7 +615,7 @@ def sampled_verdict(scene: Scene) -> bool | None:
     found = sampled_passivity(scene)
     assert found is not None
     if found.passive is None:
-        raise UndecidedError(f"whether every passive hand may hold it: {found.reason}")
+        raise UndecidedError(f"passivity: {found.reason}")
     return found.passive
 
 

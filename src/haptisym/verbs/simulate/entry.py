@@ -166,9 +166,21 @@ class _Runs(Answer):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(_Runs):
-    """A simulated run. Arrays over time, s: the hand's ``displacement``, m or rad, and ``force``, N or N m, and the same of
-    the environment (``environment_displacement``, ``environment_force``). ``estimates``: H_perc at each excited frequency,
-    none for a chirp or a recording or where the run is too short. ``built``: the models that were simulated.
+    """A run in time: force at the hand for a prescribed ``motion`` of ``scene``, from the equations of motion of its elements.
+
+    ``time``, s; ``displacement``, m or rad, and ``force``, N or N m, at the hand; ``environment_displacement`` and
+    ``environment_force``, the same at the environment: arrays of one length. ``estimates`` : for each excited frequency
+    ``omega``, rad/s, ``simulated`` and ``closed`` H_perc (complex, N/m or N m/rad), their ``difference``, an estimated ``error``,
+    and whether they agree; none for a chirp, a recording or a short run. ``built`` : the models that were simulated.
+    ``extras`` : encoder and force limit. ``notes`` : what a reader of the force should know. ``error`` : of a chirp or recording
+    with extras, the force against that of ideal hardware, N or N m; else None.
+
+    Computed: floating point; errors are estimated from runs of different accuracy, not bounded.
+
+    >>> import haptisym as hs
+    >>> [x] = hs.simulate("fu2019", hs.sine("5 cm", "10 rad/s")).estimates
+    >>> x.agrees, round(x.simulated.real, 3)
+    (True, -60.937)
     """
 
     scene: Scene
@@ -182,9 +194,7 @@ class Simulation(_Runs):
     built: tuple[str, ...]
     extras: tuple[Extra, ...] = ()
     notes: tuple[str, ...] = ()
-    """What a reader of the force should know."""
     error: ForceError | None = None
-    """Of a recording or a chirp with extras."""
 
     def _line(self) -> str:
         return f"{titled(self.scene.title)}: {self.motion.name}, {counted(len(self.estimates), 'frequency', 'frequencies')}"

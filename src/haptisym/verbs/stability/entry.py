@@ -44,13 +44,24 @@ def has_plane(scene: Scene) -> bool:
 
 @dataclass(frozen=True, repr=False)
 class Stability(Answer):
-    """Three statements about a display, that are never mixed.
+    """Three statements about a display, decided separately: under prescribed motion, in each hand, for any passive operator.
 
-    ``imposed`` : the force under imposed motion is stable. ``held`` : it is stable in this hand, for each hand, and whether it
-    shakes, which a handle that nothing holds in place need not: it drifts; ``critical`` : for each hand, and each number that
-    was asked about, the nearest values at which the number of roots that shake changes.
-    ``boxes`` : of each hand with ranges, in which of its hands it is stable. ``every_passive_hand`` : it is stable in every one.
-    ``scene`` : with the hands that were asked about.
+    Stable in a hand: H_perc(s) + m s^2 + b s + k has no zero in Re s >= 0; sampled: no pole of the loop has abs(z) >= 1. Stable
+    for any passive operator: H_perc/s is positive real.
+
+    ``imposed`` : under prescribed motion: ``stable``, ``unstable`` (number of poles). ``held`` : for each hand ``stable``,
+    ``unstable``, ``shakes``, ``drifts`` (poles at 0, where nothing holds the handle in place). ``critical`` : for each hand and
+    free parameter the stability limits nearest to its value, SI, with the pole there, rad/s. ``margins`` : for each hand the
+    factors on the rendered force, and the delay, s, up to which it is stable; None where it is not, or that is undecided.
+    ``boxes`` : in which part of a hand's ranges it is stable; None without ranges. ``every_passive_hand`` : passivity, with the
+    active frequencies and the damping that compensates. ``digits`` : of JSON. ``scene`` : with the hands.
+
+    Proven: all counts and limits, for the model as written. None is undecided; ``certified`` : nothing is, margins aside.
+
+    >>> import haptisym as hs
+    >>> found = hs.stability("delayed-spring", "postural-arm", free=["tau"])
+    >>> found.held[0].stable, found.every_passive_hand.holds, found.critical[0][-1].found[0].value.digits(6)
+    (True, False, '0.102549')
     """
 
     _schema: ClassVar[str] = "haptisym.stability/1"
@@ -65,7 +76,6 @@ class Stability(Answer):
     boxes: tuple[Box | None, ...]
     every_passive_hand: EveryPassiveHand
     margins: tuple[Margins | None, ...] = ()
-    """Of each hand by how much the rendered force may change until it shakes; None where it does, or that is undecided."""
     digits: int = 15
 
     def _line(self) -> str:
