@@ -1,12 +1,14 @@
 """Charts as sheets and files: one column of a journal wide, with room for legends; what every answer draws on axes of the caller.
 
 A sheet is laid out twice: framed, so that words are fitted to axes of their final width, and filled, with room for the legends.
-Files of one run share the fonts: of each font the glyphs that figures use are taken once, and PDF files take theirs from that.
+PDF files hold of each font the letters that a figure uses, without the tables by which letters are set: matplotlib has placed
+them, and to read and cut down these tables takes most of the time of a file.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -131,7 +133,8 @@ def sheet(*charts: Chart, wide: bool = False, joined: bool = True) -> Figure:
         height = min(0.7 + 2.8 * axes[0].get_data_ratio(), 3.6)
     figure.set_figheight(height + sum(map(_legend_height, axes)))
     _arrange(figure)
-    figure.set_layout_engine("none")
+    with mpl.rc_context({"figure.autolayout": False, "figure.constrained_layout.use": False}):
+        figure.set_layout_engine(None)  # with "none" a placeholder stays, for which every file is drawn twice
     return figure
 
 
@@ -173,6 +176,25 @@ def _estimated(figure: Figure, about: object) -> Figure:
 def save_as(figure: Figure, path: str | Path) -> Path:
     """The figure in one file, as its ending says, the same file for the same figure; SceneError for any other ending."""
     target = checked(path)
-    with mpl.rc_context({"svg.hashsalt": "haptisym", "pdf.fonttype": 42}):
+    with mpl.rc_context({"svg.hashsalt": "haptisym", "pdf.fonttype": 42}), _letters_alone(target):
         figure.savefig(target, metadata=dict(UNDATED[target.suffix.lower()]), dpi=400)
     return target
+
+
+_SETTING = ("GDEF", "GPOS", "GSUB", "MATH", "kern")
+"""Tables of fonts by which letters are set."""
+
+
+@contextmanager
+def _letters_alone(target: Path) -> Iterator[None]:
+    """Fonts of PDF files without these tables, as long as it lasts."""
+    options: Any = resolve_name("fontTools.subset:Options") if target.suffix.lower() == ".pdf" else None
+    dropped = getattr(options, "_drop_tables_default", None)
+    if dropped is None:  # of another version of fontTools, files take longer
+        yield
+        return
+    options._drop_tables_default = [*dropped, *_SETTING]
+    try:
+        yield
+    finally:
+        options._drop_tables_default = dropped
