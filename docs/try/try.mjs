@@ -109,7 +109,7 @@ function evaluate(moved = false) {
     options("hands", [...found.hands, ""], { "": "the scene’s hands" });
     options("environments", found.environments);
     find("family").hidden = !found.environments.length;
-    if (!moved) explore(found.explorer);
+    if (!moved) explore(found.explorer, text);
   }, "Evaluating");
 }
 
@@ -120,10 +120,11 @@ function options(id, names, shown = {}) {
   find(id).replaceChildren(...names.map((name) => new Option(shown[name] ?? name, name, false, name === kept)));
 }
 
-let [paths, units, sent] = [[], new Map(), new Map()]; // of the sliders: where their numbers stand, and what was written there
+let [paths, units, sent, unmoved] = [[], new Map(), new Map(), ""]; // of the sliders: where their numbers stand, what was written there, and the text before
 
 /** The report's explorer, whose scripts run when they are put in anew. */
-function explore(html) {
+function explore(html, text) {
+  unmoved = text;
   find("explorer").hidden = false;
   find("explorer-place").innerHTML = html;
   const { paths: places, sliders, limits } = JSON.parse(find("explorer-data").textContent);
@@ -135,8 +136,12 @@ function explore(html) {
     fresh.textContent = old.textContent;
     old.replaceWith(fresh);
   });
-  sent = new Map(paths.map(([id]) => [id, find(`${id}-value`).value]));
+  note();
 }
+
+const note = () => {
+  sent = new Map(paths.map(([id]) => [id, find(`${id}-value`).value]));
+};
 
 /** The text with another number at a key of a table (or of the i-th effect or environment, or of its parameters); null where it has none there. */
 export function rewritten(text, place, key, number, unit, environment) {
@@ -188,7 +193,11 @@ const soon = (run) => {
 };
 find("explorer").addEventListener("input", () => soon(moved));
 find("explorer").addEventListener("click", ({ target }) => {
-  if (target.id === "explorer-reset") soon(moved);
+  if (target.id !== "explorer-reset") return;
+  clearTimeout(resting);
+  note();
+  scene.value = unmoved; // with the units and all digits that were written there
+  evaluate(true);
 });
 scene.addEventListener("input", () => soon(() => evaluate()));
 find("stop").addEventListener("click", stop);

@@ -170,7 +170,7 @@
     return Array.from({ length: Math.floor(b / step + 1e-9) - first + 1 }, (_, i) => Number(((first + i) * step).toPrecision(12)));
   }
 
-  const written = (x) => String(x).replace("-", "−").replace(/e\+?/, "·10^");
+  const written = (x) => (Math.abs(x) >= 1e6 ? x.toExponential() : String(x)).replaceAll("-", "−").replace(/e\+?/, "·10^");
 
   /** A text in which what follows a low line is a subscript. */
   function label(parent, attributes, text) {

@@ -4,7 +4,8 @@ A real function of frequency over an interval of values of one parameter, in bal
 
 The condition N(omega, t) <= 0 is written as a sum of p(omega, t) sin^k cos^(n - k) omega^(alpha l), the waves those of half the
 angles omega tau; n is even, so that the sign is that of the condition itself. Over a ball of values of t this is an analytic
-function of omega with balls for coefficients.
+function of omega with balls for coefficients. Without waves and powers it is a polynomial in both, which Bernstein coefficients
+bound over cells as wide as they come (``Sheet``): fu2019 with omega_n free takes 991 boxes, by balls alone 23,839.
 
 A real function of frequency for all values of a parameter in a cell, and the values at which it binds there.
 
