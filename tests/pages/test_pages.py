@@ -64,6 +64,7 @@ def lagged(jnd: object = "0.1") -> hs.Scene:
 PAGES: dict[str, Callable[[], Any]] = {
     "evaluate": lambda: hs.evaluate("fu2019"),
     "evaluate-delay": lambda: hs.evaluate("delayed-spring"),
+    "evaluate-movement": lambda: hs.evaluate("fu2019", movement="0:7.9"),
     "evaluate-rotation": lambda: hs.evaluate("steering-wheel", tolerance="1 %"),
     "evaluate-ellipse": lambda: hs.evaluate(lagged(ELLIPSE)),
     "evaluate-range": lambda: hs.evaluate(lagged(["0.05", "0.2"])),
@@ -74,6 +75,10 @@ PAGES: dict[str, Callable[[], Any]] = {
     "require-delay": lambda: hs.require("delayed-spring", "tau"),
     "require-none": lambda: hs.require("fu2019", "omega_n", (10, 50)),
     "design-map": lambda: hs.design_map("fu2019", ["zeta", "omega_n"], [("0.4", "0.6"), (50, 500)], slices=3),
+    "design": lambda: hs.design("lead-compensation", {"T": ("0 ms", "30 ms")}),
+    "design-kept": lambda: hs.design(
+        "inertia-compensation", {"m_c": ("0 g", "32 g"), "b_c": (0, "3.6")}, keep="passive"
+    ),
     "sensitivity": lambda: hs.sensitivity("fu2019"),
     "tolerances": lambda: hs.tolerances(DAMPED, samples=0),
     "stability": lambda: hs.stability("delayed-spring", ["light-touch", "postural-arm"]),
@@ -97,7 +102,7 @@ PAGES: dict[str, Callable[[], Any]] = {
     "sweep": lambda: Swept(hs.load_scene("fu2019"), hs.sweep("fu2019", {"environment.m": [1.0, 2.0, 3.0]})),
 }  # fmt: skip
 TEX = ("require-delay", "stability", "tolerances")
-DEAR = {"design-map", "require", "jnd", "simulate", "release", "sweep", "derive", "metrics"}
+DEAR = {"design-map", "design", "design-kept", "require", "jnd", "simulate", "release", "sweep", "derive", "metrics"}
 CASES = often(PAGES, lambda name: name not in DEAR)
 
 
@@ -248,7 +253,7 @@ def magnitude(x: Fraction) -> int:
 
 NOT_TOLD = {
     "derive": None, "derive-ellipse": None, "published": None, "simulate": None, "release": None,  # formulas, words, rounding
-    "effects": {"operations"}, "design-map": {"unit", "band", "range", "slices", "proven"}, "peaks": {"band"}, "jnd": {"deviance"},
+    "effects": {"operations"}, "design-map": {"unit", "band", "range", "slices", "proven"}, "peaks": {"band"}, "design": {"where"}, "design-kept": {"where"}, "jnd": {"deviance"},
     "identify": {"rows"}, "family": {"environments"}, "stability": {"held"}, "stability-clock": {"held", "sampled"}, "control-loading": {"tests"},
 }  # fmt: skip
 """What the document of an answer holds and its page does not say, or says in part."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from random import Random
 
+import numpy as np
 import pytest
 from sympy import Integer, Rational
 
@@ -150,6 +151,107 @@ def test_several_environments_have_the_least_of_their_bandwidths():
     for hertz in (12, 20, 24, 30, 50, 100, 300, 900):
         values = {"effects.amplifier.omega_c": f"{hertz} Hz"}
         assert min(exact(x, values) for x in family.scenes.values()) <= found.bandwidth[1]
+
+
+ON = np.linspace(0, 60, 2401)[1:]
+
+
+def first_beyond(excess) -> float:
+    """Where a dense grid of frequencies sees a threshold exceeded first; the band's end if nowhere."""
+    beyond = np.flatnonzero(excess > 0)
+    return float(ON[beyond[0]] if len(beyond) else ON[-1])
+
+
+def square(x, y):
+    return np.maximum(abs(x), abs(y)) - 0.1
+
+
+TOUCHED = {"a spring": (400, 0.0, 0.0), "tissue": (150, 6.0, 0.0), "a stick": (300, 4.0, 0.8)}
+
+
+def test_several_environments_against_a_dense_grid(tmp_path):
+    """A lead and its lag against a lag and a delay: the least of three bandwidths, over 60 values of one parameter, by NumPy."""
+    each = "".join(
+        f'[[environments]]\nname = "{x}"\nmodel = "mass-spring-damper"\nk = {k}\nb = {b}\nm = {m}\n'
+        for x, (k, b, m) in TOUCHED.items()
+    )
+    path = tmp_path / "three.toml"
+    path.write_text(
+        f"""{each}[[effects]]
+model = "delay"
+tau = "2 ms"
+[[effects]]
+model = "first-order-lag"
+omega_c = "90 rad/s"
+[[effects]]
+name = "lead"
+model = "series"
+G = "1 + s*T"
+parameters = {{ T = "5 ms" }}
+[evaluation]
+band = [0, 60]
+jnd = 0.1
+"""
+    )
+    found, s = hs.design(path, {"T": ("1 ms", "40 ms")}), 1j * ON
+
+    def least(T: float) -> float:
+        G = np.exp(-0.002 * s) * 90 / (s + 90) * (1 + s * T)
+        H = [k + b * s + m * s * s for k, b, m in TOUCHED.values()]
+        return min(first_beyond(square((h * (G - 1) / abs(h)).real, (h * (G - 1) / abs(h)).imag)) for h in H)
+
+    assert found.certified
+    assert found.best
+    [best] = found.best.values
+    step = ON[0]
+    assert abs(least(float(best)) - found.bandwidth[0]) <= 2 * step
+    assert max(map(least, np.linspace(0.001, 0.04, 60))) <= found.bandwidth[1] + step
+
+
+JUDGED = {
+    "an ellipse": ({"shape": "ellipse", "real": "0.1", "imag": "0.12", "tilt": "0.5"}, lambda x, y, w: (x / 0.1) ** 2 - (x / 0.1) * (y / 0.12) + (y / 0.12) ** 2 - 0.75),
+    "a diamond": ({"shape": "diamond", "real": "0.1", "imag": "0.15"}, lambda x, y, w: abs(x) / 0.1 + abs(y) / 0.15 - 1),
+    "a polygon": ({"shape": "polygon", "corners": [["0.1", 0], [0, "0.12"], ["-0.1", 0], [0, "-0.15"]]},
+                  lambda x, y, w: np.maximum.reduce([x / 0.1 + y / 0.12, y / 0.12 - x / 0.1, x / 0.1 - y / 0.15, -x / 0.1 - y / 0.15]) - 1),
+    "a formula": ("0.08 + 0.004*omega", lambda x, y, w: np.maximum(abs(x), abs(y)) - 0.08 - 0.004 * w),
+}  # fmt: skip
+
+
+@pytest.mark.few("a polygon")
+@pytest.mark.parametrize("name", JUDGED)
+def test_each_jnd_against_a_dense_grid(name):
+    """A hold, a low-pass and a delay: sweeps decide none of it for a polygon, where single points go by the one search."""
+    jnd, excess = JUDGED[name]
+    effects = (F.zero_order_hold("4 ms"), F.second_order_lowpass(120, "0.3"), F.delay("1 ms"))
+    scene = hs.Scene(E.zener(k0=300, k1=400, b1=6), effects, (0, 60), jnd)
+    found, s = hs.design(scene, {"zeta": ("0.05", "1.5")}), 1j * ON
+    h = 300 + 400 * 6 * s / (400 + 6 * s)
+
+    def bandwidth(zeta: float) -> float:
+        G = -np.expm1(-0.004 * s) / (0.004 * s) * 14400 / (s * s + 240 * zeta * s + 14400) * np.exp(-0.001 * s)
+        change = h * (G - 1) / abs(h)
+        return first_beyond(excess(change.real, change.imag, ON))
+
+    assert found.certified
+    assert found.best
+    [best] = found.best.values
+    assert abs(bandwidth(float(best)) - found.bandwidth[0]) <= 2 * ON[0]
+    assert max(map(bandwidth, np.geomspace(0.05, 1.5, 120))) <= found.bandwidth[1] + ON[0]
+
+
+def test_a_display_that_is_active_far_above_the_band_only():
+    """A damped spring that comes 0.1 to 9 ms late gives energy away above tan(omega tau) = b omega/k, some far above 30 rad/s."""
+    scene = hs.Scene(E.kelvin_voigt(100, 20), (F.delay("1 ms"),), (1, 30))
+    found = hs.design(scene, {"tau": ("0.1 ms", "9 ms")}, keep="passive")
+    assert (found.best, found.certified, found.bandwidth) == (None, True, (0.0, 0.0))
+
+
+def test_nothing_starts_above_a_low_end_that_is_not_0():
+    """A lag of at most 12 rad/s distorts a spring by more than 10 % from 1.3 rad/s on: a band from 5 rad/s has no bandwidth."""
+    scene = hs.Scene(E.kelvin_voigt(100, 2), (F.first_order_lag(8),), (5, 150))
+    found = hs.design(scene, {"omega_c": (4, 12)})
+    assert found.bandwidth[0] == 0
+    assert found.certified
 
 
 def test_the_whole_band_near_the_scenes_own_values():

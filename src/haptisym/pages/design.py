@@ -108,7 +108,8 @@ def _percent(x: Expr) -> str:
 
 def _proven(a: Design) -> Iterator[Phrase]:
     spans = (_range(x, float(low), float(high)) for x, (low, high) in zip(a.free, a.ranges, strict=True))
-    yield "Range searched: ", listed(spans), "."
+    low, high = (cell(float(x), Way.NEAREST) for x in a.family.band)
+    yield "Range searched: ", listed(spans), "; band: ", low, " to ", high, "\xa0", FREQUENCY_UNIT, "."
     if a.best is not None and len(a.clusters):
         boxes = [listed(_range(x, *ends) for x, ends in zip(a.free, box, strict=True)) for box in a.clusters[:4]]
         more = f" and {len(a.clusters) - 4} more" if len(a.clusters) > 4 else ""

@@ -66,6 +66,11 @@ def page(e: Evaluation) -> Document:
     return w.page_about(e.scene, findings(e), blocks, _proven(e), kind, e.asides(), further)
 
 
+def _percent(x: float) -> str:
+    """To a tenth, or three digits of what is less."""
+    return f"{100 * x:+{'.1f' if not x or abs(x) >= 5e-4 else '.3g'}}\xa0%"
+
+
 _FITTED = {"k": ("stiffness", Dimension.STIFFNESS), "b": ("damping", Dimension.DAMPING), "m": ("mass", Dimension.MASS)}
 
 
@@ -81,7 +86,7 @@ def _movement(e: Evaluation) -> Iterator[doc.Block]:
         w.number("environment", lambda x: w.near(found.environment[x])),
         w.number("perceived", lambda x: w.near(found.perceived[x])),
         w.Field("unit", lambda x: w.unit(_FITTED[x][1], e.scene.motion)),
-        w.number("change", lambda x: "" if (own := found.change[x]) is None else f"{100 * own:+.1f}\xa0%"),
+        w.number("change", lambda x: "" if (own := found.change[x]) is None else _percent(own)),
     )
     said: list[Phrase] = [
         f"Least squares over a {found.spectrum}: what a fit to this movement reports, not what a person was shown to perceive."

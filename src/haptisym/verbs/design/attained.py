@@ -1,8 +1,7 @@
 """Bandwidths that are attained: many sets of values in floats, the best of them exactly, with what must be kept.
 
-Floats only propose: those of a sweep, and where these decide nothing (several delays and a free period, say) what the one
-search shows at single points. What is called attained was evaluated exactly at rational values, and what must be kept was
-decided there.
+Floats only propose: those of a sweep, and where these take long or decide nothing what the one search shows at single
+points. What is called attained was evaluated exactly at rational values, and what must be kept was decided there.
 """
 
 from __future__ import annotations
@@ -21,6 +20,7 @@ from haptisym.judge.excess import Side
 from haptisym.judge.passivity import passivity
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import HaptisymError, LimitError
+from haptisym.kernel.rings import s
 from haptisym.kernel.where import Judge
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Knob, Scene
@@ -32,8 +32,8 @@ PASSIVE, STABLE, STEADY = "passive", "stable", "steady"
 KEPT = (PASSIVE, STABLE, STEADY)
 _POINTS = {1: 40, 2: 160, 3: 400}
 """Sets of values to begin with, for so many parameters."""
-_ROUNDS, _ROUND = 24, {1: 16, 2: 40, 3: 80}
-"""Times that the search closes in on the best, and sets of values each time."""
+_ROUNDS, _ROUND, _CLOSER = {1: 12, 2: 24, 3: 24}, {1: 16, 2: 40, 3: 80}, {1: 0.25, 2: 0.5, 3: 0.5}
+"""Times that the search closes in on the best, sets of values each time, and to which share of the box before."""
 _TRIED = 6
 """Of the proposals of a round that look better than what keeps all, how many are tried."""
 _GOLDEN = {1: 1.618033988749895, 2: 1.324717957244746, 3: 1.2207440846057596}
@@ -149,11 +149,12 @@ class Points:
         return np.select([shares >= 1, shares > 0], [high, low + shares * (high - low)], 0.0)
 
     def _kernel(self, scene: Scene) -> Kernel | None:
-        """What a sweep has, if it decides any of a few sets of values."""
+        """What a sweep has: not of several delays, holds or powers of s, of which a set of values may take it a second."""
         if id(scene) not in self._kernels:
-            kernel = Kernel.of(replace(scene, hands=()), self.free)
-            tried = self.spread(_TRIED)[:_TRIED]
-            self._kernels[id(scene)] = kernel if len(kernel.in_floats(tried.T)[1]) < len(tried) else None
+            chain = scene.chain
+            parts = ((chain.environment, chain.rendered), *chain.matrices)
+            waves = [x for x in parts if not all(entry.is_rational_function(s) for entry in x)]
+            self._kernels[id(scene)] = None if len(waves) > 1 else Kernel.of(replace(scene, hands=()), self.free)
         return self._kernels[id(scene)]
 
     def _put(self, scene: Scene, values: Sequence[Expr]) -> Scene:
@@ -186,15 +187,15 @@ class Points:
         Proposed by floats, which close in on the best so far, and evaluated exactly.
         """
         values, found = start, self.bandwidths(start)
-        centre, top = None, least
-        for n in range(_ROUNDS):
+        centre, top, sides = None, least, len(self.free)
+        for n in range(_ROUNDS[sides]):
             tick()
             i = self._first_kept(values, found, top)
             if i is not None:
                 centre, top = values[i], float(found[i])
             if centre is None:
                 return None
-            values = self._near(centre, 0.5 ** (n + 1), n)
+            values = self._near(centre, _CLOSER[sides] ** (n + 1), n)
             found = self.bandwidths(values)
         assert centre is not None
         best = self.attained(exact(centre))
