@@ -452,9 +452,9 @@ def most_on_circle(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, alw
     ends = at_1, c[-1]
     if not all(x.ball.is_finite() for x in lines):
         return None
-    if not any(x.ball.contains(0) for x in ends):
-        if not pair.ball.contains(0) or has_no_pair([x.ball for x in c], c):
-            return 0
+    is_pair_open = pair.ball.contains(0) and not has_no_pair([x.ball for x in c], c)
+    if not is_pair_open and not any(x.ball.contains(0) for x in ends):
+        return 0
     return 1 if all(not (x.ball.contains(0) and x.rate.contains(0)) for x in (*ends, pair)) else None
 
 
