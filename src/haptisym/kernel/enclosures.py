@@ -193,13 +193,18 @@ _EITHER = arb(0, 1)
 
 
 _POINTS, _WIDER = 10, 6  # on the circle, and R/r
+_UNKNOWN = arb("nan")
 
 
 class Line(NamedTuple):
-    """All over a piece a function is at + slope x, -1 <= x <= 1: of ``at`` anything, of the slope one number all over it."""
+    """All over a piece a function is at + slope x, -1 <= x <= 1: of ``at`` anything, of the slope one number all over it.
+
+    ``rate`` : all values of its derivative in x, where that is known.
+    """
 
     at: Ball
     slope: Ball
+    rate: Ball = _UNKNOWN
 
     @property
     def ball(self) -> Ball:
@@ -227,7 +232,9 @@ def _line(around: acb, row: Sequence[Ball]) -> Line:
     """By the coefficients of the polynomial, and what the function is all around it."""
     off = 2 * around.rad().upper() * (arb(1) / _WIDER) ** _POINTS * _WIDER / (_WIDER - 1)
     bent = sum((x * (_EITHER if k % 2 else arb(0.5, 0.5)) for k, x in enumerate(row[2:])), row[0])
-    return Line(bent + off * _EITHER, row[1])
+    rate = sum((k * x * (_EITHER if k > 1 else 1) for k, x in enumerate(row[1:], 1)), arb(0))
+    # of f = sum a_m x^m, |a_m| <= M/R^m, m < n has a_m + a_(m + n) + ...: off by 2 sum_(m >= n) m M/R^m < (n + 1) off
+    return Line(bent + off * _EITHER, row[1], rate + (_POINTS + 1) * off * _EITHER)
 
 
 @lru_cache(maxsize=8)

@@ -89,14 +89,6 @@ class States:
         n = self.size
         return matrix([[c / self.rate ** (n - 1 - j) for j, c in enumerate(C)]], n)
 
-    def held(self, time: Ball) -> Any:
-        """Where a unit force that is held for some time takes the plant from rest."""
-        return column(self.integral(time), self.size - 1)
-
-    def moved(self, time: Ball) -> Any:
-        """exp(A time)."""
-        return self._one + self.A * self.integral(time)
-
     def integral(self, time: Ball) -> Any:
         """int_0^time exp(A t) dt = time S(A time), S(X) = 1 + X/2! + X^2/3! + ...: by its series of a small X, which is doubled.
 
@@ -383,7 +375,7 @@ def hurwitz(c: Sequence[Ball]) -> Ball:
         return arb(1)
     down = c[::-1]
     places = [[2 * (j + 1) - (i + 1) for j in range(n - 1)] for i in range(n - 1)]
-    return arb_mat([[down[k] if 0 <= k <= n else arb(0) for k in line] for line in places]).det()
+    return matrix([[down[k] if 0 <= k <= n else arb(0) for k in line] for line in places]).det()
 
 
 def has_no_pair(c: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
@@ -399,7 +391,7 @@ def has_no_pair(c: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
         return False
     halves = _halves(c)
     if lines:
-        (E_0, O_0), (E_1, O_1) = (map(arb_poly, _halves(x)) for x in zip(*lines, strict=True))
+        (E_0, O_0), (E_1, O_1) = (map(arb_poly, _halves(x)) for x in ([y.at for y in lines], [y.slope for y in lines]))
         halves.append((E_1 * O_0 - O_1 * E_0).coeffs())
     both = [arb_poly(x) for x in halves], [arb_poly(x[::-1]) for x in halves]  # in x, and in 1/x
     waiting = deque((parts, 0.0, 1.0) for parts in both)
@@ -431,10 +423,16 @@ def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, alway
 
 
 def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> bool:
-    """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up to 0 in v.
+    """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up to 0 in v."""
+    return most_on_circle(loop, known, one, always) == 0
 
-    Of one number also by what the coefficients are on circles about it: with a resonance between clock and hand, as behind a
-    compliance, balls are up to a thousand times as wide as what the coefficients do.
+
+def most_on_circle(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> int | None:
+    """For how many values in a ball each of the tests is 0 at most, proven: for none (0), for one; None where that is open.
+
+    Of one number also by what tests and coefficients are on circles about it: with a resonance between clock and hand, as behind
+    a compliance, balls are up to a thousand times as wide as what the coefficients do. A test whose derivative has one sign all
+    over is 0 once at most.
     """
 
     def told(numbers: Mapping[Expr, Any]) -> list[Any]:
@@ -442,21 +440,32 @@ def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: i
         T, c = expression_ball(loop.T, numbers), loop.in_v(numbers, always)
         return [c[0] if always else expression_ball(one, numbers), *(x * T**i for i, x in enumerate(c))]
 
+    def tested(numbers: Mapping[Expr, Any]) -> list[Any]:
+        found = told(numbers)
+        return [hurwitz(found[1:]), *found]
+
     if _is_clear(told(known)):
-        return True
+        return 0
     if len(known) > 1:
-        return False
+        return None
     [(symbol, q)] = known.items()
-    lines = over_circle(lambda x: told({symbol: x}), q.mid(), q.rad())
-    return _is_clear([x.ball for x in lines], lines[1:])
+    pair, *lines = over_circle(lambda x: tested({symbol: x}), q.mid(), q.rad())
+    at_1, *c = lines
+    ends = at_1, c[-1]
+    if not all(x.ball.is_finite() for x in lines):
+        return None
+    is_pair_open = pair.ball.contains(0) and not has_no_pair([x.ball for x in c], c)
+    if not is_pair_open and not any(x.ball.contains(0) for x in ends):
+        return 0
+    return 1 if all(not (x.ball.contains(0) and x.rate.contains(0)) for x in (*ends, pair)) else None
 
 
-def _is_clear(told: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
+def _is_clear(told: Sequence[Ball]) -> bool:
     """By what is at z = 1, and the coefficients, the last of which tells what is at z = -1."""
     at_1, *c = told
     if any(x.contains(0) or not x.is_finite() for x in (at_1, c[-1])):
         return False
-    return not hurwitz(c).contains(0) or has_no_pair(c, lines)
+    return not hurwitz(c).contains(0) or has_no_pair(c)
 
 
 @dataclass(frozen=True)
@@ -482,21 +491,23 @@ def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
     Q = [expression_ball(x, known) / lead for x in plant.denominator]
     n = len(Q) - 1
     states = States(Q)
+    lates = [expression_ball(lag - ell * period, known) for (lag, _), ell in zip(plant.terms, whole, strict=True)]
+    parts = [None if x.is_zero() else (states.integral(T - x), states.integral(x)) for x in lates]
     integral = states.integral(T)
     M, held = states.A * integral, column(integral, n - 1)
     total, opposite, (den, adjugate) = arb_poly([]), arb(0), _leverrier(M)
     longest, there = max(whole) + 1, den(arb(-2))
-    for (lag, above), ell in zip(plant.terms, whole, strict=True):
+    for (_, above), ell, part in zip(plant.terms, whole, parts, strict=True):
         N = [expression_ball(x, known) / lead for x in above]
         N += [arb(0)] * (n + 1 - len(N))
         C = states.row([x - N[n] * q for x, q in zip(N, Q, strict=True)][:n])
-        late = expression_ball(lag - ell * period, known)
-        own = _power(1) * _between(C, adjugate, held if late.is_zero() else states.held(T - late)) + N[n] * den
-        if not late.is_zero():
-            own += _between(C, adjugate, states.moved(T - late) * states.held(late))
+        own = _power(1) * _between(C, adjugate, column(part[0], n - 1) if part else held) + N[n] * den
+        if part:
+            early, late = part[0], column(part[1], n - 1)
+            own += _between(C, adjugate, late + states.A * (early * late))
         total += own * _power(longest - 1 - ell)
         told = [own(arb(-2))]
-        least = opposite_response(states, C, T) if late.is_zero() else None
+        least = None if part else opposite_response(states, C, T)
         if least is not None:  # as narrow as its numbers, but no narrower than its series
             told.append((least + N[n]) * there)
         opposite += (-1) ** (longest - 1 - ell) * min(told, key=lambda x: float(x.rad()))

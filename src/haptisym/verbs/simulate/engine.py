@@ -191,6 +191,7 @@ def _acts(system: Linear, drive: Drive, net: Network | None = None) -> bool:
 _MOST_AT_ONCE = 256
 _FINEST = 64  # steps to the shortest delay; delays with no such common measure are read between steps
 _TINY = 1e-12  # of a step: closer instants are the same one
+_ROUNDING = 1e-14  # of the time
 _UNBOUNDED = 1e15  # m, N: beyond any display
 _MOST_EVENTS_AT_ONCE = 12
 _MOST_EVENTS = 100_000
@@ -290,6 +291,11 @@ class Engine:
         """A recorded signal at the nodes of all steps."""
         return self.record.values[: self.record.count, :, self.column(name)]
 
+    @property
+    def _tiny(self) -> float:
+        """What two instants may be apart that are one, s: a part of a step, and more than the rounding of sums of such."""
+        return max(_TINY * self.longest, _ROUNDING * self.t)
+
     # Going on
 
     def advance(self, until: float, watch: Callable[[float], None] | None = None) -> None:
@@ -300,7 +306,7 @@ class Engine:
                 watch(self.t)
             self._sample()
             ticks = (n * hold.period for n, hold in zip(self.samples, self.net.holds, strict=True))
-            end = min([until, *ticks, *self.breaks.next(self.t + _TINY * self.longest), *self._next_on_grid()])
+            end = min([until, *ticks, *self.breaks.next(self.t + self._tiny), *self._next_on_grid()])
             whole = int((end - self.t) / self.longest + 1e-9)
             h = self.longest if whole else float(f"{end - self.t:.13e}")  # equal steps are recognised as equal
             # no step may read a delay line where it has not been written yet
@@ -324,7 +330,7 @@ class Engine:
         if step:
             _, after = self.system.propagator.march(self.z, w[:step], h)
             self._accept(h, values[:step], after, self.t + step * h)
-        if place * h > _TINY * self.longest:
+        if place * h > self._tiny:
             _, after, values = self._attempt(1, place * h)
             self._accept(place * h, values, after, self.t + place * h)
         self._react(guard)
@@ -382,7 +388,7 @@ class Engine:
     def _sample(self) -> None:
         """Let every clock whose time has come read its source, and hold that."""
         for i, hold in enumerate(self.net.holds):
-            if self.samples[i] * hold.period <= self.t + _TINY * self.longest:
+            if self.samples[i] * hold.period <= self.t + self._tiny:
                 self.held[hold.target] = hold.read(self._now(hold.source))
                 self.samples[i] += 1
                 self.breaks.after(self.t)
@@ -408,7 +414,7 @@ class Engine:
                 "steps, or a loop that chatters; smooth a recording (--lowpass), or simulate a shorter time"
             )
         at, count = self.stalled
-        self.stalled = (self.t, count + 1 if self.t - at < _TINY * self.longest else 0)
+        self.stalled = (self.t, count + 1 if self.t - at < self._tiny else 0)
         if self.stalled[1] > _MOST_EVENTS_AT_ONCE:
             raise SceneError(f"{guard.element.name}: it switches endlessly at {self.t:.6g} s")
         if isinstance(guard.element, Step):

@@ -27,7 +27,7 @@ from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.pulse import Plant, SampledLoop, Timed, circle_tests, is_clear
+from haptisym.kernel.pulse import Plant, SampledLoop, Timed, circle_tests, is_clear, most_on_circle
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import Roots, is_stable
@@ -341,6 +341,8 @@ _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or p
 _DEEPEST = 8  # times that these are cut
 _GROWTH = Fraction(1, 2)  # of a cell, to the next
 _MOST_FINE = 40  # of the shortest cells on a side
+_MOST, _BRIEF = 800, 48  # of all cells on a side, and of one that is brief
+_QUICK = 4  # times as quick a clock may be where it is brief
 
 
 def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
@@ -440,12 +442,12 @@ class Opened:
         """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle."""
         return circle_tests(self.loop, {self.symbol: q}, self.at_one, self.always)
 
-    def is_clear(self, q: Ball) -> bool:
-        """Whether no root is on the circle for any number in a ball, proven."""
+    def most(self, q: Ball) -> int | None:
+        """For how many numbers in a ball each test is 0 at most, proven: 0, with no root on the circle, or 1; None: open."""
         try:
-            return is_clear(self.loop, {self.symbol: q}, self.at_one, self.always)
+            return most_on_circle(self.loop, {self.symbol: q}, self.at_one, self.always)
         except (UndecidedError, ZeroDivisionError):
-            return False
+            return None
 
     def angle(self, q: Ball, bits: int) -> Ball:
         """Of the pair on the circle: its argument, to so many bits; not finite where balls do not tell."""
@@ -472,7 +474,7 @@ class Walk:
     home: int
     rule: Rule
     ends: tuple[Fraction, Fraction]
-    most: int = 800
+    most: int = _MOST
     """Cells on a side."""
 
     def towards(self, side: int) -> tuple[Passage | None, Fraction]:
@@ -505,7 +507,12 @@ class Walk:
                 return found, Fraction(0) if found or self._is_clear_down_to_0(at, side) else at
             further = _short(at + side * step)
             ahead = min(further, end) if side > 0 else max(further, end)
-            if self._is_clear(at, ahead):
+            most = self._most(at, ahead)
+            if most == 1:
+                most, found = self._once(at, ahead)
+                if found is not None:
+                    return found, ahead
+            if most == 0:
                 at, step, growth = ahead, _short(step * (1 + growth)), min(_GROWTH, _short(growth * Fraction(5, 4)))
             elif step > _FINEST * max(abs(at), scale * _FINEST):
                 step, growth = step / 2, growth / 2  # soon about as long as may be
@@ -521,9 +528,26 @@ class Walk:
                     break
         return None, at
 
-    def _is_clear(self, one: Fraction, other: Fraction) -> bool:
+    def _most(self, one: Fraction, other: Fraction) -> int | None:
         with flint.ctx.workprec(_BITS):
-            return self.loop.is_clear(_ball(one).union(_ball(other)))
+            return self.loop.most(_ball(one).union(_ball(other)))
+
+    def _once(self, one: Fraction, other: Fraction) -> tuple[int | None, Passage | None]:
+        """The one change between two values, or 0 where there is none, each test being 0 once there at most; else None.
+
+        A pair comes to the circle only to go over it, as the test for it changes its sign where it is 0: so does the count then.
+        """
+        try:
+            count, on = self.loop.count(Rational(other.numerator, other.denominator))
+            if on:
+                return None, None
+            if count != self.home:
+                return None, self.between(one, other, count)
+        except UndecidedError:
+            return None, None
+        with flint.ctx.workprec(_BITS):
+            ends = [self.loop.tests(_ball(x))[:2] for x in (one, other)]
+        return (0 if all(x * y > 0 for x, y in zip(*ends, strict=True)) else None), None
 
     def _over(self, one: Fraction, step: Fraction) -> tuple[Passage | None, Fraction]:
         """Past values where balls do not tell: a change there, None if there is none, and how far that goes."""
@@ -543,7 +567,7 @@ class Walk:
         """Whether no value between two puts a root on the circle, proven; in ever smaller pieces, as beside one that does."""
         tick()
         with flint.ctx.workprec(_BITS):
-            if self.loop.is_clear(_ball(low).union(_ball(high))):
+            if self.loop.most(_ball(low).union(_ball(high))) == 0:
                 return True
         middle = (low + high) / 2
         return depth > 0 and self._has_none(low, middle, depth - 1) and self._has_none(middle, high, depth - 1)
@@ -565,7 +589,7 @@ class Walk:
 
     def _is_clear_down_to_0(self, at: Fraction, side: int) -> bool:
         """Whether no value down to 0, where the number may not be less, puts a root on the circle; 0 is among them."""
-        return side < 0 < self.start and self.rule is not Rule.ANY and self._is_clear(at, Fraction(0))
+        return side < 0 < self.start and self.rule is not Rule.ANY and self._most(at, Fraction(0)) == 0
 
     def _at_0(self, at: Fraction, side: int) -> Passage | None:
         """At the end of what was looked at: a change at 0 itself, where a root comes to 1; None where that stays open."""
@@ -602,8 +626,11 @@ class Passages:
     high: Fraction | None = None
 
 
-def passages(scene: Scene, hand: Hand, free: Knob) -> Passages:
-    """The nearest below the value that a number has, and the nearest above it. UndecidedError where that stays open."""
+def passages(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Passages:
+    """The nearest below the value that a number has, and the nearest above it. UndecidedError where that stays open.
+
+    ``brief`` : with few cells on a side, as of a number that nobody asked about.
+    """
     if free.rule not in (Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY):
         raise UndecidedError("an order in a loop with a clock")
     loop = opened(scene, hand, free)
@@ -612,7 +639,9 @@ def passages(scene: Scene, hand: Hand, free: Knob) -> Passages:
     walk = _walk(loop, free)
     times = _CLOCK if loop.is_of_clock else _FAR if loop.is_of_wall else _REACH
     more = (abs(walk.start) or 1) * times
-    walk = replace(walk, ends=(walk.start - more if free.rule is Rule.ANY else walk.start / times, walk.start + more))
+    less = walk.start / (_QUICK if brief and loop.is_of_clock else times)
+    low = walk.start - more if free.rule is Rule.ANY else less
+    walk = replace(walk, ends=(low, walk.start + more), most=_BRIEF if brief else walk.most)
     found, low, high = _both_ways(walk, scene, hand, free, 1)
     if low == high:
         tick()

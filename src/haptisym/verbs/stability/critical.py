@@ -455,11 +455,14 @@ class Nearest:
     high: Fraction | None = None
 
 
-def critical(scene: Scene, hand: Hand, free: Knob) -> Nearest:
-    """How far a number of the hand or of the display may go, either way, before the count of unstable roots changes."""
+def critical(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Nearest:
+    """How far a number of the hand or of the display may go, either way, before the count of unstable roots changes.
+
+    ``brief`` : with a clock, as far as few cells go.
+    """
     try:
         if clocks(scene):
-            found = passages(scene, hand, free)
+            found = passages(scene, hand, free, brief=brief)
             still = (
                 drifts(scene, hand) if found.found else 0
             )  # for all of the values: no walk sets out from one at z = 1 alone

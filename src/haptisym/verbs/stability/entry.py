@@ -14,7 +14,7 @@ from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import whole
-from haptisym.model.catalogue import DIFFERENCE_EQUATION, NOBODY, Hand, hands, how_to_give
+from haptisym.model.catalogue import NOBODY, Hand, hands, how_to_give
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.model.scenefile import as_scene, read_scenes
 from haptisym.verbs.evaluate.certificate import document, inverse, name_in_file, zeros
@@ -168,7 +168,7 @@ def stability(
     ``hand`` : the hands to ask about: the scene's, or those that the package ships (``hs.hands``), by name, or each a ``Hand``;
     those of the scene if not given. ``free`` : numbers by path or symbol; for each, and for the hand's own, the nearest
     values are found at which the number of unstable roots changes; if none is given, all numbers of the display, with a clock
-    the stiffness and damping of the wall. ``digits`` : of each number in the document.
+    in a shorter search. ``digits`` : of each number in the document.
     ``limit`` : seconds after which what is not decided stays open; None for none.
 
     What stays open is None, and the answer is then not certified. SceneError where a hand is not known, is given twice or turns
@@ -183,12 +183,12 @@ def stability(
     scene = in_hands(scene, hand)
     scene.knobs.need_numbers()
     paths = [free] if isinstance(free, str) else several("free", free, "give paths or symbols of numbers")
-    if not paths and scene.hands:
-        paths = [x.path for x in scene.knobs if _is_set_by_designer(scene, x)]
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
+    if not paths and scene.hands:
+        asked_of = [x for x in scene.knobs if not (x.parts or x.is_of_hand)]
     with limited(limit):
         rows = tuple(held(scene, x) for x in scene.hands)
-        near = tuple(_critical(scene, x, asked_of) for x in rows)
+        near = tuple(_critical(scene, x, asked_of, brief=not paths) for x in rows)
         boxes = tuple(whole_box(scene, x) for x in scene.hands)
         under, every = imposed(scene), every_passive_hand(scene)
         nearby = tuple(margins(scene, x.hand) if x.shakes is False else None for x in rows)
@@ -208,15 +208,6 @@ def in_hands(scene: Scene, hand: str | Hand | Iterable[str | Hand] | None) -> Sc
     return scene.with_hands(*asked)
 
 
-def _is_set_by_designer(scene: Scene, x: Knob) -> bool:
-    """Every number of the display; with a clock, where each takes seconds, what the controller renders."""
-    if not clocks(scene):
-        return not (x.parts or x.is_of_hand)
-    if scene.rendered is not None and scene.rendered.model == DIFFERENCE_EQUATION:
-        return x.path.startswith("rendered.")
-    return x.path in WALL
-
-
 def _number(scene: Scene, x: Knob) -> Knob:
     if x.parts:
         raise SceneError(
@@ -227,13 +218,16 @@ def _number(scene: Scene, x: Knob) -> Knob:
     return x
 
 
-def _critical(scene: Scene, x: Held, free: Iterable[Knob]) -> tuple[Nearest, ...]:
-    """Of the hand's own numbers, and of those that were asked about."""
+def _critical(scene: Scene, x: Held, free: Iterable[Knob], *, brief: bool) -> tuple[Nearest, ...]:
+    """Of the hand's own numbers, and of those that were asked about; of others with a clock, the wall's apart, in brief."""
     if x.roots is None:
         return ()
     own = [knob for knob in scene.knobs if knob.is_of_hand and knob.symbol in {p.symbol for p in x.hand.parameters}]
     others = [knob for knob in free if not knob.is_of_hand]
-    return tuple(critical(scene, x.hand, knob) for knob in (*own, *others))
+    return (
+        *(critical(scene, x.hand, knob) for knob in own),
+        *(critical(scene, x.hand, knob, brief=brief and knob.path not in WALL) for knob in others),
+    )
 
 
 def chosen(scene: Scene, given: str | Hand) -> Hand:

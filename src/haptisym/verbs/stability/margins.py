@@ -274,9 +274,9 @@ class _Later:
     ) -> Iterator[tuple[int, float, float]]:
         """Cells of phi with a root that may be on the circle, and with how many whole samples at least, or ``only`` so many."""
         with ctx.workprec(_BITS):
-            q = (arb(low.numerator) / low.denominator).union(arb(high.numerator) / high.denominator)
+            q = _between(low, high)
             lines = over_circle(lambda x: loop.loop.sides({loop.symbol: x})[0].coeffs(), q.mid(), q.rad())
-            N, slope = (arb_poly(list(x)) for x in zip(*lines, strict=True))
+            N, slope, _ = (arb_poly(list(x)) for x in zip(*lines, strict=True))
             Q, either = loop.loop.sides({loop.symbol: q})[1], arb(0, 1)
             waiting, looked = [*phis], 0
             while waiting:
@@ -307,8 +307,12 @@ class _Later:
         left = [(a, b) for _, a, b in self._allowed(loop, low, high, finest, phis, d)]
         if not left:
             return None
-        if width <= _FINEST:
-            late = Opened(replace(loop.loop, above=(*[Integer(0)] * d, *loop.loop.above)), loop.symbol)
+        late = Opened(replace(loop.loop, above=(*[Integer(0)] * d, *loop.loop.above)), loop.symbol)
+        with ctx.workprec(_BITS):
+            most = late.most(_between(low, high)) if d <= _FEW and _FINEST < width <= _THIN else None
+        if most == 0:
+            return None
+        if most or width <= _FINEST:
             home, count = (late.count(Rational(x.numerator, x.denominator))[0] for x in (low, high))
             if home != count:
                 found = Walk(late, low, home, Rule.POSITIVE, (low, high)).between(low, high, count)
@@ -319,7 +323,12 @@ class _Later:
         return self._in(loop, low, middle, d, left) or self._in(loop, middle, high, d, left)
 
 
+def _between(low: Fraction, high: Fraction) -> Ball:
+    return (arb(low.numerator) / low.denominator).union(arb(high.numerator) / high.denominator)
+
+
 _PI = 3.1415926535897936  # a little more
+_THIN, _FEW = 2.0**-2, 8  # of a period, and whole samples, from which on a test for a pair pays
 _COARSE, _FINEST, _SLOWEST, _MORE, _TURNS, _PARTS = 2.0**-6, 2.0**-16, 2.0**-14, 16, 64, 4
 _BITS, _DEEPEST, _MOST_CELLS = 128, 48, 20_000
 
