@@ -268,7 +268,7 @@ def _body(controls: list[Html], threshold: Threshold, *, is_small: bool, is_prov
     note = element(
         "p", "Move the sliders, or type values: the closed forms are drawn anew, the scene's own curves stay in grey. ",
         element("strong", "This explorer computes in floating point and samples the band"),
-        "; it sees no tangency, and says nothing of stability.", tables if proving else answered, fixed,
+        "; it sees no tangency, and does not test stability.", tables if proving else answered, fixed,
         again if is_proven else "",
     )  # fmt: skip
     lines = ("band", "crossings", *(("proven",) if is_proven else ()), "probe")
@@ -343,4 +343,4 @@ def _probe(e: Evaluation) -> tuple[Slider, str]:
     low, high = (float(e.chart.points[i].omega) for i in (0, -1))
     middle = float(f"{(low + high) / 2:.4g}")
     slider = Slider("explorer-omega", inline(OMEGA), "rad/s", middle, low, high, Rule.NONNEGATIVE, most=high)
-    return slider, "frequency at which values are told"
+    return slider, "frequency at which values are printed"

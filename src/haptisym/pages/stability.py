@@ -258,7 +258,7 @@ def _margins(found: Stability) -> Iterator[Block]:
         "Margins: how much the rendered force may change",
         (
             w.table(
-                rows, "By which factor, and by how much more delay or angle at one frequency, until it shakes.",
+                rows, "By which factor, and by how much more delay or angle at one frequency, until it is unstable.",
                 w.Field("hand", lambda x: x[0]), w.Field("factor", sides(lambda x, way: doc.Real(x.value, way))),
                 w.Field("dB", sides(lambda x, way: doc.Real(20 * log10(float(x.value)), way, most=3))),
                 w.number("more delay (ms)", one("delay", lambda x: x.delay, Rational(1, 1000))), *phase,

@@ -337,7 +337,7 @@ def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed
 
         timed = interleaved(task.attempts, patience * _BUDGETS[task.name], rounds=_ROUNDS, told=said)
         done += len(task.attempts)
-        told(f"{task.name}: right digits", done / count)
+        told(f"{task.name}: correct digits", done / count)
         done += 1
         for method, x in timed.items():
             if isinstance(x.answer, HaptisymError):
