@@ -168,15 +168,8 @@ def _others(scene: Scene) -> Iterator[tuple[str, tuple[Slider, str]]]:
         stiffness = unit(Dimension.STIFFNESS, scene.motion)
         value = nearest_double(region.floor)
         slider = Slider(
-            "explorer-floor",
-            Html("floor"),
-            stiffness,
-            value,
-            value / 10,
-            value * 10,
-            Rule.POSITIVE,
-            is_logarithmic=True,
-        )
+            "explorer-floor", Html("floor"), stiffness, value, value / 10, value * 10, Rule.POSITIVE, is_logarithmic=True,
+        )  # fmt: skip
         yield "floor", (slider, "least change that is noticed")
     if region.shape is Shape.ELLIPSE and not region.tilt.has(omega):
         value = nearest_double(region.tilt)
@@ -229,15 +222,12 @@ def explorer(e: Evaluation, forms: SceneForms, *, proving: bool = True) -> Html:
     controls = dict([*sliders.values(), *limits.values(), probe])
     names = [a.symbol for a in program.arguments[1:]]
     record = {
-        "band": [probe[0].low, probe[0].high],
-        "unit": unit(Dimension.STIFFNESS, e.scene.motion),
-        "arguments": [sliders[x][0].identity for x in names],
-        "region": region_record(e.scene.threshold, limits),
+        "band": [probe[0].low, probe[0].high], "unit": unit(Dimension.STIFFNESS, e.scene.motion),
+        "arguments": [sliders[x][0].identity for x in names], "region": region_record(e.scene.threshold, limits),
         "limits": list(dict.fromkeys(slider.identity for slider, _ in limits.values())),
-        "sliders": [slider.record() for slider in controls],
-        "paths": _paths(e, sliders),
+        "sliders": [slider.record() for slider in controls], "paths": _paths(e, sliders),
         "environment": name_in_file(e.scene) if is_proven else None,
-    }
+    }  # fmt: skip
     code = program.code(Language.JAVASCRIPT)
     own = files("haptisym") / "data"
     page = "".join((own / name).read_text(encoding="utf-8") for name in ("region.js", "explorer.js"))

@@ -254,14 +254,8 @@ def _cancelled() -> _Made:
 
 
 VALUES = (
-    "H_perc - H_env in floats",
-    "python-control",
-    "scipy.signal",
-    "fast",
-    "double-double",
-    "certified",
-    "30 digits",
-)
+    "H_perc - H_env in floats", "python-control", "scipy.signal", "fast", "double-double", "certified", "30 digits",
+)  # fmt: skip
 """The methods that the questions about values are put to."""
 COUNTS = ("grid of 10^4 + Brent", "numpy.roots", "certified, 15 digits", "certified, 50 digits")
 """Those that the questions about crossings are put to."""
