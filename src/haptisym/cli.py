@@ -91,13 +91,9 @@ def app() -> None:
 
 
 _EXTRAS = {
-    "scipy": "simulate",
-    "xarray": "sweep",
-    "dask": "sweep",
-    "zarr": "sweep",
-    "numba": "fast",
+    "scipy": "simulate", "xarray": "sweep", "dask": "sweep", "zarr": "sweep", "numba": "fast",
     "psignifit": "psychophysics",
-}
+}  # fmt: skip
 """Packages that only some verbs need, and the extra of each."""
 
 

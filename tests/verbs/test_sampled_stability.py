@@ -187,11 +187,11 @@ def test_what_leaves_the_place_free_has_a_root_at_one(damper: str) -> None:
 
 
 REASONS = {
-    "two clocks": ((F.zero_order_hold("1 ms"), F.zero_order_hold("2 ms"), F.shunt(m="0.1")), "two clocks"),
-    "a line": ((F.sampled_loop("1 ms", "tustin"), F.wave_variables(3, "5 ms")), "a delay comes back between clock and hand"),
+    "two clocks": ((F.zero_order_hold("1 ms"), F.zero_order_hold("2 ms"), F.shunt(m="0.1")), "two samplers"),
+    "a line": ((F.sampled_loop("1 ms", "tustin"), F.wave_variables(3, "5 ms")), "a delay returns between sampler and hand"),
     "friction": ((F.sampled_loop("1 ms", "tustin"), F.coulomb_friction("0.1", "1 cm"), F.shunt(m="0.1")), "friction"),
     "nothing": ((F.sampled_loop("1 ms", "tustin"),), "nothing that has mass"),
-    "a power of s": ((F.sampled_loop("1 ms", "tustin"), F.shunt(Z="s^2 + s^(1/2)")), "a power of s comes back"),
+    "a power of s": ((F.sampled_loop("1 ms", "tustin"), F.shunt(Z="s^2 + s^(1/2)")), "a power of s returns"),
     "no force": ((F.sampled_loop("1 ms", "tustin"), F.series("0*s"), F.shunt(m=1)), "does not reach the hand"),
     "an impulse": ((F.sampled_loop("1 ms", "tustin"), F.series("s^3/(s + 1)"), F.shunt(b=1)), "by an impulse"),
 }  # fmt: skip
@@ -239,7 +239,7 @@ def test_where_the_condition_does_not_apply_a_reason_is_given() -> None:
     chain = F.sampled_loop("1 ms", "tustin"), F.compliance(k=5000), F.shunt(m="0.1")
     told = hs.stability(hs.Scene(E.mass_spring_damper(k=100), chain)).to_dict()["sampled"]
     assert (told["passive"], told["damping_needed"]) == (None, None)
-    assert "between clock and hand" in told["reason"]
+    assert "between sampler and hand" in told["reason"]
 
 
 def test_a_passive_display_is_stable_in_every_hand_that_is_tried() -> None:

@@ -274,11 +274,11 @@ WITHIN = "undefined: the display touches its threshold within the bandwidth"
     ("scene", "where", "reason"),
     [
         (shunted(100, "0.1", 1, {"real": 0.1, "imag": 0.2}), 10, ""),
-        (shunted(100, "0.1", 2, {"real": 0.1, "imag": 0.2}), 10, "undefined: both ratios meet their thresholds here"),
+        (shunted(100, "0.1", 2, {"real": 0.1, "imag": 0.2}), 10, "undefined: both ratios cross their thresholds here"),
         (
             shunted(100, "0.1", 0, 0.1, (0, 10)),
             10,
-            "undefined: a ratio meets its threshold at the very end of the band",
+            "undefined: a ratio crosses its threshold at the very end of the band",
         ),
         (shunted(100, "0.1", 0, 0.1, (0, 9)), 9, ""),
         (shunted(100, "0.1", 0, 0.1, (10, 20)), 10, TOUCH),

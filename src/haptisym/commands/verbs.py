@@ -198,7 +198,9 @@ def derive(ask: Ask) -> None:
 
     language = "json" if ask.json else ask.to
     if ask.keep and ask.mode:
-        raise SceneError(f"--keep says which parameters stay symbols, and so does --{ask.mode}: leave out one of them")
+        raise SceneError(
+            f"--keep gives the parameters that stay symbols, and so does --{ask.mode}: leave out one of them"
+        )
     if ask.json and ask.to != "json" and given("--to"):
         what = f"--json is one document of all formulas, and --to {ask.to} another output"
         raise SceneError(f"{what}: leave out one of them")

@@ -1,4 +1,4 @@
-"""Accuracy against time as a figure: right digits over seconds, both logarithmic, one panel for each question.
+"""Accuracy against time as a figure: correct digits over seconds, both logarithmic, one panel for each question.
 
 Filled marks are proven, open ones are not; the lines are the Pareto fronts of all and of the proven ones: what nothing beats in
 both. Answers with a wrong number of crossings, or without a right digit, stand on the grey strip below.
@@ -58,7 +58,7 @@ def draw_cost(ax: Axes, rows: Sequence[Measurement]) -> None:
     _dress(ax)
     ax.set_title(_TITLES[rows[0].task], fontsize=pen.TEXT, loc="left", color=pen.INK)
     ax.set_xlabel("time", fontsize=pen.SMALL)
-    ax.set_ylabel("right digits", fontsize=pen.SMALL)
+    ax.set_ylabel("correct digits", fontsize=pen.SMALL)
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,7 @@ def wall(found: Stability) -> Chart:
     """Damping against stiffness of the wall that is rendered: a ground where it is not stable, with its unstable poles."""
     if not has_plane(found.scene):
         raise NothingToDrawError(
-            "with a clock the plane is that of a wall's stiffness and damping, and the scene has none"
+            "the plane of a sampled display is that of a wall's stiffness and damping, and the scene has none"
         )
     hand = found.held[0].hand if found.held else Hand(NOBODY)
     k_knob, b_knob = (found.scene.knobs[path] for path in WALL)

@@ -79,7 +79,7 @@ def _modulus(values: Any) -> Any:
 
 ANY_ENVIRONMENT = Criterion(
     "any environment", "any environment", "|G - 1|", "|G - 1| <= c", _square, _modulus,
-    kept="transparent with any environment whatever",
+    kept="transparent with any environment",
 )  # fmt: skip
 """Judges the effects of a scene alone, whatever stands behind them."""
 

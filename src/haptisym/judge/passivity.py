@@ -30,7 +30,7 @@ from haptisym.judge.peaks import Greatest, greatest
 from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.far import Far, Sense, far
+from haptisym.kernel.far import AsymptoticSign, Sense, far
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, omega, s
 from haptisym.kernel.rootcount import count_roots, is_stable, order_at_0
@@ -235,7 +235,7 @@ class Passivity:
     chart: Chart
     high: Expr
     beyond: Beyond
-    settled: Far = Far(Sense.UNKNOWN)
+    settled: AsymptoticSign = AsymptoticSign(Sense.UNKNOWN)
 
     @cached_property
     def active(self) -> tuple[Interval, ...]:
@@ -354,13 +354,13 @@ def passivity(scene: Scene, distortion: Distortion | None = None) -> Passivity:
     """
     d = distortion or scene.closed
     periods = clocks(scene)
-    settled = Far(Sense.POSITIVE) if periods else far(d.perc_response.raw_imag)
+    settled = AsymptoticSign(Sense.POSITIVE) if periods else far(d.perc_response.raw_imag)
     high, is_late = (pi / max(periods, key=float), False) if periods else _reach(scene, d, settled)
     beyond = Beyond.CLOCK if periods else Beyond.LATE if is_late else _BEYOND[settled.sense]
     return Passivity(scene, d, chart({PASSIVE: PASSIVE.function(d)}, Integer(0), high), high, beyond, settled)
 
 
-def _reach(scene: Scene, d: Distortion, settled: Far) -> tuple[Expr, bool]:
+def _reach(scene: Scene, d: Distortion, settled: AsymptoticSign) -> tuple[Expr, bool]:
     """As far as a chart goes: where the sign is settled, else some turns of the delays; the band in any case.
 
     And whether it settles only after too many turns.

@@ -35,10 +35,10 @@ from haptisym.kernel.waves import (
     NEARER,
     Wave,
     WaveSum,
-    beginning,
     by_powers,
     clear_of_zero,
     exact_waves,
+    leading_term,
     order_at_0,
     taylor_coefficients,
 )
@@ -390,7 +390,7 @@ def _shown_sign(factor: AnalyticFactor, place: Expr) -> int:
 @lru_cache(maxsize=1024)
 def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
     if place == 0 and factor.orders:
-        return beginning(factor).exponent
+        return leading_term(factor).exponent
     if place == 0 and not any(constant for _, constant in factor.rates):
         if not factor.begins_with_zero:
             return 0

@@ -1,8 +1,8 @@
-"""What a real function of omega does far out: which sign it has beyond a frequency, or that it changes sign for ever.
+"""What sign a real function of omega has at high frequency, or that it changes sign at infinitely many frequencies.
 
 A function is a sum of powers of omega, each times a sum of waves: sines and cosines of multiples of angles. The highest power
 decides where what does not turn in it outweighs all that does: from some frequency on all lower powers are less. Where its
-waves take both signs, they take both again and again, as sums of waves come back as near as one likes to every value they have.
+waves take both signs, they take both infinitely often, as sums of waves come as near as one likes to every value they have.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _FIRST = Rational(1, 1 << 20)  # rad/s
 
 
 class Sense(Enum):
-    """The sign of a function beyond a frequency; ``POSITIVE`` and ``NEGATIVE`` allow for zeros."""
+    """The sign of a function above a frequency; ``POSITIVE`` and ``NEGATIVE`` allow for zeros."""
 
     POSITIVE = 1
     NEGATIVE = -1
@@ -40,15 +40,15 @@ class Sense(Enum):
 
 
 @dataclass(frozen=True)
-class Far:
-    """The sign of a function beyond ``radius``, rad/s; where it is ``BOTH`` or ``UNKNOWN`` there is no such radius."""
+class AsymptoticSign:
+    """The sign of a function above ``radius``, rad/s; where it is ``BOTH`` or ``UNKNOWN`` there is no such radius."""
 
     sense: Sense
     radius: Rational = Integer(0)
 
 
-def far(f: RationalFunction) -> Far:
-    """The sign far out of a function of an axis, with numbers only, over a square: certified, ``UNKNOWN`` where that stays open.
+def far(f: RationalFunction) -> AsymptoticSign:
+    """The sign at high frequency of a function of an axis, with numbers only, over a square: proven, or ``UNKNOWN``.
 
     The sign is that of its numerator, as its denominator must nowhere be negative: such is a response that is not reduced.
 
@@ -66,15 +66,15 @@ def far(f: RationalFunction) -> Far:
     assert isinstance(axis, Axis)
     polynomial = axis.without_circles(f.numerator)[0]
     if polynomial.is_zero():
-        return Far(Sense.POSITIVE)
+        return AsymptoticSign(Sense.POSITIVE)
     waves = _Waves(axis, polynomial)
     highest = max(waves.groups)
     with flint.ctx.workprec(_BITS):
         sign, least = waves.dominated(highest)
         if not least > 0:
-            return Far(Sense.BOTH if waves.takes_both_signs(highest) else Sense.UNKNOWN)
+            return AsymptoticSign(Sense.BOTH if waves.takes_both_signs(highest) else Sense.UNKNOWN)
         radius = waves.prevails(highest, least)
-    return Far(Sense.UNKNOWN) if radius is None else Far(Sense(sign), radius)
+    return AsymptoticSign(Sense.UNKNOWN) if radius is None else AsymptoticSign(Sense(sign), radius)
 
 
 _Group: TypeAlias = dict[tuple[int, ...], Ball]

@@ -472,7 +472,7 @@ Powers: TypeAlias = tuple[int, ...]
 
 
 @dataclass(frozen=True)
-class Beginning:
+class LeadingTerm:
     """The exponent of the first term; ``parts``: each with its own exponent and its order up to which all terms cancel."""
 
     exponent: Expr
@@ -488,7 +488,7 @@ def by_powers(f: WaveSum) -> dict[Powers, WaveSum]:
 
 
 @lru_cache(maxsize=1024)
-def beginning(f: WaveSum) -> Beginning:
+def leading_term(f: WaveSum) -> LeadingTerm:
     """The first term of the expansion at 0; UndecidedError where none of the first ones shows."""
     own = [
         (powers, sum((a * n for a, n in zip(f.orders, powers, strict=True)), Integer(0)))
@@ -496,7 +496,7 @@ def beginning(f: WaveSum) -> Beginning:
     ]
     for exponent, meeting in _exponents(own):
         if not _cancels(f, meeting):
-            return Beginning(exponent, tuple((powers, e, _order(exponent - e)) for powers, e in own))
+            return LeadingTerm(exponent, tuple((powers, e, _order(exponent - e)) for powers, e in own))
     raise UndecidedError("whether a function vanishes near omega = 0")
 
 
@@ -563,7 +563,7 @@ def clear_of_zero(f: WaveSum, first: Ball) -> Ball:
     Divided by the lowest power omega^e of all, what remains is the sum of omega^(alpha l + n_l - e) times the n_l-th Taylor
     coefficient of A_l about some place in between, alpha l + n_l being e or the next exponent above: all terms below cancel.
     """
-    start = beginning(f)
+    start = leading_term(f)
     wanted = [(powers, order) for powers, _, order in start.parts]
     with flint.ctx.workprec(128):
         rises = [expression_ball(own + order - start.exponent) for _, own, order in start.parts]

@@ -485,7 +485,7 @@ class Scene(Shown):
         )
         what = "these are the nominal values" if besides else "this is the nominal scene"
         if not self.threshold.is_box:
-            return f"{listed}: {what}; `haptisym evaluate` tells which bandwidths the JND gives."
+            return f"{listed}: {what}; `haptisym evaluate` prints which bandwidths the JND gives."
         return f"{listed}: {what}; see `haptisym tolerances`."
 
     def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:

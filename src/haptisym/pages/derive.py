@@ -220,26 +220,16 @@ def sections(d: Derivation) -> tuple[doc.Section, ...]:
         return asked(d, d.of)
     when = _when(d) if d.scene.threshold.is_plain else when_of_region(d)
     found = [
-        _dynamics(d),
-        _in_steps(d),
-        _written_out(d),
-        when,
-        _changeovers(d),
-        *_dimensionless(d),
-        *_slow(d),
-        *_fast(d),
-    ]
+        _dynamics(d), _in_steps(d), _written_out(d), when, _changeovers(d), *_dimensionless(d), *_slow(d), *_fast(d),
+    ]  # fmt: skip
     return tuple(section for section in found if section.blocks)
 
 
 def beyond(d: Derivation) -> tuple[doc.Section, ...]:
     """What closed forms alone do not show: short steps, crossings solved for omega, groups, leading terms."""
     found = [
-        _in_steps(d),
-        *([_solved_in_sections(d)] if d.scene.threshold.is_plain else []),
-        *_dimensionless(d),
-        *_fast(d),
-    ]
+        _in_steps(d), *([_solved_in_sections(d)] if d.scene.threshold.is_plain else []), *_dimensionless(d), *_fast(d),
+    ]  # fmt: skip
     return tuple(section for section in found if any(isinstance(x, doc.Equations) for x in section.blocks))
 
 
@@ -501,11 +491,8 @@ def body(d: Derivation) -> dict[str, Any]:
 def _parameter(d: Derivation, p: Parameter) -> dict[str, Any]:
     shown = {"text": plain(p.value), "latex": formula(p.value)}
     return {
-        "name": p.symbol.name,
-        "meaning": _meaning(p, d.scene.motion),
-        "symbol": p.symbol in d.kept,
-        "value": shown,
-    }
+        "name": p.symbol.name, "meaning": _meaning(p, d.scene.motion), "symbol": p.symbol in d.kept, "value": shown,
+    }  # fmt: skip
 
 
 def _section_in_derive(section: doc.Section) -> dict[str, Any]:

@@ -23,12 +23,10 @@ def page(many: FamilyAnswers) -> Document:
 def _common(many: FamilyAnswers) -> Iterator[tuple[Phrase, Phrase]]:
     if many.common is None:
         return
-    from haptisym.verbs.require.feasible import spanned
+    from haptisym.pages.require import values_of
 
     free = next(iter(many.answers.values())).free
-    unit = f" ({free.unit})" if free.unit not in ("", "1") else ""
-    spans: Phrase = listed(spanned(x) for x in many.common.feasible) if many.common.feasible else Strong("none")
-    yield "For all environments", (f"{free.path}{unit}: ", spans)
+    yield "For all environments", values_of(many.common.feasible, free) if many.common.feasible else Strong("no value")
     if many.common.undecided:
         yield "Undecided", f"{len(many.common.undecided)} intervals of values"
     if many.binding:

@@ -515,7 +515,10 @@ def deciding(e: Evaluation) -> Iterator[Block]:
     yield doc.Section("Where does the display decide?", (display,), "display-decides")
 
 
-_REGION = w.Field("region", lambda x: x.name), w.Field("what it is", lambda x: w.limits(x.threshold), full=True)
+_REGION = (
+    w.Field("region", lambda x: x.name.removesuffix(" own")),
+    w.Field("what it is", lambda x: w.limits(x.threshold), full=True),
+)
 
 
 def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
@@ -534,7 +537,7 @@ def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
 
     each = w.table(
         [*many.family, together], ("Bandwidth of each environment by region, ", FREQUENCY_UNIT, ", proven."),
-        w.Field("environment", str), *(w.number(x.name, partial(width, x=x)) for x in many.regions),
+        w.Field("environment", str), *(w.number(x.name.removesuffix(" own"), partial(width, x=x)) for x in many.regions),
     )  # fmt: skip
     figure = w.drawing("regions", _WIDTHS, "sheet:draw_figure", many, "regions")
     yield doc.Section(

@@ -168,15 +168,8 @@ def _others(scene: Scene) -> Iterator[tuple[str, tuple[Slider, str]]]:
         stiffness = unit(Dimension.STIFFNESS, scene.motion)
         value = nearest_double(region.floor)
         slider = Slider(
-            "explorer-floor",
-            Html("floor"),
-            stiffness,
-            value,
-            value / 10,
-            value * 10,
-            Rule.POSITIVE,
-            is_logarithmic=True,
-        )
+            "explorer-floor", Html("floor"), stiffness, value, value / 10, value * 10, Rule.POSITIVE, is_logarithmic=True,
+        )  # fmt: skip
         yield "floor", (slider, "least change that is noticed")
     if region.shape is Shape.ELLIPSE and not region.tilt.has(omega):
         value = nearest_double(region.tilt)
@@ -230,15 +223,12 @@ def explorer(e: Evaluation, forms: SceneForms, *, proving: bool = True) -> Html:
     controls = dict([*sliders.values(), *limits.values(), probe])
     names = [a.symbol for a in program.arguments[1:]]
     record = {
-        "band": [probe[0].low, probe[0].high],
-        "unit": unit(Dimension.STIFFNESS, e.scene.motion),
-        "arguments": [sliders[x][0].identity for x in names],
-        "region": region_record(e.scene.threshold, limits),
+        "band": [probe[0].low, probe[0].high], "unit": unit(Dimension.STIFFNESS, e.scene.motion),
+        "arguments": [sliders[x][0].identity for x in names], "region": region_record(e.scene.threshold, limits),
         "limits": list(dict.fromkeys(slider.identity for slider, _ in limits.values())),
-        "sliders": [slider.record() for slider in controls],
-        "paths": _paths(e, sliders),
+        "sliders": [slider.record() for slider in controls], "paths": _paths(e, sliders),
         "environment": name_in_file(e.scene) if is_proven else None,
-    }
+    }  # fmt: skip
     code = program.code(Language.JAVASCRIPT)
     own = files("haptisym") / "data"
     page = "".join((own / name).read_text(encoding="utf-8") for name in ("region.js", "explorer.js"))
@@ -269,7 +259,7 @@ def _body(controls: list[Html], threshold: Threshold, *, is_small: bool, is_prov
     note = element(
         "p", "Move the sliders, or type values: the closed forms are drawn anew, the scene's own curves stay in grey. ",
         element("strong", "This explorer computes in floating point and samples the band"),
-        "; it sees no tangency, and says nothing of stability.", tables if proving else answered, fixed,
+        "; it sees no tangency, and does not test stability.", tables if proving else answered, fixed,
         again if is_proven else "",
     )  # fmt: skip
     lines = ("band", "crossings", *(("proven",) if is_proven else ()), "probe")
@@ -344,4 +334,4 @@ def _probe(e: Evaluation) -> tuple[Slider, str]:
     low, high = (float(e.chart.points[i].omega) for i in (0, -1))
     middle = float(f"{(low + high) / 2:.4g}")
     slider = Slider("explorer-omega", inline(OMEGA), "rad/s", middle, low, high, Rule.NONNEGATIVE, most=high)
-    return slider, "frequency at which values are told"
+    return slider, "frequency at which values are printed"

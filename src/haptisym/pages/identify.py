@@ -122,15 +122,12 @@ def _table(a: Identification) -> Block:
         "estimated together."
     )
     return table(
-        a.estimates,
-        caption,
-        Field("parameter", lambda x: _name(a, x)),
-        number("value", lambda x: _certain_digits(x, x.value)),
-        number("± error", lambda x: near(x.error, most=2)),
+        a.estimates, caption, Field("parameter", lambda x: _name(a, x)),
+        number("value", lambda x: _certain_digits(x, x.value)), number("± error", lambda x: near(x.error, most=2)),
         Field(f"{100 * a.fit.lines.confidence:g}\xa0% interval", lambda x: _ends(x, x.low, x.high)),
         Field("joint range", lambda x: _ends(x, x.least, x.most)),
         Field("", lambda x: "" if a.unit(x) == "1" else unit_text(a.unit(x))),
-    )
+    )  # fmt: skip
 
 
 def _ends(x: Estimate, low: float, high: float) -> Phrase:
@@ -164,12 +161,9 @@ def _remarks(a: Identification) -> Iterator[Phrase]:
     yield from _unidentified(a)
     if a.has_ranges:
         yield (
-            "The scene file (",
-            doc.Code("--scene FILE"),
-            ") has the joint ranges, for ",
-            doc.Code("haptisym tolerances"),
+            "The scene file (", doc.Code("--scene FILE"), ") has the joint ranges, for ", doc.Code("haptisym tolerances"),
             ".",
-        )
+        )  # fmt: skip
     else:
         yield (
             "The scene file (",

@@ -193,12 +193,8 @@ def _value(x: Value) -> Phrase:
         return _number(x.value, x.unit)
     verdict: Phrase = "satisfied" if x.kept else Strong("not satisfied")
     return (
-        _number(x.value, x.unit),
-        ", environment ",
-        _number(x.reference, x.unit),
-        f"; tolerance {x.tolerance}: ",
-        verdict,
-    )
+        _number(x.value, x.unit), ", environment ", _number(x.reference, x.unit), f"; tolerance {x.tolerance}: ", verdict,
+    )  # fmt: skip
 
 
 def _number(x: RealNumber | int | str, unit: str) -> Phrase:

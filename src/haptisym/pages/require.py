@@ -5,7 +5,7 @@ Of a map of two parameters: its exact slices, what is proven between them, and w
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from math import ceil
 
@@ -92,7 +92,12 @@ def _bindings(end: End, r: Requirement) -> Iterator[Phrase]:
 
 def sets(r: Requirement) -> Phrase:
     """The values, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none. Ends are rounded inward."""
-    return listed((_span(x, r.free) for x in r.feasible), "or") if r.feasible else "no value"
+    return values_of(r.feasible, r.free)
+
+
+def values_of(feasible: Iterable[Span], free: Knob) -> Phrase:
+    """The same of some intervals of values of a parameter."""
+    return listed((_span(x, free) for x in feasible), "or") or "no value"
 
 
 def _span(x: Span, free: Knob) -> Phrase:

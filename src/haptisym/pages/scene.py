@@ -571,7 +571,7 @@ def _action(i: int, effect: Effect) -> tuple[Phrase, list[doc.Line]]:
     """What the effect of that number does to H, in words, and the formulas that the words name."""
     a, b, c, d = effect.dynamics
     if effect.renders and effect.setting("method"):
-        words = (f"renders it with a clock ({effect.setting('method')}): ", _H, " becomes ", named(f"G_{i}"), " (", _H)
+        words = (f"renders it sampled ({effect.setting('method')}): ", _H, " becomes ", named(f"G_{i}"), " (", _H)
         return (*words, " + ", named(f"Z_{i}"), ")"), [_of_s("Z", i, b / a), _of_s("G", i, a)]
     names = {x: named(f"{x}_{i}") for x in "GZYABCD"}
     if (b, c, d) == (0, 0, 1):

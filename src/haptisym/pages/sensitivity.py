@@ -4,11 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from sympy import Expr, S
+
 from haptisym.kernel.reals import RealNumber
-from haptisym.model.quantities import unit_text
-from haptisym.pages.words import OMEGA, Field, both, near, noted, number, page_about, phrased, proof, table, undecided
+from haptisym.model.quantities import Unit
+from haptisym.model.scene import Scene
+from haptisym.pages.words import Field, both, near, noted, number, page_about, phrased, proof, table, undecided
 from haptisym.verbs.sensitivity.entry import Sensitive, Sensitivities, Sensitivity
-from haptisym.writing.document import Block, Document, Figure, Paragraph, Phrase, Section, listed
+from haptisym.writing.document import (
+    FREQUENCY,
+    FREQUENCY_UNIT,
+    Block,
+    Document,
+    Figure,
+    Paragraph,
+    Phrase,
+    Section,
+    listed,
+)
 from haptisym.writing.layout import named
 
 _FEW = 3
@@ -45,42 +58,53 @@ def _answer(found: Sensitivities) -> Iterator[tuple[Phrase, Phrase]]:
 def _crossings(found: Sensitivities) -> Iterator[Block]:
     if not found.crossings:
         yield Paragraph("No ratio crosses its threshold on the band.")
-    yield from (_moved(("Crossing of ", named(x.criterion.symbol)), x) for x in found.crossings if x.criterion)
+    yield from (
+        _moved(found.scene, ("Crossing of ", named(x.criterion.symbol)), x) for x in found.crossings if x.criterion
+    )
 
 
 def _changeovers(found: Sensitivities) -> Iterator[Block]:
     systems = (("H_env", found.changeovers_environment), ("H_perc", found.changeovers_perceived))
-    moved = [_moved(("Changeover of ", named(name)), x) for name, listed in systems for x in listed]
+    moved = [_moved(found.scene, ("Changeover of ", named(name)), x) for name, listed in systems for x in listed]
     yield from moved
     if found.crossings or moved:
         words = "Elasticities: per cent by which each frequency moves as a parameter increases by 1 per cent."
         yield Figure("elasticities", words, found.figure)
 
 
-def _moved(what: Phrase, x: Sensitive) -> Section:
+def _moved(scene: Scene, what: Phrase, x: Sensitive) -> Section:
     heading = what, " at ", both(x.omega)
     if x.reason:
         return Section(heading, (Paragraph(f"{x.reason[0].upper()}{x.reason[1:]}."),))
+    units = {p.path: scene.knobs[p.path].shown_unit(scene.motion) for p in x.ranked}
+
+    def slope(p: Sensitivity) -> Phrase:
+        return _signed(p.derivative, scene.frequency.size / units[p.path].size), f" {p.side}" * bool(p.side)
+
+    still = [p for p in x.ranked if _has(p) and not (float(p.elasticity) or float(p.derivative))]
     shown = table(
-        x.ranked, "How it moves with each parameter, the one that moves it most first.",
+        [p for p in x.ranked if p not in still], "How it moves with each parameter, the one that moves it most first.",
         Field("parameter", lambda p: named(p.name)), Field("path", lambda p: p.path),
         number("elasticity", lambda p: _signed(p.elasticity) if _has(p) else p.reason),
-        number(("d", OMEGA, "/d", named("p")), lambda p: (_signed(p.derivative), f" {p.side}" * bool(p.side)) if _has(p) else ""),
-        Field("rad/s per", lambda p: unit_text(p.unit) or "unit" * _has(p)),
+        number(("d", FREQUENCY, "/d", named("p")), lambda p: slope(p) if _has(p) else ""),
+        Field((FREQUENCY_UNIT, " per"), lambda p: units[p.path].text or "1" * _has(p)),
     )  # fmt: skip
+    none: list[Phrase] = [("No effect: ", listed(named(p.name) for p in still), ".")] if still else []
     whose: dict[str, list[Phrase]] = {}
     for p in x.ranked:
         whose.setdefault(p.reason, []).append(named(p.name))
     one_sided = dict.fromkeys(p.reason for p in x.ranked if p.derivative and p.reason)
-    return Section(heading, (shown, *noted(phrased("{}: {}.", listed(whose[reason]), reason) for reason in one_sided)))
+    told = (phrased("{}: {}.", listed(whose[reason]), reason) for reason in one_sided)
+    return Section(heading, (shown, *noted([*none, *told])))
 
 
 def _has(p: Sensitivity) -> bool:
     return p.derivative is not None and p.elasticity is not None
 
 
-def _signed(x: RealNumber | None) -> Phrase:
-    return "" if x is None else ("+" if float(x) > 0 else "", near(x))
+def _signed(x: RealNumber | None, unit: Expr = S.One) -> Phrase:
+    """``unit`` : the size in SI of the unit in which it is printed."""
+    return "" if x is None else ("+" if float(x) > 0 else "", near(x, unit=Unit("", unit)))
 
 
 def _proven(found: Sensitivities) -> Iterator[Phrase]:

@@ -136,7 +136,7 @@ def _run(r: Release) -> Iterator[tuple[str, Phrase]]:
     numbers = listed((f"{p.key} = ", near(p.value, unit=p.shown_unit(motion))) for p in r.hand.parameters)
     yield "simulated", ", ".join(r.built)
     yield "hand", (f"{r.hand.name}: ", numbers)
-    yield "held at", (near(r.displacement), f" {r.unit}, at rest, then let go")
+    yield "displaced by", (near(r.displacement), f" {r.unit}, at rest, then let go")
     yield "time", ("0 to ", near(float(r.time[-1])), f" s{f' ({r.stopped})' if r.stopped else ''}")
 
 
@@ -170,7 +170,7 @@ def _held(r: Release) -> Phrase:
     if roots is None:
         return Strong("undecided"), f" ({r.held.reason})"
     if r.held.stable:
-        return "stable, no pole has |z| ≥ 1" if clocks(r.scene) else "stable, no pole has Re\xa0s\xa0≥\xa00"
+        return "stable: no unstable poles"
     if roots.chain is RootChain.NEAR:
         chain = ": infinitely many poles come arbitrarily near to the axis, far above what a release moves"
         return Strong("unstable"), chain

@@ -141,7 +141,6 @@ def _of_hand(i: int) -> w.Cell:
 def _hands(found: Stability) -> Iterator[Block]:
     if not found.held:
         return
-    where = "unstable poles (|z|\xa0≥\xa01)" if found.sampled is not None else ("unstable poles (", _RIGHT, ")")
     units = [w.unit(x, found.scene.motion) for x in (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)]
     keys = (
         w.number((named(key), f" ({unit_})"), _of_hand(i))
@@ -151,7 +150,7 @@ def _hands(found: Stability) -> Iterator[Block]:
     notes += [f"{x.hand.name}: no motion grows, as all parts are passive." for x in found.held if _only_near(found, x)]
     shown = w.table(
         found.held, "The display in each hand.", w.Field("hand", lambda x: x.hand.name), *keys, w.Field("stable", _stable),
-        w.number(where, _count),
+        w.number("unstable poles", _count),
     )  # fmt: skip
     yield doc.Section("Does it shake?", (shown, *w.noted(notes)))
 
@@ -259,12 +258,12 @@ def _margins(found: Stability) -> Iterator[Block]:
         "Margins: how much the rendered force may change",
         (
             w.table(
-                rows, "By which factor, and by how much more delay or angle at one frequency, until it shakes.",
+                rows, "By which factor, and by how much more delay or angle at one frequency, until it is unstable.",
                 w.Field("hand", lambda x: x[0]), w.Field("factor", sides(lambda x, way: doc.Real(x.value, way))),
                 w.Field("dB", sides(lambda x, way: doc.Real(20 * log10(float(x.value)), way, most=3))),
                 w.number("more delay (ms)", one("delay", lambda x: x.delay, Rational(1, 1000))), *phase,
             ),
-            *w.noted(w.undecided((f"{hand}: {why}",)) for hand, x in rows for _, why in x.undecided),
+            *w.noted(w.undecided((f"{hand}: {why}",)) for hand, x in rows for why in dict(map(reversed, x.undecided))),
         ),
     )  # fmt: skip
 

@@ -186,15 +186,8 @@ def text(box: Box) -> str:
 
 
 _KEYS = {
-    "≈": "~",
-    "≠": "!=",
-    "≤": "<=",
-    "≥": ">=",
-    "ln": "log",
-    "arsinh": "asinh",
-    "arcosh": "acosh",
-    "artanh": "atanh",
-}
+    "≈": "~", "≠": "!=", "≤": "<=", "≥": ">=", "ln": "log", "arsinh": "asinh", "arcosh": "acosh", "artanh": "atanh",
+}  # fmt: skip
 _KEYS |= {f"arc{name}": f"a{name}" for name in ("sin", "cos", "tan")}
 
 
@@ -223,21 +216,16 @@ def related(x: Equation, form: Callable[[Box], str], relations: Mapping[str, str
 
 
 _TEXT: Mapping[type, Callable[[Any], str]] = {
-    Numeral: lambda x: f"{x.digits}e{x.exponent}" if x.exponent else x.digits,
-    Ratio: lambda x: f"{x.above}/{x.below}",
-    Name: lambda x: x.text,
-    Operator: lambda x: _KEYS.get(x.name, x.name),
-    Sum: lambda x: signed(x.terms, text),
+    Numeral: lambda x: f"{x.digits}e{x.exponent}" if x.exponent else x.digits, Ratio: lambda x: f"{x.above}/{x.below}",
+    Name: lambda x: x.text, Operator: lambda x: _KEYS.get(x.name, x.name), Sum: lambda x: signed(x.terms, text),
     Product: _product,
     Fraction: lambda x: f"{_inside(x.above, Sum, Fraction, Ratio)}/{_inside(x.below, Sum, Product, Fraction, Ratio)}",
     Power: lambda x: f"{_inside(x.base, Ratio)}^{_inside(x.exponent, Sum, Product, Fraction, Ratio, Power)}",
-    Root: lambda x: f"sqrt({text(x.inside)})",
-    Exponential: lambda x: f"exp({text(x.exponent)})",
+    Root: lambda x: f"sqrt({text(x.inside)})", Exponential: lambda x: f"exp({text(x.exponent)})",
     Applied: lambda x: f"{text(x.function)}({', '.join(map(text, x.arguments))})",
     Prefixed: lambda x: f"{text(x.operator)} {_inside(x.operand, Sum, Fraction)}",
     Fenced: lambda x: f"({text(x.inside)})",
     Absolute: lambda x: f"abs({text(x.inside)})" if "|" in text(x.inside) else f"|{text(x.inside)}|",
     Grid: lambda x: "[" + ", ".join("[" + ", ".join(map(text, row)) + "]" for row in x.rows) + "]",
-    Titled: lambda x: x.text,
-    Equation: lambda x: related(x, text, _KEYS),
-}
+    Titled: lambda x: x.text, Equation: lambda x: related(x, text, _KEYS),
+}  # fmt: skip

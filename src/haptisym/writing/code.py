@@ -227,12 +227,8 @@ def _numpy(r: Routine) -> Iterable[str]:
     yield from (f'    """{r.heading}', "", "    Parameters", "    ----------")
     yield from _documented(r.arguments, "    ", " : array_like")
     yield from (
-        "",
-        "    Returns",
-        "    -------",
-        f"    {values}",
-        "        Arrays of the broadcast shape of the arguments.",
-    )
+        "", "    Returns", "    -------", f"    {values}", "        Arrays of the broadcast shape of the arguments.",
+    )  # fmt: skip
     yield '    """'
     yield from (f"    {x.name} = np.asarray({x.name}, dtype=float)" for x in r.arguments)
     yield from _wrapped(f"    shape = np.broadcast_shapes({', '.join(f'{x.name}.shape' for x in r.arguments)})", "    ")
@@ -308,12 +304,9 @@ def _javascript(r: Routine) -> Iterable[str]:
             f"  if (Math.abs(x) > {SMALL}) return Math.sin(x)/x - 1;",
         )
         yield from (
-            "  let y = 0;",
-            f"  for (let n = {LAST}; n > 1; n -= 2) y = -x*x/(n*(n - 1))*(1 + y);",
-            "  return y;",
-            "}",
-            "",
-        )
+            "  let y = 0;", f"  for (let n = {LAST}; n > 1; n -= 2) y = -x*x/(n*(n - 1))*(1 + y);", "  return y;",
+            "}", "",
+        )  # fmt: skip
     yield from ("/**", f" * @typedef {{Object}} {values}")
     yield from (f" * @property {{number}} {x.name} {x.words}" for x in r.results)
     yield from (" */", "", "/**", f" * {r.heading}", " *")
@@ -326,11 +319,8 @@ def _javascript(r: Routine) -> Iterable[str]:
 
 
 _LAYOUTS: Mapping[Language, Callable[[Routine], Iterable[str]]] = {
-    Language.NUMPY: _numpy,
-    Language.C: _c,
-    Language.OCTAVE: _octave,
-    Language.JAVASCRIPT: _javascript,
-}
+    Language.NUMPY: _numpy, Language.C: _c, Language.OCTAVE: _octave, Language.JAVASCRIPT: _javascript,
+}  # fmt: skip
 
 
 def _paragraphs(r: Routine, mark: str) -> Iterable[str]:
@@ -384,13 +374,9 @@ def _wrapped(line: str, indent: str, continued: str = "") -> list[str]:
         return [line]
     own = line.lstrip()
     lines = textwrap.wrap(
-        own.replace(" = ", _EQUALS, 1),
-        _WIDTH,
-        initial_indent=line[: -len(own)],
-        subsequent_indent=f"{indent}    ",
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+        own.replace(" = ", _EQUALS, 1), _WIDTH, initial_indent=line[: -len(own)], subsequent_indent=f"{indent}    ",
+        break_long_words=False, break_on_hyphens=False,
+    )  # fmt: skip
     lines = [x.replace(_EQUALS, " = ") for x in lines]
     return [*(f"{x}{continued}" for x in lines[:-1]), lines[-1]]
 
@@ -629,12 +615,9 @@ class Source:
         chosen = identifiers((a.symbol.name for a in listed), language, taken)
         names = {a.symbol: chosen[a.symbol.name] for a in listed}
         reader = CodeReader(
-            program,
-            {*taken, *names.values(), *RESERVED[language]},
-            dialect=DIALECTS[language],
-            names=names,
+            program, {*taken, *names.values(), *RESERVED[language]}, dialect=DIALECTS[language], names=names,
             helpers=helpers,
-        )
+        )  # fmt: skip
         values = {x: piece.text for x, piece in reader.results().items()}
         operations = {step.name for step in program.operations}
         routine = Routine(
@@ -681,17 +664,13 @@ def _result_words(name: str, about: About) -> str:
 
 FREQUENCY = Argument(omega, "rad/s", "angular frequency", ">= 0")
 _MEANINGS = {
-    "real": "Re dH, the real part of the distortion dH = H_perc - H_env",
-    "imag": "Im dH",
+    "real": "Re dH, the real part of the distortion dH = H_perc - H_env", "imag": "Im dH",
     "ratio_real": "r_r = |Re dH|/|H_env|, what the JND judges, a ratio",
     "ratio_imag": "r_i = |Im dH|/|H_env|, what the JND judges, a ratio",
     "relative_real": "Re(dH/H_env), which is not r_r, a ratio",
-    "relative_imag": "Im(dH/H_env), which is not r_i, a ratio",
-    "environment_real": "Re H_env, what should be felt",
-    "environment_imag": "Im H_env",
-    "perceived_real": "Re H_perc, what is felt",
-    "perceived_imag": "Im H_perc",
-}
+    "relative_imag": "Im(dH/H_env), which is not r_i, a ratio", "environment_real": "Re H_env, what should be felt",
+    "environment_imag": "Im H_env", "perceived_real": "Re H_perc, what is felt", "perceived_imag": "Im H_perc",
+}  # fmt: skip
 _NOTES = (
     "H is force per position at s = j omega. Re H > 0 is felt as stiffness Re H, Re H < 0 as mass -Re H/omega^2.",
     "At omega = 0 the values are the limits where these are finite. At a pole they are Inf or NaN.",

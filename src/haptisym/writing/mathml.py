@@ -132,24 +132,17 @@ def _equation(x: boxes.Equation) -> str:
 
 _SMALL = '<mstyle displaystyle="false"><mfrac><mn>{}</mn><mn>{}</mn></mfrac></mstyle>'
 _MARKUP: Mapping[type, Callable[[Any], str]] = {
-    boxes.Numeral: _numeral,
-    boxes.Ratio: lambda x: _SMALL.format(x.above, x.below),
+    boxes.Numeral: _numeral, boxes.Ratio: lambda x: _SMALL.format(x.above, x.below),
     boxes.Name: lambda x: f"<msub>{_word(x.head)}{_subscript(x)}</msub>" if x.below else _word(x.head),
-    boxes.Operator: lambda x: f'<mi mathvariant="normal">{x.name}</mi>',
-    boxes.Sum: _sum,
-    boxes.Product: _product,
-    boxes.Fraction: lambda x: f"<mfrac>{markup(x.above)}{markup(x.below)}</mfrac>",
-    boxes.Power: _power,
+    boxes.Operator: lambda x: f'<mi mathvariant="normal">{x.name}</mi>', boxes.Sum: _sum, boxes.Product: _product,
+    boxes.Fraction: lambda x: f"<mfrac>{markup(x.above)}{markup(x.below)}</mfrac>", boxes.Power: _power,
     boxes.Root: lambda x: f"<msqrt>{markup(x.inside)}</msqrt>",
     boxes.Exponential: lambda x: f"<msup><mi>e</mi>{markup(x.exponent)}</msup>",
-    boxes.Applied: lambda x: _applied(markup(x.function), x),
-    boxes.Prefixed: _prefixed,
+    boxes.Applied: lambda x: _applied(markup(x.function), x), boxes.Prefixed: _prefixed,
     boxes.Fenced: lambda x: _between("(", markup(x.inside), ")"),
-    boxes.Absolute: lambda x: _between("|", markup(x.inside), "|"),
-    boxes.Grid: _grid,
-    boxes.Titled: lambda x: markup(x.inside),
-    boxes.Equation: _equation,
-}
+    boxes.Absolute: lambda x: _between("|", markup(x.inside), "|"), boxes.Grid: _grid,
+    boxes.Titled: lambda x: markup(x.inside), boxes.Equation: _equation,
+}  # fmt: skip
 
 
 _DIGITS = 6  # significant digits of a number that is too long to write out

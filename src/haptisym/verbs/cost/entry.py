@@ -258,14 +258,11 @@ class Cost(Answer):
 
     def _body(self) -> dict[str, Any]:
         return {
-            "band": [float(x) for x in self.scene.band],
-            "summary": self.summary,
-            "busy": self.busy,
+            "band": [float(x) for x in self.scene.band], "summary": self.summary, "busy": self.busy,
             "condition": {task: None if isinf(x) else x for task, x in self.condition.items()},
-            "rows": [row.row() for row in self.rows],
-            "left_out": [asdict(x) for x in self.left_out],
+            "rows": [row.row() for row in self.rows], "left_out": [asdict(x) for x in self.left_out],
             "machine": dict(self.machine),
-        }
+        }  # fmt: skip
 
 
 def duration(seconds: float) -> str:
@@ -337,7 +334,7 @@ def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed
 
         timed = interleaved(task.attempts, patience * _BUDGETS[task.name], rounds=_ROUNDS, told=said)
         done += len(task.attempts)
-        told(f"{task.name}: right digits", done / count)
+        told(f"{task.name}: correct digits", done / count)
         done += 1
         for method, x in timed.items():
             if isinstance(x.answer, HaptisymError):
@@ -376,13 +373,10 @@ def _evaluate(scene: Scene, *, quick: bool) -> Task:
     ]
     truth = few.truth(int(max(x.held for x in methods)) + 10)
     return Task(
-        "evaluate",
-        {**groups[0][0], **groups[1][0]},
-        lambda method, answer: few.score(answer[:count], truth, method.held),
-        (*groups[0][1], *groups[1][1]),
-        few.condition,
-        lambda method: len((many if method.at_once else few).omegas),
-    )
+        "evaluate", {**groups[0][0], **groups[1][0]},
+        lambda method, answer: few.score(answer[:count], truth, method.held), (*groups[0][1], *groups[1][1]),
+        few.condition, lambda method: len((many if method.at_once else few).omegas),
+    )  # fmt: skip
 
 
 def _frequencies(scene: Scene, count: int) -> tuple[float, ...]:

@@ -157,7 +157,7 @@ def _identity() -> _Made:
 def _poles() -> _Made:
     d = distort(environments.mass_spring_damper(*PAPER), _lowpass(80, 0))
     yield "at the pole", RatioQuestion(d, (80.0,))
-    yield "beside the pole", RatioQuestion(d, (80 * (1 + 1e-12), 80 * (1 - 1e-9), 79.0))
+    yield "next to the pole", RatioQuestion(d, (80 * (1 + 1e-12), 80 * (1 - 1e-9), 79.0))
 
 
 @_family("H_env(0) = 0", "both dH and H_env vanish at omega = 0: the ratio is a limit")
@@ -204,7 +204,7 @@ def _clustered() -> _Made:
         yield f"{n} crossings", _prescribed("*".join(f"(-s^2 - {x})" for x in map(_quotient, roots)))
 
 
-@_family("Mignotte-like thresholds", "two crossings far closer to each other than floats tell apart")
+@_family("Mignotte-like thresholds", "two crossings far closer to each other than floats distinguish")
 def _mignotte() -> _Made:
     for n, a in ((6, 10), (10, 100), (20, 1000)):
         yield f"degree {n}", _prescribed(f"(s^2)^{n} - 2*({a}*s^2 + 1)^2")
@@ -254,14 +254,8 @@ def _cancelled() -> _Made:
 
 
 VALUES = (
-    "H_perc - H_env in floats",
-    "python-control",
-    "scipy.signal",
-    "fast",
-    "double-double",
-    "certified",
-    "30 digits",
-)
+    "H_perc - H_env in floats", "python-control", "scipy.signal", "fast", "double-double", "certified", "30 digits",
+)  # fmt: skip
 """The methods that the questions about values are put to."""
 COUNTS = ("grid of 10^4 + Brent", "numpy.roots", "certified, 15 digits", "certified, 50 digits")
 """Those that the questions about crossings are put to."""
@@ -292,7 +286,7 @@ def worst_verdict(rows: Iterable[HardRow]) -> str:
     if told := wrong_words(sum(row.missed for row in listed), sum(row.invented for row in listed)):
         return told
     if undecided := sum(row.verdict == "undecided" for row in listed):
-        return f"{undecided} undecided, and said so"
+        return f"{undecided} undecided, and reported so"
     bad = [row for row in listed if row.verdict != "right"]
     return min(bad, key=lambda row: row.digits).verdict if bad else ""
 
@@ -328,7 +322,7 @@ class HardCosts(Answer):
         said = f"{wrong} of them WRONG" if wrong else "none of them wrong"
         return (
             f"{count} hard questions: haptisym gives {len(proven)} proven answers, {said}; of {len(usual)} answers by the usual "
-            f"ways {failed} lose digits, miss crossings or invent some, and none says so."
+            f"ways {failed} lose digits, miss crossings or invent some, and none reports it."
         )
 
     @property

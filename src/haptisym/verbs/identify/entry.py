@@ -376,7 +376,7 @@ class Identification(Answer):
             ]
         if not self.has_ranges:
             paths = ", ".join(x.parameter.path for x in self.estimates if not x.told)
-            return [f"The lines do not tell {paths}: no parameter has a range. Leave that out, or give a value."]
+            return [f"The data do not identify {paths}: no parameter has a range. Leave that out, or give a value."]
         start = f"Ranges: together they hold the true values with a confidence of {self.confidence_words}, if the model is right"
         if self.verdict.fits is None:
             return [f"{start},", "which was not tested: no discs of the lines are known."]

@@ -601,21 +601,15 @@ class Psychometric(Answer):
     def _body(self) -> dict[str, Any]:
         curve, tested = self.fit.curve, self.deviance
         return {
-            "alternatives": self.asked.alternatives,
-            "proportion": self.asked.proportion,
-            "confidence": self.confidence,
+            "alternatives": self.asked.alternatives, "proportion": self.asked.proportion, "confidence": self.confidence,
             "method": METHODS[self.method],
             "data": [{"level": x.level, "k": x.count, "n": x.trials} for x in self.answers.rows],
             "curve": {"mu": curve.mu, "sigma": curve.sigma, "guess": curve.guess, "lapse": curve.lapse},
-            "threshold": _row(self.middle),
-            "jnd": _row(self.jnd),
-            "reference": self.reference,
+            "threshold": _row(self.middle), "jnd": _row(self.jnd), "reference": self.reference,
             "fraction": None if self.fraction is None else _row(self.fraction),
             "deviance": {"value": tested.value, "degrees": tested.degrees, "p": tested.p, "fits": tested.fits},
-            "line": self.line or None,
-            "notes": list(self.notes),
-            "certified": self.certified,
-        }
+            "line": self.line or None, "notes": list(self.notes), "certified": self.certified,
+        }  # fmt: skip
 
 
 def jnd(
@@ -728,16 +722,10 @@ class PublishedThresholds(Answer, tuple[Published, ...]):
 
 def _row_in_published(x: Published) -> dict[str, Any]:
     return {
-        "name": x.name,
-        "quantity": x.quantity,
-        "fraction": [float(x.low), float(x.high)],
-        "criterion": None if x.criterion is None else float(x.criterion),
-        "reference": x.reference,
-        "source": x.source,
-        "doi": x.doi or None,
-        "read": x.read,
-        "usable": not x.apart,
-    }
+        "name": x.name, "quantity": x.quantity, "fraction": [float(x.low), float(x.high)],
+        "criterion": None if x.criterion is None else float(x.criterion), "reference": x.reference, "source": x.source,
+        "doi": x.doi or None, "read": x.read, "usable": not x.apart,
+    }  # fmt: skip
 
 
 def published() -> PublishedThresholds:

@@ -286,11 +286,8 @@ class Between:
         told = {part.value if part else "joint": x.rows() for part, x in self.told.items()}
         contradicted = [list(x) for x in self.contradicted]
         return {
-            "slope": bounds,
-            **told,
-            "contradicted": contradicted,
-            "grown": self.grown if isfinite(self.grown) else None,
-        }
+            "slope": bounds, **told, "contradicted": contradicted, "grown": self.grown if isfinite(self.grown) else None,
+        }  # fmt: skip
 
 
 def between(scene: MeasuredScene, x: Lines) -> Between | None:
@@ -571,19 +568,14 @@ class MeasuredEvaluation(Answer):
     def _body(self) -> dict[str, Any]:
         felt = self.scene.perceived
         return {
-            "lines": len(self),
-            "left_out": self.left_out,
-            "threshold": self.scene.threshold.row(),
-            **({"understood": read} if (read := self._understood) else {}),
-            "averages": felt.averages,
+            "lines": len(self), "left_out": self.left_out, "threshold": self.scene.threshold.row(),
+            **({"understood": read} if (read := self._understood) else {}), "averages": felt.averages,
             **({} if felt.welch is None else {"estimate": felt.welch.row()}),
-            "confidence": None if self.lines.radius is None else felt.confidence,
-            "rows": [_row(x) for x in self._rows()],
+            "confidence": None if self.lines.radius is None else felt.confidence, "rows": [_row(x) for x in self._rows()],
             "percepts": [_percept(p) for p in self.percepts],
             **({} if self.between is None else {"between": self.between.row(self.scene.slopes)}),
-            "needed": None if self.needed is None else _needed(self.needed),
-            "certified": self.certified,
-        }
+            "needed": None if self.needed is None else _needed(self.needed), "certified": self.certified,
+        }  # fmt: skip
 
     def to_json(self) -> str:
         """As text, one line for each measured line."""

@@ -118,14 +118,11 @@ def _ratio(m: Measured) -> Metric:
     inside = kept(m.edges)
     upto = "the band" if m.reach == m.band[1] else f"{FAR} times the band's high end"
     return Metric(
-        "transmitted impedance ratio",
-        m.forms("Gamma"),
-        (*values, Value(f"within 3 dB (up to {upto})", inside, "rad/s")),
+        "transmitted impedance ratio", m.forms("Gamma"), (*values, Value(f"within 3 dB (up to {upto})", inside, "rad/s")),
         "Lawrence (1993): transparent where the displayed impedance is the environment's, Z_t = Z_e",
         "as the EuroVR knowledge base cites it: read; ratio and 3 dB edges derived",
-        _beside_bandwidth(m, edges) if edges else "no 3 dB edge",
-        edges[0].omega if edges else None,
-    )
+        _beside_bandwidth(m, edges) if edges else "no 3 dB edge", edges[0].omega if edges else None,
+    )  # fmt: skip
 
 
 def _beside_bandwidth(m: Measured, edges: list[Point]) -> str:
@@ -155,16 +152,11 @@ def _relative(m: Measured) -> Metric:
         else "within the largest circle that the region holds"
     )
     return Metric(
-        "relative distortion",
-        m.forms("Theta"),
-        (
-            Value(circle, m.within, "rad/s"),
-            Value("largest on the band", _largest(square, m)),
-        ),
-        "Fu, van Paassen and Mulder (2019): dH over |H_env|, both parts together",
-        "verified; the modulus derived",
+        "relative distortion", m.forms("Theta"),
+        (Value(circle, m.within, "rad/s"), Value("largest on the band", _largest(square, m)),),
+        "Fu, van Paassen and Mulder (2019): dH over |H_env|, both parts together", "verified; the modulus derived",
         _RELATIVE if m.relative else _IN_CIRCLE,
-    )
+    )  # fmt: skip
 
 
 _RELATIVE = (
@@ -182,26 +174,20 @@ def _range(m: Measured) -> Metric:
     empty = "nothing" if least is not None and least.is_zero else "Z_min"
     verdict = f"where there is nothing, {empty} is felt; a rigid environment is felt as {'rigid' if most is None else 'Z_max'}"
     return Metric(
-        "impedance range",
-        m.forms("Z_min", "Z_max", "Z_width"),
-        tuple(values),
+        "impedance range", m.forms("Z_min", "Z_max", "Z_width"), tuple(values),
         "Hashtrudi-Zaad and Salcudean (2001): minimum and dynamic range (width) of the transmitted impedance",
-        "abstract read; the formulas are limits of the two-port, derived (15_metrics)",
-        verdict,
-    )
+        "abstract read; the formulas are limits of the two-port, derived (15_metrics)", verdict,
+    )  # fmt: skip
 
 
 def _sensitivity(m: Measured) -> Metric:
     square = m.sensitivity_square
     value = None if square is None else _largest(square, m)
     return Metric(
-        "sensitivity",
-        m.forms("dH_perc/dH_env"),
-        (Value("largest |dH_perc/dH_env| on the band", value),),
-        "derivative of H_perc by H_env",
-        "derived (15_metrics)",
+        "sensitivity", m.forms("dH_perc/dH_env"), (Value("largest |dH_perc/dH_env| on the band", value),),
+        "derivative of H_perc by H_env", "derived (15_metrics)",
         "1 where a small change of the environment is passed on unchanged; independent of the environment itself",
-    )
+    )  # fmt: skip
 
 
 def _effective(m: Measured) -> Metric:
@@ -212,13 +198,9 @@ def _effective(m: Measured) -> Metric:
         for key, x in row.items()
     ]
     return Metric(
-        "effective impedance",
-        m.forms("k_perc", "m_perc", "b_perc"),
-        tuple(values),
-        "step 2 of Fu, van Paassen and Mulder (2019)",
-        "verified",
-        "what step 2 of the JND evaluation judges",
-    )
+        "effective impedance", m.forms("k_perc", "m_perc", "b_perc"), tuple(values),
+        "step 2 of Fu, van Paassen and Mulder (2019)", "verified", "what step 2 of the JND evaluation judges",
+    )  # fmt: skip
 
 
 def _free(found: FreeResponse, m: Measured, of: str, table: str) -> Metric:
@@ -230,10 +212,6 @@ def _free(found: FreeResponse, m: Measured, of: str, table: str) -> Metric:
     passed = {True: "passes", False: "fails", None: found.refused}[found.passes]
     how = "; H_perc has the zeros of H_env: these effects change how the motion begins, and no period" if blind else ""
     return Metric(
-        f"free response, {of}",
-        (),
-        tuple(values),
-        f"14 CFR Part 60, appendix {table}",
-        "verified; the whole response from rest",
-        f"{passed}{how}",
-    )
+        f"free response, {of}", (), tuple(values), f"14 CFR Part 60, appendix {table}",
+        "verified; the whole response from rest", f"{passed}{how}",
+    )  # fmt: skip

@@ -146,17 +146,11 @@ def _damping(x: TwoPort) -> RealFunction:
 
 
 _FORMS: dict[str, Callable[[TwoPort], Function | None]] = {
-    "Gamma": lambda x: (x.d.perc / x.d.env).reduced(),
-    "Theta": lambda x: (x.d.difference / x.d.env).reduced(),
-    "Z_min": lambda x: x.least,
-    "Z_max": lambda x: x.most,
-    "Z_width": lambda x: x.width,
-    "dH_perc/dH_env": lambda x: x.sensitivity,
-    "g": lambda x: x.gain,
-    "k_perc": lambda x: on_axis(x.d.perc).real,
-    "m_perc": _mass,
-    "b_perc": _damping,
-}
+    "Gamma": lambda x: (x.d.perc / x.d.env).reduced(), "Theta": lambda x: (x.d.difference / x.d.env).reduced(),
+    "Z_min": lambda x: x.least, "Z_max": lambda x: x.most, "Z_width": lambda x: x.width,
+    "dH_perc/dH_env": lambda x: x.sensitivity, "g": lambda x: x.gain, "k_perc": lambda x: on_axis(x.d.perc).real,
+    "m_perc": _mass, "b_perc": _damping,
+}  # fmt: skip
 
 
 def ratio_square(d: Distortion) -> RealFunction:
@@ -534,14 +528,9 @@ _FORMULAS = "haptisym.pages.metrics:formulas"
 
 def _metric_row(x: Metric) -> dict[str, Any]:
     return {
-        "name": x.name,
-        "formula": resolve_name(_FORMULAS)(x),
-        "values": [_value_row(v) for v in x.values],
-        "unit": next((v.unit for v in x.values), ""),
-        "source": x.source,
-        "evidence": x.evidence,
-        "verdict": x.verdict,
-    }
+        "name": x.name, "formula": resolve_name(_FORMULAS)(x), "values": [_value_row(v) for v in x.values],
+        "unit": next((v.unit for v in x.values), ""), "source": x.source, "evidence": x.evidence, "verdict": x.verdict,
+    }  # fmt: skip
 
 
 def _value_row(x: Value) -> dict[str, Any]:
@@ -639,13 +628,9 @@ def absolute_stability_measure(m: Measured) -> Metric:
         )
         verdict = _absolutely(m, covers(bands, m.evaluation.chart))
     return Metric(
-        "absolute stability",
-        m.forms("g"),
-        rows,
-        "Llewellyn's criterion, after Adams and Hannaford (1999)",
-        "verified (tutorial chapter 9.3.3)",
-        verdict,
-    )
+        "absolute stability", m.forms("g"), rows, "Llewellyn's criterion, after Adams and Hannaford (1999)",
+        "verified (tutorial chapter 9.3.3)", verdict,
+    )  # fmt: skip
 
 
 def _absolutely(m: Measured, kept: bool) -> str:  # noqa: FBT001

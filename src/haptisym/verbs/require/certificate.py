@@ -283,7 +283,7 @@ def _values(found: Requirement, bounds: Callable[[End], Bounds | None]) -> list[
         rows.append((here, None if last is None else last[0], False))
     rows = [x for x in rows if x[0] is None or x[1] is None or x[0] < x[1]]
     if not ascending(rows):
-        raise SceneError("a certificate of a requirement needs ends that are told apart")
+        raise SceneError("a certificate of a requirement needs ends that are separated")
     return rows
 
 

@@ -95,11 +95,11 @@ def lines(scene: Scene, free: Sequence[Knob], encoder: Encoder | None = None) ->
         found.append(Line("Gil and Hulin", "K < (b + B)/(T/2 + t_d)", small, linear))
         if at.T and not at.late:
             bound = of(lambda w: 2 * (w.b - abs(w.B)) / w.T)
-            found.append(Line("Colgate and Schenkel", "K < 2 (b - |B|)/T", "every passive hand, no delay", bound))
+            found.append(Line("Colgate and Schenkel", "K < 2 (b - |B|)/T", "any passive operator, no delay", bound))
     if encoder and STIFFNESS in nominal and at.T and not at.late and (not at.B or DAMPING in nominal):
         step = 2 * encoder.friction / encoder.resolution
-        words = f"every passive hand, a spring alone (B = 0), no delay, f_c = {encoder.friction:.6g}, "
-        words += f"Delta = {encoder.resolution:.6g}; beside Colgate and Schenkel's bound, not in place of it"
+        words = f"any passive operator, a spring alone (B = 0), no delay, f_c = {encoder.friction:.6g}, "
+        words += f"Delta = {encoder.resolution:.6g}; in addition to Colgate and Schenkel's bound, not in place of it"
         where = ((DAMPING, 0.0),) if DAMPING in nominal else ()
         found.append(Line("Abbott and Okamura", "K < 2 f_c/Delta", words, of(lambda _: step), where))
     return tuple(found)
@@ -110,7 +110,7 @@ def need_encoder(scene: Scene, free: Sequence[Knob], encoder: Encoder | None) ->
     if encoder and not any(x.name == "Abbott and Okamura" for x in lines(scene, free, encoder)):
         raise SceneError(
             "friction and resolution make Abbott and Okamura's bound 2 f_c/Delta, which is not defined here: it is about the "
-            f"stiffness ({STIFFNESS}, free) of a spring alone that a clock renders without delay, on a device of mass and damping"
+            f"stiffness ({STIFFNESS}, free) of a spring alone, sampled without delay, on a device of mass and damping"
         )
 
 

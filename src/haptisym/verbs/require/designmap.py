@@ -241,7 +241,7 @@ class Rectangles(Shown):
     left: Array
 
     def _line(self) -> str:
-        return f"{len(self.kept)} kept, {len(self.broken)} broken, {len(self.left)} left open"
+        return f"{len(self.kept)} kept, {len(self.broken)} broken, {len(self.left)} undecided"
 
     @property
     def parts(self) -> tuple[Array, Array, Array]:
@@ -343,7 +343,7 @@ _ROUNDING, _SAME = 1e-9, 1e-12
 
 @dataclass(frozen=True, repr=False)
 class Proof(Shown):
-    """What is proven of one set of a map, all over its plane: rectangles inside and outside of it, and those left open.
+    """What is proven of one set of a map, all over its plane: rectangles inside and outside of it, and those undecided.
 
     ``of`` : what was asked; ``set`` : its number among the sets of a slice; ``jnd`` : the threshold, where it is not the scene's;
     ``window`` : the range of the second parameter.
@@ -564,7 +564,7 @@ def _thresholds(scene: Scene, free: Sequence[Knob], jnd: Sequence[Number], wante
     if TRANSPARENT not in wanted:
         raise SceneError("jnd: further thresholds are of what is noticed: ask for transparent too, or leave them out")
     for x in (x for x in free if x.parts):
-        raise SceneError(f"jnd: further thresholds and {x.path}, which is free, say the same: leave out one of them")
+        raise SceneError(f"jnd: further thresholds and {x.path}, which is free, are the same: leave out one of them")
     if scene.threshold.region.corners:
         raise SceneError("jnd: the scene's threshold is a polygon, which is given by its corners and not by one number")
     knob = scene.knobs[THRESHOLD]

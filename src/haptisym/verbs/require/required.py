@@ -186,7 +186,7 @@ class Requirement(Answer):
 
     ``free`` : the parameter, its path, unit and the value that the scene gives. ``domain`` : the values that were asked about,
     SI.
-    ``feasible`` : intervals of values, SI, in order; () means proven that none will do. Each end says which condition limits
+    ``feasible`` : intervals of values, SI, in order; () means proven that there are none. Each end has the condition that limits
     there, at which frequency, and whether the end is among the values.
     ``undecided`` : intervals of which nothing is proven, SI, None for an end without bound; ``reason`` : why.
     ``criteria`` : what is to hold; ``that`` : the words it was asked with. ``limit`` : seconds of a limit that cut the work
@@ -219,7 +219,7 @@ class Requirement(Answer):
     """Why something is undecided, where it is not for lack of time."""
 
     def _line(self) -> str:
-        spans = " or ".join(map(spanned, self.feasible)) or "none will do"
+        spans = " or ".join(map(spanned, self.feasible)) or "none"
         unit = f" ({self.free.unit})" if self.free.unit not in ("", "1") else ""
         return f"{titled(self.scene.title)}: {self.free.path}{unit}: {spans}"
 

@@ -195,7 +195,7 @@ class Slope(RealNumber):
 TOUCH = "undefined: the display touches its threshold here"
 _MEET = "undecided: several branches of the equation meet here"
 _NOT_CLEAR = "undecided: dF/dp or dF/d omega is 0 here, or too near to it"
-FLAT = "undefined: the ratio meets its threshold at 0 rad/s, where it is flat"
+FLAT = "undefined: the ratio crosses its threshold at 0 rad/s, where it is flat"
 _LEAST = "from above; below there is no scene"
 
 
@@ -497,11 +497,11 @@ class Sensitivities(Answer):
         if any(x.kind is CrossingKind.TOUCHES for x in below):
             return "undefined: the display touches its threshold within the bandwidth"
         if len(there) > 1:
-            return "undefined: both ratios meet their thresholds here"
+            return "undefined: both ratios cross their thresholds here"
         if end is e.chart.points[0].omega or (there and there[0].reason):
             return TOUCH
         if there and end is e.chart.points[-1].omega:
-            return "undefined: a ratio meets its threshold at the very end of the band"
+            return "undefined: a ratio crosses its threshold at the very end of the band"
         return ""
 
     def formula(self, part: Part, name: str) -> Expr:

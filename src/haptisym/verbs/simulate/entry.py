@@ -248,14 +248,10 @@ def _smoothing(motion: Motion) -> dict[str, Any]:
 
 def _estimate_row(x: Estimate) -> dict[str, Any]:
     return {
-        "omega": x.omega,
-        "simulated": {"real": x.simulated.real, "imag": x.simulated.imag},
-        "closed": {"real": x.closed.real, "imag": x.closed.imag},
-        "difference": x.difference,
-        "error": x.error,
-        "agrees": x.agrees,
-        **({"approximate": x.approximate} if x.approximate else {}),
-    }
+        "omega": x.omega, "simulated": {"real": x.simulated.real, "imag": x.simulated.imag},
+        "closed": {"real": x.closed.real, "imag": x.closed.imag}, "difference": x.difference, "error": x.error,
+        "agrees": x.agrees, **({"approximate": x.approximate} if x.approximate else {}),
+    }  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

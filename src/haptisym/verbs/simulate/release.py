@@ -526,7 +526,7 @@ class _Run:
             return "quantisation and saturation are in no closed form"
         if self.net.switches:
             return "sliding friction, for which the closed form has a describing function of one amplitude"
-        return "a clock whose loop has no closed form here" if self.periods and self.closed is None else ""
+        return "a sampled loop that has no closed form here" if self.periods and self.closed is None else ""
 
 
 def _held(net: Network, scene: Scene, hand: Hand, extras: Sequence[Extra]) -> Port:

@@ -47,7 +47,7 @@ def clock_of(scene: Scene) -> tuple[int, Effect]:
     """The one effect with a clock, and its place. UndecidedError where there are two."""
     (place, *others) = [i for i, effect in enumerate(scene.effects) if effect.model in CLOCKS]
     if others:
-        raise UndecidedError("the roots of a loop with two clocks")
+        raise UndecidedError("the poles of a loop with two samplers")
     return place, scene.effects[place]
 
 
@@ -61,7 +61,7 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
     """Controller, delay, hold, then device, compliance and hand in continuous time; symbols that are left may stay.
 
     A ``sampled-loop`` samples the position, a ``zero-order-hold`` the force that comes to it: before it all is continuous.
-    UndecidedError where a delay or a power of s comes back between clock and hand, or a jump of the force jumps back at once.
+    UndecidedError where a delay or a power of s returns between sampler and hand, or a jump of the force jumps back at once.
     """
     place, clock = clock_of(scene)
     behind, before = scene.effects[place + 1 :], scene.effects[:place]
@@ -109,7 +109,7 @@ def impedance(ring: Ring, effects: tuple[Effect, ...], hand: RationalFunction) -
         Z = (top / bottom).reduced()
     if Z.is_zero:
         raise UndecidedError(
-            "the roots of a loop with nothing that has mass, damping or stiffness between clock and hand"
+            "the roots of a loop with nothing that has mass, damping or stiffness between sampler and hand"
         )
     return Z
 
@@ -123,7 +123,7 @@ def plant_of(G: RationalFunction, ring: Ring) -> Plant:
         powers = {int(e[i]) for e in G.denominator.monoms()}
         if len(powers) > 1 or (i >= last and (powers != {0} or any(int(e[i]) for e in G.numerator.monoms()))):
             what = "a delay" if i < last else "a power of s"
-            raise UndecidedError(f"the roots of a loop in which {what} comes back between clock and hand")
+            raise UndecidedError(f"the roots of a loop in which {what} returns between sampler and hand")
     early = tuple(int(x) for x in G.denominator.monoms()[0][first:last])
     [(_, bottom)] = _by_delay(ring, G.denominator).items()
     terms = [
@@ -361,7 +361,7 @@ def start_of(loop: Opened, value: Expr) -> Rational:
     with flint.ctx.workprec(_BITS):
         q = expression_ball(value).union(expression_ball(near))
         if any(x.contains(0) or not x.is_finite() for x in loop.tests(q)):
-            raise UndecidedError("how far a number may go that is no rational one")
+            raise UndecidedError("the limits of a parameter that is not rational")
     return near
 
 
@@ -425,7 +425,7 @@ class Opened:
         for ratio in self._ratios:
             here = ratio.xreplace({self.symbol: q})
             if not here.is_Rational:
-                raise UndecidedError("how far a number may go that is no rational one")
+                raise UndecidedError("the limits of a parameter that is not rational")
             grows = (ratio.diff(self.symbol).xreplace({self.symbol: q}) > 0) == (side > 0)
             n = floor(here) + 1 if grows else ceiling(here) - 1
             above, below = (Poly(x, self.symbol) for x in (ratio - n).together().as_numer_denom())
@@ -632,7 +632,7 @@ def passages(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Pa
     ``brief`` : with few cells on a side, as of a number that nobody asked about.
     """
     if free.rule not in (Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY):
-        raise UndecidedError("an order in a loop with a clock")
+        raise UndecidedError("an order in a sampled loop")
     loop = opened(scene, hand, free)
     if loop.is_fixed:
         return Passages(())
@@ -645,7 +645,7 @@ def passages(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Pa
     found, low, high = _both_ways(walk, scene, hand, free, 1)
     if low == high:
         tick()
-        raise UndecidedError("how far a number may go next to whose value roots come to the unit circle")
+        raise UndecidedError("the limits of a parameter next to whose value poles come to the unit circle")
     is_whole = low == 0 and free.rule is not Rule.ANY
     return Passages(found, None if is_whole else low, high)
 
@@ -669,7 +669,7 @@ def _walk(loop: Opened, free: Knob) -> Walk:
     start = start_of(loop, free.value)
     home, on = loop.count(start)
     if on:
-        raise UndecidedError("how far a number may go that has roots on the unit circle now")
+        raise UndecidedError("the limits of a parameter with poles on the unit circle now")
     at = Fraction(int(start.p), int(start.q))
     return Walk(loop, at, home, free.rule, (at, at))
 

@@ -214,7 +214,7 @@ def _number(scene: Scene, x: Knob) -> Knob:
             f"{x.path} is a threshold, which moves no root: ask for a number of the display or of the hand"
         )
     if not scene.hands:
-        raise SceneError(f"{x.path}: how far it may go depends on the hand: {how_to_give()}")
+        raise SceneError(f"{x.path}: its limits depend on the hand: {how_to_give()}")
     return x
 
 

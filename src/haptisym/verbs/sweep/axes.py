@@ -183,8 +183,8 @@ def held_name(scene: Scene, hand: Hand) -> str:
 
 _NUMBERS = f"{INFINITE}: infinitely many, on the right or as near to the axis as one likes; {UNKNOWN}: not decided"
 _MEETS = {
-    "real": "r_r meets its threshold",
-    "imag": "r_i meets its threshold",
+    "real": "r_r crosses its threshold",
+    "imag": "r_i crosses its threshold",
     "joint": "dH/|H_env| meets the border of the JND region",
 }
 _TRANSPARENT = {

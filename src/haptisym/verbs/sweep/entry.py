@@ -193,13 +193,9 @@ class SweepGrid:
         limits = plain if c.is_plain else [json.dumps(c.row(), sort_keys=True)]
         hands = [[x.name, [str(p.value) for p in x.parameters if not self._is_swept(p.symbol)]] for x in scene.hands]
         parts = [
-            told,
-            *([hands] if hands else []),
-            [str(x) for x in scene.band],
-            limits,
-            [axis.path for axis in self.axes],
+            told, *([hands] if hands else []), [str(x) for x in scene.band], limits, [axis.path for axis in self.axes],
             TOLERANCE,
-        ]
+        ]  # fmt: skip
         digest = sha256(json.dumps(parts).encode())
         for axis in self.axes:
             digest.update(np.ascontiguousarray(axis.values).tobytes())
@@ -520,12 +516,9 @@ def _lazy(grid: SweepGrid, xarray: Any) -> xr.Dataset:
         xarray.DataArray(axis.values, dims=[axis.path]).chunk({axis.path: chunks[axis.path]}) for axis in grid.axes
     ]
     columns = xarray.apply_ufunc(
-        partial(_block, grid.kernel),
-        *values,
-        dask="parallelized",
-        output_core_dims=[()] * len(grid.variables),
+        partial(_block, grid.kernel), *values, dask="parallelized", output_core_dims=[()] * len(grid.variables),
         output_dtypes=[dtype for dtype, _ in grid.variables.values()],
-    )
+    )  # fmt: skip
     return _dataset(grid, xarray, [column.data for column in columns])
 
 
@@ -571,15 +564,12 @@ class Swept(Answer):
         held = [_held(data[name]) for name in data.data_vars if str(name).startswith(HELD)]
         methods = [int((data.method == kind).sum()) for kind in (FLOAT, EXACT, OPEN)]
         return {
-            "band": [float(x) for x in data.attrs["band"]],
-            "vary": [_axis(data, str(name)) for name in data.method.dims],
-            "sets": int(data.method.size),
-            **dict(zip(("certified_in_floats", "exact", "open"), methods, strict=True)),
+            "band": [float(x) for x in data.attrs["band"]], "vary": [_axis(data, str(name)) for name in data.method.dims],
+            "sets": int(data.method.size), **dict(zip(("certified_in_floats", "exact", "open"), methods, strict=True)),
             "ranges": {name: _range(data[name]) for name in told.floats},
-            "counts": {name: _counts(data[name]) for name in told.counts},
-            **({"held": held} if held else {}),
+            "counts": {name: _counts(data[name]) for name in told.counts}, **({"held": held} if held else {}),
             "out": None if self.out is None else str(self.out),
-        }
+        }  # fmt: skip
 
     def _left(self) -> dict[str, Any]:
         notes = self.asides()
