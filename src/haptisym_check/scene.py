@@ -133,13 +133,10 @@ def leave_free(table: Any, path: Any) -> None:
 
 def carried(table: Any) -> list[dict[str, Any]]:
     """What a file's device puts at the hand: a shunt of its mass and damping, and its friction at an amplitude."""
-    need(
-        isinstance(table, dict) and table.keys() <= {"like", "m", "b", "friction", "amplitude"},
-        "[device] is not understood",
-    )
-    known = CATALOGUE["devices"].get(table.get("like")) if isinstance(table.get("like"), str) else None
-    need(known is not None, "the device is not known")
-    own = {**known, **table}
+    fits = isinstance(table, dict) and table.keys() <= {"like", "m", "b", "friction", "amplitude"}
+    need(fits, "[device] is not understood")
+    need(str(table.get("like")) in CATALOGUE["devices"], "the device is not known")
+    own = {**CATALOGUE["devices"][str(table["like"])], **table}
     shunt = {key: own[key] for key in ("m", "b") if key in own}
     need(shunt and ("friction" in own or "amplitude" not in own), "a number of the device is missing")
     rubbing = {"model": "coulomb-friction", "force": own.get("friction"), "amplitude": own.get("amplitude")}

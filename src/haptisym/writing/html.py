@@ -412,7 +412,7 @@ def _look(column: doc.Column, shown: Sequence[str], most: int) -> dict[str, str]
     if column.number:
         return {"class": "number"}
     longest = max(map(len, shown), default=0)
-    if column.full or longest > _WORDS:
+    if longest > _WORDS:
         return {"class": "words"}
     return {"class": "words tight"} if longest > most else {}
 
