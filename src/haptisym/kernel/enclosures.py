@@ -73,8 +73,9 @@ class Sheet:
     """A polynomial in x and t for all t between two numbers: what stands before each power of x by Bernstein coefficients in t.
 
     >>> sheet = Sheet.of([arb_poly([0, 0, 1]), arb_poly([0, -3])], arb(1), arb(2))  # t^2 - 3 t x, 1 <= t <= 2
-    >>> [ball.str(3) for ball in sheet.over(arb(0), arb(1))]  # for 0 <= x <= 1
-    ['[+/- 4.01]', '[+/- 6.01]', '0']
+    >>> value, slope, _ = sheet.over(arb(0), arb(1))  # for 0 <= x <= 1 it has both signs, and falls by 3 t
+    >>> value.is_finite(), slope < 0, slope < -3
+    (False, True, False)
     """
 
     rows: arb_mat
@@ -95,15 +96,16 @@ class Sheet:
         return reduce(arb.union, (self.rows * arb_mat(self.rows.ncols(), 1, column[: self.rows.ncols()])).entries())
 
     def over(self, low: Ball, high: Ball) -> tuple[Ball, Ball, Ball]:
-        """Value, slope and half curvature in x between two numbers; of the others nothing where the value is negative."""
-        degree, nothing = self.rows.ncols() - 1, arb(0, "inf")
-        found = self.rows * _bernstein(low, high, degree, flint.ctx.prec)
-        value = reduce(arb.union, found.entries())
+        """Value, slope and half curvature in x between two numbers, where they have one sign; a negative value comes alone."""
+        degree = self.rows.ncols() - 1
+        rows = (self.rows * _bernstein(low, high, degree, flint.ctx.prec)).tolist()
+        value = _around(rows)
         if value < 0:
-            return value, nothing, nothing
-        shares = (arb(1), degree / (high - low), degree * (degree - 1) / (high - low) ** 2 / 2)
-        slope, bend = (_differences(found, n) * shares[n] for n in (1, 2))
-        return value, slope, bend
+            return value, _ANYTHING, _ANYTHING
+        steps = [[b - a for a, b in pairwise(row)] for row in rows]
+        bends = [[b - a for a, b in pairwise(row)] for row in steps]
+        share = degree / (high - low)
+        return value, _around(steps) * share, _around(bends) * share * (degree - 1) / (high - low) / 2
 
     def divided(self, n: int) -> Sheet:
         """Over x^n, which is a factor."""
@@ -115,12 +117,16 @@ class Sheet:
         return Sheet(arb_mat([[k * c for k, c in enumerate(row)][2:] or [arb(0)] for row in self.rows.tolist()]))
 
 
-def _differences(found: arb_mat, order: int) -> Ball:
-    """A ball around the differences of that order in each row; 0 where a row has none."""
-    rows = found.tolist()
-    for _ in range(order):
-        rows = [[b - a for a, b in pairwise(row)] for row in rows]
-    return reduce(arb.union, (x for row in rows for x in row), rows[0][0] if rows[0] else arb(0))
+_ANYTHING = arb(0, "inf")
+
+
+def _around(rows: Sequence[Sequence[Ball]]) -> Ball:
+    """A ball around numbers of one sign; anything where they are of both; 0 where there are none."""
+    found = [x for row in rows for x in row]
+    if not found:
+        return arb(0)
+    has_one_sign = all(x > 0 for x in found) if found[0] > 0 else all(x < 0 for x in found)
+    return reduce(arb.union, found) if has_one_sign else _ANYTHING
 
 
 @lru_cache(maxsize=4096)
