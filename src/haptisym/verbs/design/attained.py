@@ -11,10 +11,12 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
+from operator import mul
 
 import numpy as np
 from sympy import Expr, Integer, Rational
 
+from haptisym.judge.crossings import noticed
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.judge.excess import Side
 from haptisym.judge.passivity import passivity
@@ -149,16 +151,14 @@ class Points:
         return np.select([shares >= 1, shares > 0], [high, low + shares * (high - low)], 0.0)
 
     def _kernel(self, scene: Scene) -> Kernel | None:
-        """What a sweep has: not of several delays, holds or powers of s, of which a set of values may take it a second."""
+        """What a sweep has; not of several delays, holds, powers of s or of one and a JND region: a set may take it a second."""
         if id(scene) not in self._kernels:
             chain = scene.chain
             parts = ((chain.environment, chain.rendered), *chain.matrices)
             waves = [x for x in parts if not all(entry.is_rational_function(s) for entry in x)]
-            self._kernels[id(scene)] = None if len(waves) > 1 else Kernel.of(replace(scene, hands=()), self.free)
+            many = len(waves) + any(x.region is not None for x in noticed(scene.threshold)) > 1
+            self._kernels[id(scene)] = None if many else Kernel.of(replace(scene, hands=()), self.free)
         return self._kernels[id(scene)]
-
-    def _put(self, scene: Scene, values: Sequence[Expr]) -> Scene:
-        return scene.with_values({x.path: value for x, value in zip(self.free, values, strict=True)})
 
     def attained(self, values: Sequence[Expr]) -> Attained | None:
         """What is exact at some values; None where the model is not defined there."""
@@ -174,8 +174,10 @@ class Points:
         return self.known[key]
 
     def _scenes(self, values: Sequence[Expr]) -> list[Scene]:
-        each = [[x * f for x, f in zip(values, factors, strict=True)] for factors in self.factors]
-        return [self._put(scene, x) for scene in self.scenes for x in each]
+        each = [
+            dict(zip((x.path for x in self.free), map(mul, values, factors), strict=True)) for factors in self.factors
+        ]
+        return [scene.with_values(own) for scene in self.scenes for own in each]
 
     def _keep_all(self, scenes: Sequence[Scene]) -> bool | None:
         found = [keeps(scene, x) for x in self.keep for scene in scenes]
