@@ -12,7 +12,7 @@ from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import comb, factorial, pi
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -304,36 +304,32 @@ class Recording:
         return 3 if self._rests else 4
 
     @cached_property
-    def _pieces(self) -> tuple[Array, list[Any]]:
-        """Where pieces end, s, and the polynomials in pieces that they are."""
+    def _polynomials(self) -> tuple[Array, Array]:
+        """Where each begins, s, and the coefficients of its derivatives, ascending: (polynomials, derivatives, powers)."""
         from scipy.interpolate import PPoly, make_interp_spline
 
-        if not self._rests:
-            return np.array([]), [make_interp_spline(self.times, self.values, k=5)]
         last = len(self.times) - 1
         edges = sorted({0, last, *(i for rest in self._rests for i in rest)})
-        pieces = []
+        starts, rows = [], []
         for a, b in pairwise(edges):
             t, x = self.times[a : b + 1], self.values[a : b + 1]
             if (a, b) in self._rests:
-                pieces.append(PPoly([[x[0]]], [t[0], t[-1]]))
+                starts.append(t[:1])
+                rows.append(np.array([[x[0], 0.0, 0.0, 0.0, 0.0, 0.0]]))
                 continue
             free = [(3, 0.0), (4, 0.0)]  # at an end of the recording
             still = [(1, 0.0), (2, 0.0)]
-            ends = free if a == 0 else still, free if b == last else still
-            pieces.append(make_interp_spline(t, x, k=5, bc_type=ends))
-        return self.times[edges[1:-1]], pieces
-
-    def _spline(self, t: Array, nu: int) -> Array:
-        """A derivative of it, at times within the recording."""
-        edges, pieces = self._pieces
-        if not len(edges):
-            return np.asarray(pieces[0](t, nu=nu))
-        which = np.searchsorted(edges, t, side="right")
-        found = np.zeros(t.shape)
-        for i in np.unique(which):
-            found[which == i] = pieces[i](t[which == i], nu=nu)
-        return found
+            ends = (free if a == 0 else still, free if b == last else still) if self._rests else None
+            made = PPoly.from_spline(make_interp_spline(t, x, k=5, bc_type=ends))
+            is_one = np.diff(made.x) > 0
+            starts.append(made.x[:-1][is_one])
+            rows.append(made.c[::-1, is_one].T)
+        row = np.concatenate(rows)
+        table = [row]
+        for _ in range(5):
+            row = np.pad(row[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
+            table.append(row)
+        return np.concatenate(starts), np.stack(table, axis=1)
 
     @cached_property
     def amplitude(self) -> float:
@@ -353,10 +349,12 @@ class Recording:
     def derivatives(self, t: Array, order: int) -> Array:
         """Of the spline through its samples; at rest before the first."""
         inside = np.clip(t, self.times[0], self.times[-1])
-        # before its first sample the hand is at rest there
-        return np.stack(
-            [np.where((t >= self.times[0]) | (k == 0), self._spline(inside, k), 0.0) for k in range(order + 1)]
-        )
+        starts, table = self._polynomials
+        which = np.maximum(np.searchsorted(starts, inside, side="right") - 1, 0)
+        powers = np.power.outer(inside - starts[which], np.arange(6))
+        found = np.moveaxis((table[which, : order + 1] @ powers[..., None])[..., 0], -1, 0).copy()
+        found[1:] = np.where(t >= self.times[0], found[1:], 0.0)  # before its first sample the hand is at rest there
+        return found
 
 
 Motion: TypeAlias = Sines | Chirp | Recording | LettingGo

@@ -12,7 +12,8 @@ known with all its derivatives, keeps an N of higher order. What clocks, switche
 inputs back: a delayed signal whose derivative is needed makes that derivative a signal to record, until nothing new is needed.
 
 On a step the inputs are polynomials through their values at Gauss points, and the state's response to these is exact: it is
-read off SciPy's matrix exponential of the equation extended by the polynomials. Stiff equations therefore need no small steps,
+read off SciPy's matrix exponential of the equation extended by the polynomials, or of a short step, as between two switches,
+summed as a series in h M. Stiff equations therefore need no small steps,
 and what a step leaves behind are polynomials again, from which delay lines read.
 """
 
@@ -45,6 +46,25 @@ _LEFT_ENDS = (-1.0) ** _POWERS[None, :]  # of the Legendre polynomials
 _DERIVATIVE = 2 * legendre.legder(np.eye(POINTS), axis=0)  # with respect to a step from 0 to 1
 _DERIVATIVE = np.vstack([_DERIVATIVE, np.zeros((1, POINTS))])
 _AT_END = np.ones((1, POINTS)) @ _TO_SERIES
+
+_TERMS, _SHORT = 20, 1.0  # of the series, for steps of such a norm of h M: 1/20! is left
+_PLACES = np.array([*NODES, 1.0])
+_FACTORIALS = np.cumprod([1.0, *range(1, _TERMS + 1)])
+_FREE = _PLACES ** np.arange(_TERMS)[:, None] / _FACTORIALS[:-1, None]
+_STEADY = _PLACES ** np.arange(1, _TERMS + 1)[:, None] / _FACTORIALS[1:, None]
+
+
+def _repeated_integrals() -> Array:
+    """int_0^x (x - s)^k/k! l(s) ds at the places x, l being 1 at one node and 0 at the others: (terms, places, nodes)."""
+    x, weights = legendre.leggauss(POINTS + _TERMS // 2)
+    s = np.multiply.outer(_PLACES, (x + 1) / 2)
+    basis = legendre.legvander(2 * s - 1, POINTS - 1) @ _TO_LEGENDRE
+    powers = (_PLACES[:, None] - s) ** np.arange(_TERMS)[:, None, None] / _FACTORIALS[:-1, None, None]
+    result: Array = np.einsum("kps,psi->kpi", powers * weights * _PLACES[:, None] / 2, basis)
+    return result
+
+
+_VARYING = _repeated_integrals()
 
 
 def at_end(values: Array) -> Array:
@@ -96,11 +116,30 @@ class Propagator:
         """
         from scipy.linalg import expm
 
+        if h * self._size <= _SHORT:
+            return self._short_step(h)
         unchanged, per_second, from_values = self._extended
         n, scale = len(self.M), self._balance
         whole = expm(np.multiply.outer([*NODES, 1.0], unchanged + h * per_second))
         free = whole[:, :n, :n] * scale[:, None] / scale[None, :]
         return free, whole[:, :n, n:] @ (h * from_values) * scale[:, None]
+
+    @cached_property
+    def _size(self) -> float:
+        """A norm of M, 1/s."""
+        return float(np.abs(self._extended[1]).sum(axis=0).max(initial=0.0))
+
+    def _short_step(self, h: float) -> tuple[Array, Array]:
+        """The same by its series: a sum of (h M)^k, and of (h M)^k h N, each with its repeated integrals."""
+        n, scale, (varying, steady) = len(self.M), self._balance, self._driving
+        hM = h * self._extended[1][:n, :n]
+        parts = [np.hstack([np.eye(n), h * self.N[:, [*varying, *steady]] / scale[:, None]])]
+        for _ in range(_TERMS - 1):
+            parts.append(hM @ parts[-1])
+        free, moved, held = np.split(np.stack(parts), [n, n + len(varying)], axis=2)
+        free = np.tensordot(_FREE.T, free, 1) * scale[:, None] / scale[None, :]
+        moved = np.tensordot(_VARYING, moved, ((0,), (0,))).transpose(0, 2, 1, 3).reshape(len(_PLACES), n, -1)
+        return free, np.concatenate([moved, np.tensordot(_STEADY.T, held, 1)], axis=2) * scale[:, None]
 
     @cached_property
     def _extended(self) -> tuple[Array, Array, Array]:
