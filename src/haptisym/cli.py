@@ -87,6 +87,7 @@ def app() -> None:
       haptisym scenes                       what else the package ships
       haptisym scenes fu2019 > my.toml      a copy to start your own from
       haptisym evaluate my.toml
+      haptisym evaluate --help              options and examples of a command
     """
 
 

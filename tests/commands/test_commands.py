@@ -321,7 +321,7 @@ def test_a_file_on_a_full_disk_is_named(call, words: list[str]) -> None:  # type
         ("evaluate palpation-device --tolerance 0.1", "--tolerance takes one environment"),
         ("require fu2019 --free zeta --free omega_n", "needs a --range for each"),
         ("require fu2019 --free zeta --range 0 1 --range 1 2", "--range not at all or as often"),
-        ("derive fu2019 --keep m --numeric", "--keep says which parameters stay symbols, and so does --numeric"),
+        ("derive fu2019 --keep m --numeric", "--keep gives the parameters that stay symbols, and so does --numeric"),
         ("simulate fu2019 --check --motion sine", "--check chooses the motion itself"),
         ("simulate fu2019 --lowpass-order 2", "it needs --lowpass"),
         ("scenes fu2019 --json", "leave out --json"),

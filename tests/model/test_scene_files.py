@@ -1044,7 +1044,7 @@ def test_what_is_nominal_is_said_in_a_sentence_for_each_width() -> None:
     )
     own = {"real": {"higher": 0.1, "lower": [0.1, 0.2]}, "imag": 0.1}
     assert note(own, k=1, b=2) == (
-        "omega_c varies by 50 %; real.lower of the JND varies from 0.1 to 0.2: this is the nominal scene; `haptisym evaluate` tells which bandwidths the JND gives."
+        "omega_c varies by 50 %; real.lower of the JND varies from 0.1 to 0.2: this is the nominal scene; `haptisym evaluate` prints which bandwidths the JND gives."
     )
     assert note(0.1, "effects.first-order-lag.omega_c", k=1, b=2) == ""
     two = Scene(environments.kelvin_voigt(1, 2), (), (0, 15), {"real": [0.1, 0.2], "imag": 0.1})

@@ -37,7 +37,8 @@ def scenes(ask: Ask) -> None:
         }
         for name, x in found
     ]
-    _list(ask, "scenes", rows, "Scenes to start from", [(name, x["title"]) for name, x in found])
+    title = "Scenes to start from; haptisym scenes NAME > my.toml copies one"
+    _list(ask, "scenes", rows, title, [(name, x["title"]) for name, x in found])
 
 
 def _file(name: str) -> str:

@@ -258,7 +258,7 @@ def _columns() -> int:
 def say_list(title: str, rows: Sequence[tuple[str, str]]) -> None:
     """Names and what they are, on standard output: a page for which neither its writer nor SymPy is loaded."""
     columns, after = _columns(), 4 + max(len(key) for key, _ in rows)
-    lines, is_wide = [title, ""], columns - after >= _ROOM
+    lines, is_wide = [fill(title, columns), ""], columns - after >= _ROOM
     for key, words in rows:
         begun = f"  {key}".ljust(after) if is_wide else " " * 4
         lines += [] if is_wide else [f"  {key}"]

@@ -202,13 +202,8 @@ def hard_costs_figure(found: HardCosts) -> Figure:
         draw_table(figure.add_axes(place), group)
         top -= _LINE * lines
     figure.legend(
-        handles=_table_handles(),
-        loc="lower center",
-        ncols=4,
-        fontsize=pen.SMALL,
-        frameon=False,
-        handlelength=1.4,
-    )
+        handles=_table_handles(), loc="lower center", ncols=4, fontsize=pen.SMALL, frameon=False, handlelength=1.4,
+    )  # fmt: skip
     return figure
 
 
@@ -223,15 +218,9 @@ def draw_table(ax: Axes, rows: Sequence[HardRow]) -> None:
         ours = any(row.ours for row in rows if row.method == method)
         weight = "bold" if ours else "normal"
         ax.text(
-            j + 0.5,
-            -0.2,
-            _folded(method),
-            fontsize=pen.SMALL,
-            color=pen.INK,
-            ha="center",
-            va="bottom",
+            j + 0.5, -0.2, _folded(method), fontsize=pen.SMALL, color=pen.INK, ha="center", va="bottom",
             fontweight=weight,
-        )
+        )  # fmt: skip
     for i, family in enumerate(families):
         ax.text(-0.08, i + 0.5, family, fontsize=pen.SMALL, color=pen.INK, ha="right", va="center")
         for j, method in enumerate(methods):

@@ -121,13 +121,8 @@ class _Ends(Layer):
         height = pen.SMALL * 1.15 * ax.figure.dpi / (72 * ax.bbox.height)
         places = spread([share for share, *_ in seen], [height] * len(seen))
         leader = {
-            "arrowstyle": "-",
-            "linewidth": 0.4,
-            "color": pen.GREY,
-            "shrinkA": 0,
-            "shrinkB": 0,
-            "relpos": (0, 0.5),
-        }
+            "arrowstyle": "-", "linewidth": 0.4, "color": pen.GREY, "shrinkA": 0, "shrinkB": 0, "relpos": (0, 0.5),
+        }  # fmt: skip
         return [
             ax.annotate(
                 name, xy=(1, value), xytext=(1.05, place), xycoords=ax.get_yaxis_transform(), textcoords="axes fraction",

@@ -622,7 +622,7 @@ def spread(centres: Sequence[float], widths: Sequence[float]) -> Array:
     return np.clip(free, 0, max(0.0, 1 - sum(widths))) + offsets
 
 
-_WIDE, _HIGH = 0.51, 0.95
+_WIDE, _HIGH = 0.56, 0.95
 """Of a letter, and of a line, in sizes of the font."""
 _MARK = 3.0  # half of a point's width, pt
 _NEAR, _FAR = 5.0, 14.0  # pt from a point to its name

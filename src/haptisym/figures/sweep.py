@@ -202,12 +202,8 @@ class _Held(Layer):
             return [self._patch()]
         borders, own = np.repeat(_edges(self.x), 2)[1:-1], np.repeat(self.where, 2)
         style: dict[str, Any] = {
-            "facecolor": "none",
-            "edgecolor": self.color,
-            "linewidth": 0.0,
-            "hatch": self.hatch,
-            "zorder": 0,
-        }
+            "facecolor": "none", "edgecolor": self.color, "linewidth": 0.0, "hatch": self.hatch, "zorder": 0,
+        }  # fmt: skip
         on.ax.fill_between(on.x.of(borders), 0, 1, where=own, transform=on.ax.get_xaxis_transform(), **style)
         return [self._patch()]
 

@@ -105,14 +105,10 @@ _QUANTITIES = {
 """The order of the derivative of motion, and the power of force over it."""
 _RESPONSE = {
     "frequency": "omega w frequency freq f hz angular_frequency",
-    "H": "h frf txy tf response z " + " ".join(_QUANTITIES).replace("-", "_"),
-    "real": "real re",
-    "imag": "imag im imaginary",
-    "magnitude": "magnitude mag gain amplitude modulus abs spl |h|",
-    "phase": "phase angle arg",
-    "coherence": "coherence coh cxy gamma2",
-    "radius": "radius",
-}
+    "H": "h frf txy tf response z " + " ".join(_QUANTITIES).replace("-", "_"), "real": "real re",
+    "imag": "imag im imaginary", "magnitude": "magnitude mag gain amplitude modulus abs spl |h|",
+    "phase": "phase angle arg", "coherence": "coherence coh cxy gamma2", "radius": "radius",
+}  # fmt: skip
 _RECORD = {
     "time": "t time timestamp",
     "position": "position pos x q displacement",

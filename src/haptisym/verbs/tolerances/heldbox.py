@@ -56,12 +56,9 @@ class HeldInBox:
         reason = {"reason": self.reason} if self.reason else {}
         ranges = {p.key: [float(end) for end in p.interval] for p in self.hand.parameters if p.interval}
         return {
-            "hand": self.hand.name,
-            **({"ranges": ranges} if ranges else {}),
-            "stable": self.share.value if self.share else None,
-            "witnesses": shown,
-            **reason,
-        }
+            "hand": self.hand.name, **({"ranges": ranges} if ranges else {}),
+            "stable": self.share.value if self.share else None, "witnesses": shown, **reason,
+        }  # fmt: skip
 
 
 def held_in_box(scene: Scene, hand: Hand) -> HeldInBox:

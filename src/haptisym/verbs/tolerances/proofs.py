@@ -689,16 +689,13 @@ class Tolerances(Answer):
     def _body(self) -> dict[str, Any]:
         sides = [{"name": x.name, "low": float(x.low), "high": float(x.high)} for x in self.box.sides]
         return {
-            "band": [float(x) for x in self.box.scene.band],
-            "varying": sides,
-            "verdict": self.verdict.value,
+            "band": [float(x) for x in self.box.scene.band], "varying": sides, "verdict": self.verdict.value,
             "witnesses": {"transparent": _witness_row(self.transparent), "noticed": _witness_row(self.noticed)},
             "crossings": [self._enclosure_row(x) for x in self.enclosures],
             "bandwidth": None if self.bandwidth is None else [float(x) for x in self.bandwidth],
-            **({"held": [x.row() for x in self.held]} if self.held else {}),
-            "estimates": self._estimates(),
+            **({"held": [x.row() for x in self.held]} if self.held else {}), "estimates": self._estimates(),
             "certified": self.certified,
-        }
+        }  # fmt: skip
 
     def _left(self) -> dict[str, Any]:
         return {} if self.limit is None else {"limit": self.limit}
