@@ -14,7 +14,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TypeAlias
 
-from sympy import Expr, Rational, S
+from sympy import Expr, Rational, S, Symbol
 
 from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import Criterion
@@ -23,6 +23,7 @@ from haptisym.kernel.arrays import np
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import c, omega
 from haptisym.kernel.where import Curve
+from haptisym.model.chain import Chain
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Knob, Scene
@@ -58,6 +59,17 @@ class Box:
     def values(self, shares: Mapping[str, Fraction]) -> dict[str, Expr]:
         """The exact values of what varies, each that share of its way."""
         return {side.name: side.at(shares[side.name]) for side in self.sides}
+
+    @cached_property
+    def fixed(self) -> dict[Symbol, Expr]:
+        """The numbers of the scene that do not vary."""
+        names = [side.name for side in self.sides]
+        return {p.symbol: p.value for p in self.scene.parameters if p.symbol.name not in names}
+
+    @cached_property
+    def chain(self) -> tuple[Chain, bool]:
+        """The scene's with these numbers, without zeros on the axis; whether real and imaginary part are exchanged by that."""
+        return self.scene.chain.at(self.fixed).without_axis_zeros()
 
     def part_name(self, part: Part) -> str:
         """The name of the side that is a part's threshold, if it varies."""
@@ -99,7 +111,7 @@ class Excess:
             raise SceneError(f"{criterion.words}: tolerances need a JND with a limit for each part: a square")
         self._over(box)
         self._judges(box, criterion, part)
-        chain, exchanged = box.scene.chain.at(self._fixed).without_axis_zeros()
+        chain, exchanged = box.chain
         seen = part if not exchanged else Part.IMAG if part is Part.REAL else Part.REAL
         self._name = f"squared_{seen.value}"
         self._program = chain.program([self._name])
@@ -114,7 +126,7 @@ class Excess:
     def _over(self, box: Box) -> None:
         """What varies, and within which ends."""
         self._names = [side.name for side in box.sides]
-        self._fixed = {p.symbol: p.value for p in box.scene.parameters if p.symbol.name not in self._names}
+        self._fixed = box.fixed
         ends = [box.scene.band, *((side.low, side.high) for side in box.sides)]
         self._intervals = [(floated(low), floated(high - low)) for low, high in ends]
         self.sides = len(ends)

@@ -98,11 +98,9 @@ class States:
         doublings = max(0, frexp(float(norm(X).upper()))[1] + 2)  # then |X| <= 1/4
         if doublings > _MOST_DOUBLINGS:
             return total * arb("nan")
-        X, rest, k = X * arb(2) ** -doublings, arb(1), 1
-        while rest > arb(2) ** -(flint.ctx.prec + 8):
-            k, rest = k + 1, rest / (4 * (k + 1))  # 4^(1 - k)/k!, more than the terms from X^k/(k + 1)! on
-        for n in range(k, 1, -1):
-            total = self._one + X * total * (arb(1) / n)
+        X, (rest, shares) = X * arb(2) ** -doublings, _series(flint.ctx.prec)
+        for share in shares:
+            total = self._one + X * total * share
         last = reduce(mul, [X] * self.size, self._one)
         if not norm(last).is_zero():  # of masses alone nothing is left out, as no higher power is there
             total = widened(total, rest)
@@ -113,6 +111,16 @@ class States:
     @cached_property
     def _one(self) -> Any:
         return matrix([[arb(int(i == j)) for j in range(self.size)] for i in range(self.size)])
+
+
+@lru_cache(maxsize=16)
+def _series(bits: int) -> tuple[Ball, list[Ball]]:
+    """What terms that are left out of the series add up to at most, of |X| <= 1/4, and 1/n from its last term down to 1/2."""
+    with flint.ctx.workprec(bits):
+        rest, k = arb(1), 1
+        while rest > arb(2) ** -(bits + 8):
+            k, rest = k + 1, rest / (4 * (k + 1))  # 4^(1 - k)/k!, more than the terms from X^k/(k + 1)! on
+        return rest, [arb(1) / n for n in range(k, 1, -1)]
 
 
 def column(M: Any, j: int) -> Any:

@@ -11,9 +11,9 @@ series is left as Re or Im of H_perc(j omega) as the chain builds it. Named step
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cache, cached_property, lru_cache, partial
 from math import factorial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -112,9 +112,8 @@ class Chain:
     def program(self, fields: Sequence[str]) -> Program:
         """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is written as 0."""
         from haptisym.programs.balls import BallPoint  # a certified answer needs no program
-        from haptisym.programs.stable import stable_program
 
-        write = stable_program(self.environment, self.rendered, self.matrices, self.parameters)
+        write = _writer(self.environment, self.rendered, self.matrices, self.parameters)
         program = write(fields, ())
         # a value that is not 0 at some point settles that a field is not 0 everywhere
         sample = BallPoint(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
@@ -201,6 +200,16 @@ class Chain:
         """The chain with every dynamics in it changed."""
         matrices = tuple((change(a), change(b), change(c), change(d)) for a, b, c, d in self.matrices)
         return Chain(change(self.environment), change(self.rendered), matrices)
+
+
+@lru_cache(maxsize=8)
+def _writer(
+    environment: Expr, rendered: Expr, matrices: tuple[Matrix, ...], inputs: tuple[Symbol, ...]
+) -> Callable[[Sequence[str], Collection[str]], Program]:
+    """What writes the programs of a chain, all from the same steps."""
+    from haptisym.programs.stable import stable_program
+
+    return stable_program(environment, rendered, matrices, inputs)
 
 
 def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:

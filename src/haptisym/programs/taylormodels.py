@@ -51,18 +51,18 @@ class Model:
         """Coefficients and remainder."""
         return self.c0, self.c1, self.c2, self.r
 
-    @property
+    @cached_property
     def deviation(self) -> Array:
         """Bounds on the distance from ``c0``."""
         return self._first + self._second + self.r
 
     @cached_property
     def _first(self) -> Array:
-        return np.abs(self.c1).sum(-1)
+        return np.add.reduce(np.abs(self.c1), -1)
 
     @cached_property
     def _second(self) -> Array:
-        own = np.abs(self.c2).sum((-1, -2))
+        own = np.add.reduce(np.abs(self.c2), (-1, -2))
         if own.shape == self.c0.shape:
             return own
         return np.concatenate([own, np.zeros_like(self.c0[:, own.shape[1] :])], 1)
@@ -184,7 +184,7 @@ class Model:
     def _composed(self, f: Array, df: Array, half: Array, rest: Array) -> Model:
         """f + df x + half x^2 + rest for x = the value minus its middle; without slopes."""
         x1, x2, r = self.c1[:, :1], self.c2[:, :1], self.r[:, :1]
-        d1, d2 = np.abs(x1).sum(-1), np.abs(x2).sum((-1, -2))
+        d1, d2 = np.add.reduce(np.abs(x1), -1), np.add.reduce(np.abs(x2), (-1, -2))
         c1 = df[..., None] * x1
         c2 = df[..., None, None] * x2 + half[..., None, None] * x1[..., :, None] * x1[..., None, :]
         square = 2 * d1 * (d2 + r) + (d2 + r) ** 2  # of x^2, what is not in c2

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from itertools import groupby, product
 from math import inf, nextafter, prod
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import flint
 from sympy import Expr, I, Integer, Poly, Rational, Symbol, pi
@@ -135,6 +135,7 @@ Span: TypeAlias = tuple[float, float]
 Parts: TypeAlias = dict[Expr, list[Model | None]]
 """By powers of omega real and imaginary part; None for 0."""
 _BITS = 160
+_ROUNDING = 1e-14
 _QUARTERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 
 
@@ -228,14 +229,18 @@ def imaginary(above: Parts, below: Parts) -> dict[Expr, Model]:
     return found
 
 
-def powered(omega: Model, p: Expr) -> Model:
-    """omega^p, for p >= 0."""
-    if not isinstance(p, Integer):
-        return omega.to_the(omega.number(floated(p)))
-    found = omega.number(1.0)
-    for _ in range(int(p)):
-        found = found * omega
-    return found
+class Powers:
+    """x^p of a model, p >= 0, whole powers each made once: 1, x, x^2, ..."""
+
+    def __init__(self, x: Model) -> None:
+        self.x, self._known = x, [x.number(1.0)]
+
+    def __call__(self, p: Expr) -> Model:
+        if not isinstance(p, Integer):
+            return self.x.to_the(self.x.number(floated(p)))
+        while len(self._known) <= int(p):
+            self._known.append(self._known[-1] * self.x)
+        return self._known[int(p)]
 
 
 def bent_sinc(angle: Model) -> Model:
@@ -256,6 +261,45 @@ def variables(cells: Array) -> tuple[Model, Model]:
     return found[0], found[1]
 
 
+@dataclass(frozen=True)
+class _Points:
+    """Values at single places, and about how far roundings put them off: says where to look; what it finds models prove."""
+
+    c0: Any
+    r: Any
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Each of them."""
+        return np.asarray(self.c0 - self.r), np.asarray(self.c0 + self.r)
+
+    def number(self, x: float) -> _Points:
+        return _Points(x, abs(x) * _ROUNDING)
+
+    def times(self, x: float) -> _Points:
+        return self * self.number(x)
+
+    def __add__(self, other: _Points) -> _Points:
+        return _Points(self.c0 + other.c0, self.r + other.r + _ROUNDING * (abs(self.c0) + abs(other.c0)))
+
+    def __mul__(self, other: _Points) -> _Points:
+        c0 = self.c0 * other.c0
+        return _Points(c0, abs(self.c0) * other.r + self.r * (abs(other.c0) + other.r) + _ROUNDING * abs(c0))
+
+    def __truediv__(self, other: _Points) -> _Points:
+        c0 = self.c0 / other.c0
+        return _Points(c0, (self.r + abs(c0) * other.r) / abs(other.c0) + _ROUNDING * abs(c0))
+
+    def cosine_and_sine(self) -> tuple[_Points, _Points]:
+        return tuple(_Points(x, self.r + _ROUNDING) for x in (np.cos(self.c0), np.sin(self.c0)))  # type: ignore[return-value]
+
+    def sinc(self) -> _Points:
+        return _Points(np.sinc(self.c0 / np.pi), self.r + _ROUNDING)
+
+    def to_the(self, order: _Points) -> _Points:
+        c0 = self.c0**order.c0
+        return _Points(c0, c0 * (self.r / self.c0 + _ROUNDING))
+
+
 def ends_of(model: Model) -> tuple[float, float]:
     """The least and the largest that a model is in any of its cells."""
     low, high = model.bounds()
@@ -266,6 +310,21 @@ def span(low: Rational, high: Rational) -> Span:
     """The ends as floats, rounded outward."""
     a, b = float(low), float(high)
     return a if Rational(a) <= low else nextafter(a, -inf), b if Rational(b) >= high else nextafter(b, inf)
+
+
+class _Late:
+    """A delay over cells, and what it makes of a frequency."""
+
+    def __init__(self, omega: Model, lag: Model) -> None:
+        self.lag, self.angle = lag, omega * lag
+
+    @cached_property
+    def cosine(self) -> Model:
+        return self.angle.cosine_and_sine()[0]
+
+    @cached_property
+    def sinc(self) -> Model:
+        return self.angle.sinc()
 
 
 _FARTHEST = 2.0**60
@@ -311,10 +370,12 @@ class Energy:
 
     def active_at(self, q: Span) -> float | None:
         """A frequency at which Im H < 0 for all values of a range, proven; None where none was found."""
-        reach = self._reach(((q[0] + q[1]) / 2,) * 2) or self._turns(q)
-        grid = np.unique(np.concatenate([np.geomspace(1e-4 * reach, reach, 150), np.linspace(0, reach, 150)[1:]]))
         middle = (q[0] + q[1]) / 2
-        low = self._bounds(grid, (middle, middle))[1]
+        value: Any = _Points(middle, abs(middle) * _ROUNDING)
+        reach = self._reach((middle, middle), (value, value)) or self._turns(q)
+        grid = np.unique(np.concatenate([np.geomspace(1e-4 * reach, reach, 150), np.linspace(0, reach, 150)[1:]]))
+        at: Any = _Points(grid, grid * _ROUNDING)
+        low = np.broadcast_to(self._function(at, value).bounds()[1], grid.shape)
         for i in np.argsort(low)[:3]:
             if low[i] < 0 and self._bounds(grid[i : i + 1], q)[1][0] < 0:
                 return float(grid[i])
@@ -432,9 +493,9 @@ class Energy:
         """G over cells."""
         with np.errstate(all="ignore"):
             found = self._coefficients(omega, q)
-            total = omega.number(0.0)
+            total, powers = omega.number(0.0), Powers(omega)
             for p, model in found.items():
-                total = total + model * powered(omega, p - self._lowest)
+                total = total + model * powers(p - self._lowest)
             return total
 
     def _coefficients(self, omega: Model, q: Model, *, expanded: bool = False) -> dict[Expr, Model]:
@@ -444,37 +505,55 @@ class Energy:
             return imaginary(above, below)
 
     def _parts(self, row: Sequence[Term], omega: Model, q: Model, *, expanded: bool) -> Parts:
-        found: Parts = {}
+        found, powers, late_by = Parts(), Powers(q), dict[Expr, _Late]()
         for x in row:
             C, S = x.turned
-            number = valued(x.number, {self.symbol: q}, q)
+            number = self._valued(x.number, powers)
             if x.lag == 0:
                 add_to(found, x.power, number, C, S)
                 continue
-            lag = valued(x.lag, {self.symbol: q}, q)
-            angle = omega * lag
-            late = number * lag
+            if x.lag not in late_by:
+                late_by[x.lag] = _Late(omega, self._valued(x.lag, powers))
+            own = late_by[x.lag]
+            late = number * own.lag
             if not expanded:
-                add_to(found, x.power, number * angle.cosine_and_sine()[0], C, S)
-                add_to(found, x.power + 1, late * angle.sinc(), S, -C)
+                add_to(found, x.power, number * own.cosine, C, S)
+                add_to(found, x.power + 1, late * own.sinc, S, -C)
                 continue
-            half = angle.times(0.5).sinc()
+            half = own.angle.times(0.5).sinc()
             add_to(found, x.power, number, C, S)
-            add_to(found, x.power + 2, (number * lag * lag * half * half).times(-0.5), C, S)
+            add_to(found, x.power + 2, (number * own.lag * own.lag * half * half).times(-0.5), C, S)
             add_to(found, x.power + 1, late, S, -C)
-            add_to(found, x.power + 3, late * lag * lag * bent_sinc(angle), S, -C)
+            add_to(found, x.power + 3, late * own.lag * own.lag * bent_sinc(own.angle), S, -C)
         return found
 
-    def _reach(self, q: Span) -> float | None:
-        """From where on Im H > 0 for all values of a range; None where that is not shown."""
-        omega, value = variables(np.array([[[0.0, 0.0], q]]))
+    def _valued(self, form: Expr, powers: Powers) -> Model:
+        """A number or a delay over cells of the parameter, of which the powers are known."""
+        if form not in self._rows_of:
+            is_one = form.is_polynomial(self.symbol)
+            rows = Poly(form, self.symbol).all_coeffs()[::-1] if is_one else None
+            self._rows_of[form] = rows and [(Integer(n), floated(c)) for n, c in enumerate(rows) if c != 0]
+        row, q = self._rows_of[form], powers.x
+        if row is None:
+            return valued(form, {self.symbol: q}, q)
+        terms = [powers(n).times(c) if n else q.number(c) for n, c in row]
+        return sum(terms[1:], terms[0]) if terms else q.number(0.0)
+
+    @cached_property
+    def _rows_of(self) -> dict[Expr, list[tuple[Integer, float]] | None]:
+        """Of numbers and delays the powers of the parameter and what stands before them; None where they are no polynomials."""
+        return {}
+
+    def _reach(self, q: Span, place: tuple[Model, Model] | None = None) -> float | None:
+        """From where on Im H > 0 for all values of a range; None where that is not shown. ``place`` : frequency and value."""
+        omega, value = place or variables(np.array([[[0.0, 0.0], q]]))
         sure, others = list[Parts](), list[dict[Expr, float]]()
         for row in self._rows:
             sure.append(self._parts([x for x in row if x.lag == 0], omega, value, expanded=False))
             sizes: dict[Expr, float] = {}
             for x in row:
                 if x.lag != 0:
-                    most = max(map(abs, ends_of(valued(x.number, {self.symbol: value}, value))))
+                    most = max(map(abs, ends_of(self._valued(x.number, Powers(value)))))
                     sizes[x.power] = sizes.get(x.power, 0.0) + most
             others.append(sizes)
         known = imaginary(*sure)

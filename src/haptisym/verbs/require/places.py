@@ -451,7 +451,18 @@ class Summit(RealNumber):
     high: Ball
 
     def ball(self, bits: int) -> Ball:
-        bits, change = rounded_up(bits), self.shape.change
+        bits = rounded_up(bits)
+        if bits not in self._balls:
+            self._balls[bits] = self._refined(bits)
+        return self._balls[bits]
+
+    @cached_property
+    def _balls(self) -> dict[int, Ball]:
+        """Those that were asked for: each takes as long as a small map, and maps print an end several times."""
+        return {}
+
+    def _refined(self, bits: int) -> Ball:
+        change = self.shape.change
         assert change is not None
         with flint.ctx.workprec(bits):
 
