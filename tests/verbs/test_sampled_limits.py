@@ -305,6 +305,37 @@ def test_it_does_not_where_the_number_takes_away_or_something_yields(device: dic
     assert is_held(scene, hand, scene.knobs["effects.shunt.m"], Rational(1, 2)) is not bool(drive)
 
 
+def test_every_number_of_a_sampled_wall_is_told_where_eigenvalues_leave_the_circle() -> None:
+    """None is asked about; what moves, exactly sampled by SciPy, with the samples that the backward difference keeps."""
+    given = {"k": 400.0, "b": 0.4, "T": 1e-3, "m": 0.05, "d": 0.8}
+    paths = {
+        "environment.k": "k", "environment.b": "b", "effects.loop.T": "T", "effects.device.b": "d", "effects.device.m": "m",
+    }  # fmt: skip
+
+    def radius(**moved: float) -> float:
+        n = given | moved
+        M, B = n["m"] + 0.1, n["d"] + 0.1  # with the hand
+        both = expm(np.array([[0, 1, 0], [0, -B / M, 1 / M], [0, 0, 0]]) * n["T"])
+        step = np.zeros((4, 4))  # position, velocity, the last two samples
+        step[:2, :2] = both[:2, :2]
+        step[:2, 2] -= both[:2, 2] * (n["k"] + n["b"] / n["T"])
+        step[:2, 3] += both[:2, 2] * n["b"] / n["T"]
+        step[2, 0] = step[3, 2] = 1
+        return float(max(abs(np.linalg.eigvals(step))))
+
+    scene = hs.load_scene("virtual-wall")
+    given |= {"m": float(scene.knobs["effects.device.m"].value), "d": float(scene.knobs["effects.device.b"].value)}
+    assert radius() < 1
+    [row] = hs.stability(scene, "light-touch").to_dict()["held"]
+    told = [(x["path"], x["value"], x["stable_side"]) for x in row["critical"] if x["value"] > 0]
+    assert {x for x, _, _ in told} == {*paths} - {"effects.device.m"}
+    for path, value, side in told:
+        for sign in (1, -1):
+            assert (radius(**{paths[path]: value * (1 + sign * 1e-6)}) < 1) == ((sign > 0) == (side == "above")), path
+        between = np.linspace(given[paths[path]], value, 40)[:-1]
+        assert all(radius(**{paths[path]: float(x)}) < 1 for x in between), path
+
+
 def test_where_a_number_has_no_end_on_a_side_nothing_is_said_to_be_left() -> None:
     hand = hs.Hand("hand", m="0.2", b="1.6", k=200)
     scene = spring(900, hand=hand, T="4 ms", m="0.05", b="0.3")

@@ -310,6 +310,26 @@ def test_a_recording_gives_the_error_of_the_force_that_encoder_and_limit_make() 
     assert hs.simulate(scene, Recording(t, x)).error is None
 
 
+def test_encoder_and_limit_act_at_each_tick_of_a_late_wall_as_sample_by_sample() -> None:
+    """A sample late, as long as rounding of times adds up: 400 q + 0.4 (q - q before)/T, cut off, by NumPy."""
+    t = np.arange(1400) * 1e-3
+    x = 0.02 * np.sin(2 * np.pi * 1.3 * t) + 0.004 * np.sin(2 * np.pi * 5.1 * t + 0.3)
+    run = hs.simulate(
+        "virtual-wall", Recording(t, x), extras=[hs.EncoderQuantisation("20 um"), hs.ForceSaturation("8.01 N")]
+    )
+
+    def wanted(x: Any) -> Any:
+        late = np.concatenate([[x[0], x[0]], x])[:-1]
+        return 400 * late[1:] + 400 * np.diff(late)
+
+    q = 2e-5 * np.round(x[:-1] / 2e-5)
+    force = np.clip(wanted(q), -8.01, 8.01)
+    off = force - wanted(x[:-1])
+    assert run.error is not None
+    assert run.error.at_limit == pytest.approx((np.abs(force) == 8.01).mean(), rel=1e-8)
+    assert (run.error.largest, run.error.rms) == pytest.approx((np.abs(off).max(), np.sqrt((off**2).mean())), rel=1e-6)
+
+
 def test_a_quantised_spring_gives_the_describing_function_of_a_staircase() -> None:
     scene, A, q = hs.Scene(environments.mass_spring_damper(k=100)), 0.05, 0.02
     [x] = hs.simulate(scene, hs.sine(A, 5), extras=[hs.EncoderQuantisation("2 cm")]).estimates
