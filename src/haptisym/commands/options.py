@@ -174,7 +174,8 @@ class Verb(click.Command):
         except click.NoSuchOption as error:
             near = any(x.startswith(error.option_name) for x in error.possibilities or ())
             if not near and (others := _with_option(error.option_name, ctx)):
-                error.message, error.possibilities = f"{error.message.rstrip('.')}: {others}", []
+                words = f"{error.message.rstrip('.')}: {others}"
+                raise click.NoSuchOption(error.option_name, words, ctx=ctx) from None
             raise
 
     def invoke(self, ctx: click.Context) -> None:

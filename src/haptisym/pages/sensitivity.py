@@ -81,7 +81,7 @@ def _moved(scene: Scene, what: Phrase, x: Sensitive) -> Section:
     def slope(p: Sensitivity) -> Phrase:
         return _signed(p.derivative, scene.frequency.size / units[p.path].size), f" {p.side}" * bool(p.side)
 
-    still = [p for p in x.ranked if _has(p) and not (float(p.elasticity) or float(p.derivative))]
+    still = [p for p in x.ranked if p.elasticity and p.derivative and not (float(p.elasticity) or float(p.derivative))]
     shown = table(
         [p for p in x.ranked if p not in still], "How it moves with each parameter, the one that moves it most first.",
         Field("parameter", lambda p: named(p.name)), Field("path", lambda p: p.path),

@@ -263,7 +263,7 @@ def _margins(found: Stability) -> Iterator[Block]:
                 w.Field("dB", sides(lambda x, way: doc.Real(20 * log10(float(x.value)), way, most=3))),
                 w.number("more delay (ms)", one("delay", lambda x: x.delay, Rational(1, 1000))), *phase,
             ),
-            *w.noted(w.undecided((f"{hand}: {why}",)) for hand, x in rows for why in dict(map(reversed, x.undecided))),
+            *w.noted(w.undecided((f"{hand}: {why}",)) for hand, x in rows for why in dict.fromkeys(y for _, y in x.undecided)),
         ),
     )  # fmt: skip
 
