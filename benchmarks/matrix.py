@@ -6,7 +6,8 @@
     python benchmarks/matrix.py --rounds 3 --csv FILE    the least of three; where the table goes (matrix.csv beside this file)
 
 Processor time of whole processes, user and system, byte code in place, one thread for linear algebra. ``import sympy`` is
-measured between them: its least time is the unit, so that tables of different machines can be compared. A parameter that a
+measured between them, after every fourth: what was measured last is the unit, so that tables of different machines can be
+compared, and of one whose other users come and go. A parameter that a
 question needs is the first number of the scene's last effect, and the second or the environment's first for a map.
 
 Left out: recordings, measured scenes, ``identify`` and ``jnd``, whose time is that of their files.
@@ -64,6 +65,13 @@ QUESTIONS: dict[str, tuple[str, ...]] = {
     "sweep, 20 sets": ("sweep", "SCENE", "--vary", "FREE=LOW:HIGH:20"),
 }
 """By what a person would call them; the scene, one or two of its parameters and half and twice their values are put in."""
+IMPORT = 0.32
+"""Seconds that ``import sympy`` takes on the machine of which the next table speaks."""
+MAY = {
+    "other": 2.0, "evaluate --json": 1.2 * IMPORT, "evaluate --figures": 2.5, "evaluate --report pdf": 4.0, "require, a map": 3.0,
+    "--version": 0.1, "--help": 0.1, "schemas": 0.1, "scenes": 0.1, "sweep, 20 sets": LIMIT, "simulate --check": LIMIT,
+}  # fmt: skip
+"""Seconds that a question may take; those of ``sweep`` and recordings are not limited."""
 OF_NO_SCENE = {"--version": ("--version",), "--help": ("--help",), "schemas": ("schemas",), "scenes": ("scenes",)}
 
 
@@ -75,11 +83,21 @@ class Cell:
     scene: str
     words: tuple[str, ...]
     seconds: dict[str, list[float]] = field(default_factory=dict)
+    ratios: dict[str, list[float]] = field(default_factory=dict)
     status: int = 0
 
     def least(self, tree: str) -> float:
         """In that tree."""
         return min(self.seconds[tree])
+
+    def ratio(self, tree: str) -> float:
+        """The least in that tree, in the times that ``import sympy`` took beside."""
+        return min(self.ratios[tree])
+
+    @property
+    def most(self) -> float:
+        """As many of these as it may take."""
+        return MAY.get(self.question, MAY["other"]) / IMPORT
 
 
 def cells(only: str) -> Iterator[Cell]:
@@ -136,45 +154,48 @@ def spent(words: Sequence[str], tree: Path, folder: str) -> tuple[float, int]:
 
 def measured(chosen: Sequence[Cell], trees: dict[str, Path], rounds: int) -> float:
     """Fill the cells, all trees in turn; the least time of ``import sympy``, which is measured between them."""
-    imports = []
+    imports = list[float]()
     with tempfile.TemporaryDirectory() as folder:
         for tree in trees.values():  # byte code is written, as an installer does
             spent(["-c", COMMAND, "evaluate", "fu2019"], tree, folder)
         for turn in range(rounds):
             for place, cell in enumerate(chosen):
-                if place % 20 == 0:
+                if place % 4 == 0:
                     imports.append(spent(["-c", "import sympy"], TREE, folder)[0])
                 for name, tree in trees.items():
                     seconds, cell.status = spent(["-c", COMMAND, *cell.words], tree, folder)
                     cell.seconds.setdefault(name, []).append(seconds)
+                    cell.ratios.setdefault(name, []).append(seconds / imports[-1])
                 print(f"\r{turn + 1}: {place + 1} of {len(chosen)}", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
     return min(imports)
 
 
 def told(chosen: Sequence[Cell], trees: dict[str, Path], unit: float, most: int) -> None:
-    """The worst cells first, then each question."""
+    """Those first that are longest beyond, or nearest to, what they may take, then each question."""
     first, *others = trees
     print(f"import sympy: {unit:.3f} s of processor time\n")
-    print("=== slowest ===")
+    print("=== slowest, against what they may take ===")
     heads = "".join(f"{name:>10}" for name in trees)
     print(f"  times import sympy{heads}   seconds  status   command")
-    for x in sorted(chosen, key=lambda x: -x.least(first))[:most]:
-        ratios = "".join(f"{x.least(name) / unit:10.2f}" for name in trees)
+    for x in sorted(chosen, key=lambda x: -x.ratio(first) / x.most)[:most]:
+        ratios = "".join(f"{x.ratio(name):10.2f}" for name in trees)
         print(f"{'':20}{ratios}{x.least(first):10.2f}{x.status:8}   {' '.join(x.words)}")
+    over = sum(x.ratio(first) > x.most for x in chosen)
+    print(f"\n{over} of {len(chosen)} take longer than they may")
     print("\n=== questions ===")
     print(f"  {'question':<28} scenes   median    worst   of" + ("      median of new/old" if others else ""))
     for name in dict.fromkeys(x.question for x in chosen):
         own = [x for x in chosen if x.question == name]
-        worst = max(own, key=lambda x: x.least(first))
-        median = statistics.median(x.least(first) for x in own)
-        change = [x.least(first) / x.least(other) for x in own for other in others]
+        worst = max(own, key=lambda x: x.ratio(first))
+        median = statistics.median(x.ratio(first) for x in own)
+        change = [x.ratio(first) / x.ratio(other) for x in own for other in others]
         more = f"      {statistics.median(change):.2f}" if change else ""
-        print(f"  {name:<28} {len(own):6} {median / unit:8.2f} {worst.least(first) / unit:8.2f}   {worst.scene}{more}")
+        print(f"  {name:<28} {len(own):6} {median:8.2f} {worst.ratio(first):8.2f}   {worst.scene}{more}")
     if others:
         print("\n=== changed ===")
-        for x in sorted(chosen, key=lambda x: x.least(first) / x.least(others[0])):
-            quotient = x.least(first) / x.least(others[0])
+        for x in sorted(chosen, key=lambda x: x.ratio(first) / x.ratio(others[0])):
+            quotient = x.ratio(first) / x.ratio(others[0])
             if not 0.8 < quotient < 1.25:
                 print(f"  {quotient:6.2f} {x.least(others[0]):8.2f} -> {x.least(first):6.2f} s   {' '.join(x.words)}")
 
@@ -201,7 +222,7 @@ def main() -> None:
         for x in chosen:
             least = [x.least(name) for name in trees]
             table.writerow(
-                [x.question, x.scene, *(f"{y:.3f}" for y in least), *(f"{y / unit:.3f}" for y in least), x.status]
+                [x.question, x.scene, *(f"{y:.3f}" for y in least), *(f"{x.ratio(y):.3f}" for y in trees), x.status]
             )
 
 
