@@ -733,6 +733,17 @@ _MAY_LACK: dict[str, Any] = {"is_flag": False, "flag_value": ""}
 """Of an option that needs a model and may be given none, which is then said with the names of all."""
 
 
+def _by_role(ctx: click.Context, param: click.Parameter, given: tuple[str, ...]) -> dict[str, str | int]:
+    """Of ROLE=VALUE, by role; whole numbers as such."""
+    found: dict[str, str | int] = {}
+    for text in given:
+        role, equals, value = (x.strip() for x in text.partition("="))
+        if not (role and equals and value):
+            raise SceneError(f"{param.opts[-1]} {text}: write it as {param.metavar}")
+        found[role] = int(value) if value.isdecimal() else value
+    return found
+
+
 @verb(
     click.Argument(["file"]),
     option("--environment MODEL", "Environment model, as mass-spring-damper.", callback=_need_a_model, **_MAY_LACK),
@@ -750,6 +761,14 @@ _MAY_LACK: dict[str, Any] = {"is_flag": False, "flag_value": ""}
     option("--confidence P", "Confidence of all intervals (0.95 if not given).", type=float),
     option("--estimator NAME", "Estimator for records in time: H1, H2 or joint."),
     option("--segment TIME", 'Length of Welch segments of records in time, as "4 s".'),
+    option(
+        "--columns ROLE=COLUMN",
+        "Header or number of a column, as real=2; repeatable.",
+        multiple=True,
+        callback=_by_role,
+    ),
+    option("--unit ROLE=UNIT", "Unit of a column, as magnitude=dB; repeatable.", multiple=True, callback=_by_role),
+    option("--quantity NAME", "What the response is, as impedance (stiffness if not given)."),
     option("--title TEXT", "Title of the scene that is written.", default=""),
     JSON,
     output("--scene FILE", "Write the fitted scene, each parameter with its range."),
@@ -777,7 +796,7 @@ def identify(ask: Ask) -> Answer:
     """
     from haptisym.verbs.identify import entry
 
-    records = {key: x for key, x in (("estimator", ask.estimator), ("segment", ask.segment)) if x is not None}
+    records = {key: x for key in ("estimator", "segment", "columns", "unit", "quantity") if (x := getattr(ask, key))}
     measured = entry.opened(ask.file, ask.averages, ask.confidence, **records)
     not_over(measured.files, {key: getattr(ask, key) for key in ("scene", "figure", "latex", "report")})
     asked: dict[str, Any] = {"degrees": ask.degrees, "band": ask.band, "title": ask.title}
