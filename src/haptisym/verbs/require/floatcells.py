@@ -286,8 +286,8 @@ class _Points:
         return _Points(c0, abs(self.c0) * other.r + self.r * (abs(other.c0) + other.r) + _ROUNDING * abs(c0))
 
     def __truediv__(self, other: _Points) -> _Points:
-        c0 = self.c0 / other.c0
-        return _Points(c0, (self.r + abs(c0) * other.r) / abs(other.c0) + _ROUNDING * abs(c0))
+        c0 = np.divide(self.c0, other.c0)  # by 0 as well
+        return _Points(c0, np.divide(self.r + abs(c0) * other.r, abs(other.c0)) + _ROUNDING * abs(c0))
 
     def cosine_and_sine(self) -> tuple[_Points, _Points]:
         return tuple(_Points(x, self.r + _ROUNDING) for x in (np.cos(self.c0), np.sin(self.c0)))  # type: ignore[return-value]
@@ -372,7 +372,8 @@ class Energy:
         """A frequency at which Im H < 0 for all values of a range, proven; None where none was found."""
         middle = (q[0] + q[1]) / 2
         value: Any = _Points(middle, abs(middle) * _ROUNDING)
-        reach = self._reach((middle, middle), (value, value)) or self._turns(q)
+        with np.errstate(all="ignore"):
+            reach = self._reach((middle, middle), (value, value)) or self._turns(q)
         grid = np.unique(np.concatenate([np.geomspace(1e-4 * reach, reach, 150), np.linspace(0, reach, 150)[1:]]))
         at: Any = _Points(grid, grid * _ROUNDING)
         low = np.broadcast_to(self._function(at, value).bounds()[1], grid.shape)
