@@ -150,34 +150,37 @@ def _response(f: RationalFunction, program: Program, *, changed: bool) -> Callab
         re, im, d_re, d_im = (found[name] for name in _FIELDS)
         return acb(re + d_re, im + d_im) if changed else acb(re, im)
 
-    def generator(x: Expr, z: Any, analytic: bool) -> Any:  # noqa: FBT001
-        """What a generator of the ring is at j z."""
-        at = acb(0, 1) * z
-        if x == s:
-            return at
-        if x.has(s) and x.is_Pow and x.base == s:
-            log = z.log(analytic=analytic) + acb(0, arb.pi() / 2)
-            return (log * expression_ball(x.exp)).exp()
-        if x.has(s):
-            return (at * expression_ball((x.args[0] / s).cancel())).exp()
-        return acb(*map(expression_ball, x.as_real_imag())) if x.is_number else acb(0)
-
-    def polynomial(p: Polynomial, at: list[Any]) -> Any:
-        total = acb(0)
-        for exponents, c in monomials(p):
-            term = acb(arb(c))
-            for x, n in zip(at, exponents, strict=True):
-                term *= x ** int(n) if n else 1
-            total += term
-        return total
-
     def response(z: Any, analytic: bool) -> Any:  # noqa: FBT001  as Arb calls it
         if not is_rational and z.contains(0):
             return next_to_rest(z, analytic)
-        at = [generator(x, z, analytic) for x in ring.meanings]
-        return polynomial(f.numerator, at) / polynomial(f.denominator, at)
+        at = [_generator(x, z, analytic) for x in ring.meanings]
+        return _polynomial(f.numerator, at) / _polynomial(f.denominator, at)
 
     return response
+
+
+def _generator(x: Expr, z: Any, analytic: bool) -> Any:  # noqa: FBT001
+    """What a generator of the ring is at j z."""
+    at = acb(0, 1) * z
+    if x == s:
+        return at
+    if x.has(s) and x.is_Pow and x.base == s:
+        log = z.log(analytic=analytic) + acb(0, arb.pi() / 2)
+        return (log * expression_ball(x.exp)).exp()
+    if x.has(s):
+        return (at * expression_ball((x.args[0] / s).cancel())).exp()
+    return acb(*map(expression_ball, x.as_real_imag())) if x.is_number else acb(0)
+
+
+def _polynomial(p: Polynomial, at: list[Any]) -> Any:
+    """Its value with these numbers for the generators of its ring."""
+    total = acb(0)
+    for exponents, c in monomials(p):
+        term = acb(arb(c))
+        for x, n in zip(at, exponents, strict=True):
+            term *= x ** int(n) if n else 1
+        total += term
+    return total
 
 
 def _fit(moments: tuple[Any, Any, Any], real: tuple[Any, Any], imag: Any, rounding: float = 0.0) -> dict[str, float]:
