@@ -101,9 +101,9 @@ def ratios(e: Evaluation) -> Chart:
     >>> from haptisym.figures.layers import draw
     >>> from matplotlib.figure import Figure
     >>> ax = Figure().add_subplot()
-    >>> for name in ("fu2019", "helicopter-cyclic"):
+    >>> for name in ("fu2019", "lead-compensation"):
     ...     lines = draw(ax, ratios(evaluate(load_scene(name))), label=name)
-    >>> len(lines), ax.get_xlabel(), ax.get_xlim() == (0, 40)
+    >>> len(lines), ax.get_xlabel(), ax.get_xlim() == (0, 50)
     (2, '$\\\\omega$ (rad/s)', True)
     """
     criteria, f, axis = e.criteria, e.distortion.compile(), along(e)
