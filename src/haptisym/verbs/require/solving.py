@@ -625,15 +625,15 @@ def _squares(x: Criterion, d: Distortion, free: Knob) -> dict[Criterion, RealFun
 def _by_cells(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion], found: Conditions) -> Solved:
     low, high = searched(free, asked)
     usual = (0.0 if free.value.free_symbols else abs(float(free.value))) or 1.0  # a limit may be a formula
-    search = ValueSearch(found, free.symbol, scene.band, Fraction(usual), _quick(scene, free, criteria, found, usual))
+    search = ValueSearch(found, free.symbol, scene.band, Fraction(usual), _quick(scene, free, criteria, usual))
     at_0 = partial(_holds_at, scene, free, criteria, S.Zero)
     line = ValueLine(search.leaves(*_outward(low, high)), asked, partial(allowed, scene, free), at_0)
     return Solved(line.spans(), line.undecided)
 
 
-def _quick(scene: Scene, free: Knob, criteria: Sequence[Criterion], found: Conditions, usual: float) -> Quick:
-    """What floats tell of values; nothing where there is no NumPy, and of polynomials, of which balls tell as much sooner."""
-    if not has_arrays() or not any(f.axis.angles or f.axis.orders for own in found.values() for f in pieces(own)):
+def _quick(scene: Scene, free: Knob, criteria: Sequence[Criterion], usual: float) -> Quick:
+    """What floats tell of values; nothing where there is no NumPy."""
+    if not has_arrays():
         return _nothing
     from haptisym.verbs.require.floatcells import FloatCells  # which not every question needs
 
