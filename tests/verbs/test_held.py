@@ -419,7 +419,7 @@ def test_each_hand_is_asked_about_its_own_numbers_and_those_of_the_display() -> 
         ("delayed-spring", ["light-touch", "light-touch"], (), '"light-touch" is asked about twice'),
         ("delayed-spring", ["light-touch", hs.Hand("light-touch", 7)], (), "twice"),
         ("fu2019", "light-touch", "c", "is a threshold, which moves no root"),
-        ("fu2019", None, "omega_n", "depends on the hand"),
+        ("fu2019", None, "omega_n", "depend on the hand"),
         ("steering-wheel", "postural-arm", (), "translation and rotation cannot be mixed"),
         (hs.Scene(E.mass_spring_damper(k=Symbol("k", positive=True))), hs.Hand("any"), (), "k is a symbol"),
     ],

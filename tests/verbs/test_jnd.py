@@ -601,7 +601,7 @@ def test_what_may_be_asked_has_its_limits(keys: dict[str, Any], told: str) -> No
         (["f", "k", "n"], {"level": "f"}, (0, 1, 2, None)), (["x", "y"], {"level": "y"}, "how many answers counted (k) of how many (n), nor one answer a line"),
         (["f", "k", "n"], {}, "no column holds the levels: there are f, k, n; name it with --level COLUMN"), ([], {}, "there are none"),
         (["x", "k"], {}, "name it with --count and --trials, or --answer, COLUMN"), (["x", "a.corr", "b.corr"], {}, 'answer: columns "a.corr" or "b.corr" both fit'),
-        (["x", "k", "n"], {"level": "X"}, 'level: no column "X": there are x, k, n'), (["levle", "k", "n"], {"level": "level"}, 'did you mean "levle"?'),
+        (["x", "k", "n"], {"level": "X"}, 'level: no column "X": did you mean "x"? there are x, k, n'), (["levle", "k", "n"], {"level": "level"}, 'did you mean "levle"?'),
         ([f"c{i}" for i in range(12)], {}, "c10, c11; name"), ([f"c{i}" for i in range(13)], {}, "c10, c11, ...; name"),
         (["q" * 50, "", "k"], {}, f"there are {'q' * 40}, k;"),
     ],

@@ -278,7 +278,7 @@ def test_with_a_clock_the_stiffest_wall_is_where_the_step_of_its_states_begins_t
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("--that stable", "asked of it in a hand: --hand NAME"),
+        ("--that stable", "stable in a hand, and none is given: --hand NAME"),
         ("--that stable --hand nobody", 'there is no hand "nobody"'),
         ("--that pretty", "pretty"),
         ("--hand light-touch", "it needs --that"),

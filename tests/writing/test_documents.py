@@ -271,7 +271,7 @@ def test_blocks_of_html_are_what_they_are() -> None:
         '<tbody><tr><td>x</td><td class="number">1</td></tr></tbody></table></div>'
     )
     assert "caption" not in inside(Table((Column("h"),), (("x",),), ""))
-    full = inside(Table((Column("h", full=True),), (("x",),), ""))
+    full = inside(Table((Column("h"),), (("several words " * 9,),), ""))
     assert full.count('class="words"') == 2
 
 

@@ -731,7 +731,7 @@ def discriminate(e: Evaluation) -> Chart:
     """
     found = e.discrimination
     if found is None:
-        raise NothingToDrawError("kind: no models were told apart: ask for it with evaluate(scene, discriminate=True)")
+        raise NothingToDrawError("kind: no models were compared: ask for it with evaluate(scene, discriminate=True)")
     shapes, reach = list[Layer](), 0.0
     for (name, x), (color, stroke, _) in zip(found.models.items(), REGIONS, strict=True):
         around = outline(noticed(x), np.zeros(2), found.stimuli[0].omega, 1.0)
