@@ -234,3 +234,27 @@ def test_of_two_joints_the_scene_names_one(tmp_path: Path) -> None:
     one = hs.estimated(second, force, 50)
     assert pytest.approx(one.H, rel=1e-9) == found.H
     assert "not used: position[0]" in found.understood
+
+
+NAMED = "--columns frequency=F --columns magnitude=Gain --columns phase=4 --unit frequency=Hz --unit magnitude=dB --unit phase=deg"
+
+
+@pytest.mark.parametrize(
+    ("text", "options"),
+    [
+        (table("no,F,Gain,Phase\n", lambda f, h: (0, *decibels(f, h))), NAMED),
+        (table("frequency_hz,real,imag\n", derived(1, 1)), "--quantity impedance"),
+    ],
+)
+def test_identify_takes_what_a_file_does_not_say(call, tmp_path: Path, text: str, options: str) -> None:  # type: ignore[no-untyped-def]
+    plainly, other = tmp_path / "plain.csv", tmp_path / "other.csv"
+    plainly.write_text(table("frequency_hz,real,imag\n", plain), encoding="utf-8")
+    other.write_text(text, encoding="utf-8")
+    found = []
+    for words in ([str(plainly)], [str(other), *options.split()]):
+        status, out, _ = call("identify", *words, "--environment", "mass-spring-damper", "--json")
+        assert status == 0
+        found.append([x["value"] for x in json.loads(out)["parameters"]])
+    assert found[1] == pytest.approx(found[0], rel=1e-6)
+    status, _, err = call("identify", str(other), "--environment", "mass-spring-damper", "--columns", "F")
+    assert (status, "--columns F: write it as ROLE=COLUMN" in err) == (2, True)
