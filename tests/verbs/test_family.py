@@ -416,5 +416,7 @@ def test_each_environment_is_asked_about_by_itself(tmp_path: Path, call: Any, wo
     for row in found["environments"]:
         _, alone, _ = call(words[0], str(path), *words[1:], "--environment", row["name"], "--json")
         assert {**json.loads(alone), "title": ""} == {**{k: x for k, x in row.items() if k != "name"}, "title": ""}
-    status, _, err = call("stability", str(path), "--figure", str(tmp_path / "x.svg"))
-    assert (status, "--figure takes one environment" in err) == (2, True)
+    many = hs.answer_each(path, lambda scene: hs.evaluate(scene))
+    assert [ax.get_title() for ax in many.figure().axes] == [*many.answers]
+    with pytest.raises(hs.SceneError, match="plot one of"):
+        many.plot()

@@ -207,7 +207,7 @@ class Verb(click.Command):
         family = load_scenes(ask.scene)
         if len(family) == 1:
             return family.first
-        for one in ("--figure", "--certificate", "--to"):
+        for one in ("--certificate", "--to"):
             if given(one):
                 raise SceneError(f"{one} takes one environment: choose it with --environment NAME")
         return family

@@ -15,10 +15,11 @@ from haptisym.figures import pen
 from haptisym.figures.curves import broken, columns, ends_of, limit_of, name_of, sampled
 from haptisym.figures.evaluation import REGIONS
 from haptisym.figures.layers import Above, Axis, Band, Chart, Curve, Layer, Limit, Mark, On, Words, frequency
-from haptisym.figures.sheet import Drawings, sheet
+from haptisym.figures.sheet import Drawings, drawings_of, sheet
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.programs.values import Array
+from haptisym.verbs.family.each import FamilyAnswers
 from haptisym.verbs.family.entry import FamilyEvaluation
 
 _LIMITING = ((pen.BLUE, pen.SOLID), (pen.RED, pen.DASHED), ("#7cc0c8", pen.SOLID), ("#d0701f", pen.DASHED))
@@ -135,3 +136,19 @@ FAMILY = Drawings[FamilyEvaluation](
     {"real": worst, "imag": partial(worst, which=1), "regions": regions},
     {"worst-case": worst_case, "regions": lambda w: sheet(regions(w))},
 )
+
+
+def one_of(many: FamilyAnswers) -> Chart:
+    """Axes show one answer: NothingToDrawError names the ways out."""
+    raise NothingToDrawError(
+        f"ax: several environments are a sheet: use figure(), or plot one of {', '.join(many.answers)}"
+    )
+
+
+def each(many: FamilyAnswers) -> Figure:
+    """What each answer draws first, below each other, under the environment's name."""
+    charts = [(name, next(iter(drawings_of(x).kinds.values()))(x)) for name, x in many.answers.items()]
+    return sheet(*(replace(chart, title=name) for name, chart in charts), joined=False)
+
+
+EACH = Drawings[FamilyAnswers]({"each": one_of}, {"each": each})

@@ -27,6 +27,7 @@ class FamilyAnswers(Answer):
 
     _schema: ClassVar[str] = "haptisym.answers/1"
     _page: ClassVar[str] = "haptisym.pages.each:page"
+    _figure: ClassVar[str] = "haptisym.figures.family:EACH"
 
     family: SceneFamily
     answers: Mapping[str, Any]
