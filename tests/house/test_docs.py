@@ -7,6 +7,7 @@ import doctest
 import importlib
 import inspect
 import json
+import os
 import pkgutil
 import re
 import shlex
@@ -310,3 +311,44 @@ def test_every_row_has_a_verdict_and_every_page_says_what_was_read(book: ModuleT
         assert "Read:" in words, page.name
         assert len(words) < 150, page.name
         assert f"]({page.name})" in INDEX
+
+
+# The derivations are programs that prove something: they must run, and their table of contents must be true.
+
+DERIVATIONS = ROOT / "derivations"
+SCRIPTS = sorted(DERIVATIONS.glob("[0-9][0-9]_*.py"))
+
+
+PAPER = pytest.param(SCRIPTS[0], marks=pytest.mark.core)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("script", [PAPER, *SCRIPTS[1:]], ids=lambda x: x.stem)
+def test_a_derivation_runs_by_itself(script: Path, tmp_path: Path) -> None:
+    """In a fresh interpreter, elsewhere, with its assertions switched on whatever the environment says."""
+    environment = {**os.environ, "PYTHONOPTIMIZE": ""}
+    done = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+BESIDE = [*SCRIPTS, *(p for x in ("benchmarks", "docs") for p in sorted((DERIVATIONS.parent / x).glob("*.py")))]
+
+
+@pytest.mark.parametrize("script", BESIDE, ids=lambda x: x.stem)
+def test_what_a_script_imports_is_there(script: Path) -> None:
+    """Each quickly, where running them is slow: a module that moves is missed here first."""
+    tree = ast.parse(script.read_text(encoding="utf-8"))
+    imports = [x for x in ast.walk(tree) if isinstance(x, ast.ImportFrom) and (x.module or "").startswith("haptisym")]
+    for one in imports:
+        module = importlib.import_module(one.module)
+        for alias in one.names:
+            assert hasattr(module, alias.name) or importlib.import_module(f"{one.module}.{alias.name}")
+
+
+def test_the_readme_lists_exactly_the_derivations() -> None:
+    table = (DERIVATIONS / "README.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^\| \[`(\d\d_\w+\.py)`\]\(\1\) \|", table, re.MULTILINE)
+    assert listed == [script.name for script in SCRIPTS]
+    assert listed

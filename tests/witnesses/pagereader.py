@@ -100,6 +100,7 @@ def equations(page: str) -> list[tuple[str, list[tuple[str, str]]]]:
 def value(side: str, known: Mapping[str, complex]) -> complex:
     """The value of a side of an equation."""
     functions = {name: getattr(cmath, name) for name in ("sqrt", "exp", "cos", "sin", "cosh", "sinh")}
+    functions |= {"arctan": cmath.atan, "atan2": lambda y, x: math.atan2(y.real, x.real)}
     bars = iter(["abs(", ")"] * side.count("|"))
     code = re.sub(r"\|", lambda _: next(bars), side)
     # what is evaluated is the page that the test wrote
