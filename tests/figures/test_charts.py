@@ -460,10 +460,10 @@ def test_bars_of_elasticities_are_as_long_as_they_are_and_named_with_their_value
     values = sorted(known.values(), key=abs, reverse=True)
     assert [x.get_width() for x in bars] == pytest.approx(values)
     assert [float(x.get_text().replace("−", "-")) for x in ax.texts] == pytest.approx(values, rel=5e-3)
-    assert f"{first.omega.digits(5)} rad/s" in ax.get_title(loc="left")
+    assert f"{first.omega.digits(4)} rad/s" in ax.get_title(loc="left")
     listed = [*found.crossings, *found.changeovers_environment, *found.changeovers_perceived]
     titles = [x.get_title(loc="left") for x in found.figure().axes]
-    assert all(f"{x.omega.digits(5)} rad/s" in title for x, title in zip(listed, titles, strict=True))
+    assert all(f"{x.omega.digits(4)} rad/s" in title for x, title in zip(listed, titles, strict=True))
 
 
 # What accuracy costs.

@@ -40,7 +40,7 @@ OWN = {
         (F.shunt(m="0.002 kg*m^2"), F.delay(0)), (3, 30), hs.Threshold.of("0.05", "0.2"),
     ),
 }  # fmt: skip
-SCENES = ("fu2019", "wave-variable-link", "helicopter-cyclic", "four-channel-teleoperation", *OWN)
+SCENES = ("fu2019", "wave-variable-link", "stick-with-friction", "four-channel-teleoperation", *OWN)
 ANSWERS: dict[str, Callable[[], Answer]] = {
     "require": lambda: hs.require("fu2019", "omega_n"),
     "stability": lambda: hs.stability("fu2019", "firm-grip"),
@@ -150,7 +150,7 @@ def test_text_is_escaped_by_construction() -> None:
 @pytest.mark.few("fu2019", "wave-variable-link")
 @pytest.mark.parametrize("name", SCENES[:4])
 def test_a_page_carries_a_checker_if_the_scene_is_rational_and_else_names_the_one_that_checks(name: str) -> None:
-    is_rational = name in ("fu2019", "helicopter-cyclic")
+    is_rational = name in ("fu2019", "stick-with-friction")
     assert all((word in said(name)) is is_rational for word in ("const haptisymCheck = ", 'id="checked"'))
     assert ("<code>python -m haptisym_check" in said(name)) is not is_rational
 
@@ -309,7 +309,7 @@ REGIONS: dict[str, tuple[Any, dict[str, Callable[[float], float]]]] = {
          "floor": lambda w: 3 + w},
     ),
     "floor": ({"real": "0.1", "imag": "0.3", "floor": "2 N/m"}, {"real": lambda w: 0.1, "imag": lambda w: 0.3, "floor": lambda w: 2}),
-    "polygon": ({"shape": "polygon", "corners": CORNERS}, {"size": lambda w: 1.0}),
+    "polygon": ({"shape": "polygon", "corners": CORNERS}, {"real": lambda w: 1.0, "imag": lambda w: 1.0}),
 }  # fmt: skip
 
 
