@@ -84,6 +84,25 @@ def test_ctrl_c_ends_a_verb_from_the_first_moment_on_without_a_traceback(seconds
 
 
 @pytest.mark.slow
+@pytest.mark.core
+def test_ctrl_c_that_a_package_drops_comes_again_with_the_next_report_of_progress() -> None:
+    probe = """
+import signal
+from haptisym.commands.terminal import interrupts, progress
+with interrupts(), progress("sets") as told:
+    try:
+        signal.raise_signal(signal.SIGINT)
+    except BaseException:
+        print("dropped")
+    told(1, 10)
+    print("went on")
+"""
+    done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=False)
+    assert done.stdout == "dropped\n"
+    assert "KeyboardInterrupt" in done.stderr
+
+
+@pytest.mark.slow
 def test_a_package_that_a_verb_needs_and_that_is_missing_is_named_with_its_extra() -> None:
     probe = "import sys; sys.modules['scipy'] = None; sys.argv = ['haptisym', 'simulate', 'fu2019']; from haptisym.cli import main; main()"
     done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=False)

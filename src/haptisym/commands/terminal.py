@@ -15,6 +15,7 @@ import sys
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from io import TextIOWrapper
 from pathlib import Path
 from textwrap import fill
@@ -44,7 +45,8 @@ def progress(unit: str = "", *, kept: str = "there is no answer") -> Iterator[Pr
     ``kept`` : what there is after Ctrl-C, as the end of a sentence that says how far it came.
 
     What it yields is called with what is done, of how much (None: nobody knows, the bar then shows only that it lives) and, if
-    there is something to say, at what it is; as often as one likes. It never raises, and does nothing where nobody looks.
+    there is something to say, at what it is; as often as one likes. It does nothing where nobody looks, and raises nothing but a
+    Ctrl-C that was pressed before and that a package dropped.
 
     >>> with progress("sets") as told:
     ...     told(1, 10)
@@ -61,6 +63,7 @@ def progress(unit: str = "", *, kept: str = "there is no answer") -> Iterator[Pr
 
 
 _BAR = "haptisym.progress"  # under which a call of the command line keeps its bar
+_pressed: ContextVar[Sequence[int]] = ContextVar("haptisym.pressed", default=())  # what ``interrupts`` yields
 
 
 def quiet() -> None:
@@ -94,6 +97,8 @@ class ProgressBar:
             self.bar.stop()
 
     def __call__(self, done: float, total: float | None = None, what: str = "") -> None:
+        if _pressed.get():  # something between caught it, as a package that is being imported may
+            raise KeyboardInterrupt
         self.reached = self._count(done, total)
         if not self.seen or monotonic() - self.began < PATIENCE or (self.bar is None and done == total):
             return
@@ -375,7 +380,8 @@ def interrupts() -> Iterator[list[int]]:
     """Ctrl-C raises KeyboardInterrupt, once; what it yields then is not empty, even if an import made another error of it.
 
     Whoever presses it again while things are being tidied up does not wait any longer: status 130 at once. Where it falls into
-    code whose errors Python drops (a finalizer, a callback of an import's lock) it comes again a moment later.
+    code whose errors Python drops (a finalizer, a callback of an import's lock) it comes again a moment later; where a package
+    caught it, with the next report of progress.
     """
     seen: list[int] = []
     dropped = sys.unraisablehook
@@ -403,9 +409,11 @@ def interrupts() -> Iterator[list[int]]:
     if is_ours:
         signal.signal(signal.SIGINT, interrupted)
         sys.unraisablehook = again
+        token = _pressed.set(seen)
     try:
         yield seen
     finally:
         if is_ours:
+            _pressed.reset(token)
             sys.unraisablehook = dropped
             signal.signal(signal.SIGINT, signal.default_int_handler)
