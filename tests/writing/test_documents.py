@@ -346,7 +346,7 @@ def test_numbers_of_a_column_stand_with_their_points_below_each_other() -> None:
     )
     assert body(shown) == [
         [r"\phantom{0000}1.5", r"\phantom{00}1.5"],
-        [r"\phantom{0}-100.25", "-"],
+        [r"\phantom{0}\ensuremath{-}100.25", "-"],
         ["-", "=20"],
         ["3,000", "x1"],
     ]

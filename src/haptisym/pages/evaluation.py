@@ -17,7 +17,7 @@ from sympy import Add, Expr, Rational, Symbol
 
 from haptisym.judge.bandwidths import Bandwidths, Jump
 from haptisym.judge.crossings import JOINT, Criterion, Crossing, CrossingKind, noticed
-from haptisym.judge.evaluation import Compared, Evaluation
+from haptisym.judge.evaluation import OWN, Compared, Evaluation
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.judge.peaks import Peaks
 from haptisym.judge.regions import Joint
@@ -515,8 +515,12 @@ def deciding(e: Evaluation) -> Iterator[Block]:
     yield doc.Section("Where does the display decide?", (display,), "display-decides")
 
 
+def _region_name(x: Compared | FamilyCompared) -> str:
+    return "of the scene" if x.name == OWN else x.name
+
+
 _REGION = (
-    w.Field("region", lambda x: x.name.removesuffix(" own")),
+    w.Field("region", _region_name),
     w.Field("what it is", lambda x: w.limits(x.threshold), full=True),
 )
 
@@ -537,7 +541,7 @@ def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
 
     each = w.table(
         [*many.family, together], ("Bandwidth of each environment by region, ", FREQUENCY_UNIT, ", proven."),
-        w.Field("environment", str), *(w.number(x.name.removesuffix(" own"), partial(width, x=x)) for x in many.regions),
+        w.Field("environment", str), *(w.number(_region_name(x), partial(width, x=x)) for x in many.regions),
     )  # fmt: skip
     figure = w.drawing("regions", _WIDTHS, "sheet:draw_figure", many, "regions")
     yield doc.Section(

@@ -45,6 +45,7 @@ _ACCENTS = {
     "\u030a": "r", "\u030b": "H", "\u030c": "v", "\u0323": "d", "\u0327": "c", "\u0331": "b",
 }  # fmt: skip
 _SIGNS = {"∞": r"\infty"}
+_NEGATIVE, _MINUS = re.compile(r"(?<![\w.})-])-(?=\.?\d)"), r"\\ensuremath{-}"
 _LONG_WORD = 20  # letters; a longer one gets places to break
 _BREAK = re.compile(r"\d{5}(?=\d{5})|[^\W_]{5}(?=[^\W_]{20})|[^\w\s](?=\w)|_(?=[^\W_])")
 
@@ -103,9 +104,13 @@ def coded(words: str) -> str:
 
 
 def spaced(words: str) -> str:
-    """Words in LaTeX, with a space at their ends where they have one."""
+    r"""Words in LaTeX, with a space at their ends where they have one; a negative number has a minus sign, not a hyphen.
+
+    >>> spaced("from -1.5 to 2e-3 ")
+    'from \\ensuremath{-}1.5 to 2e-3 '
+    """
     before, after = (" " if x.isspace() else "" for x in (words[:1], words[-1:]))
-    return f"{before}{escape(words)}{after}"
+    return f"{before}{_NEGATIVE.sub(_MINUS, escape(words))}{after}"
 
 
 def symbol_name(name: str) -> str:

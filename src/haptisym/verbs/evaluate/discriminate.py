@@ -22,7 +22,7 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from sympy import Rational
+from sympy import Expr, Rational
 
 from haptisym.judge.crossings import noticed
 from haptisym.judge.evaluation import Evaluation, half_widths
@@ -138,12 +138,13 @@ def _displayed(
 
 def _multiple(t: Threshold, x: Array, y: Array, omega: Array) -> Array:
     """How many times a region must be enlarged to hold a change."""
-    u, v, tilt = x / floats_of(t.real, omega), y / floats_of(t.imag, omega), floats_of(t.region.tilt, omega)
-    square = np.maximum(u * u, v * v)
-    if t.region.shape is not Shape.SQUARE:
-        square = (u * u + v * v - 2 * tilt * u * v) / (1 - tilt * tilt)
-    found: Array = np.sqrt(square)
-    return found
+
+    def number(c: Expr) -> Array:
+        return floats_of(c, omega)
+
+    (region, *_) = (c.joint for c in noticed(t))
+    square = np.maximum(np.abs(x / number(t.real)), np.abs(y / number(t.imag)))
+    return region.enlarged(x, y, number) if region else square
 
 
 def _designed(
