@@ -1,13 +1,11 @@
 """A limit in time for a question, and the queue of what is cut and waits.
 
-A limit in time for a question, and who is told how far it is: whatever may take long ticks it.
+Whatever may take long ticks the limit, and whoever asked is told how far it is. It is scoped: ``limited`` sets it for what is
+called inside and puts back what was there before. Nothing else reads the clock, and a question that is asked without a limit is
+never cut short. The clock is the machine's, unless ``timed_by`` sets another one.
 
-It is scoped: ``limited`` sets it for what is called inside and puts back what was there before. Nothing else reads the clock, and
-a question that is asked without a limit is never cut short. The clock is the machine's, unless ``timed_by`` sets another one.
-
-Branch and bound: cells are examined until each is settled; what is not is cut, and its pieces wait their turn.
-
-Every loop of that kind runs on ``Waiting``, so that each has a limit in number and in time, and says what it leaves open.
+Branch and bound: cells are examined until each is settled; what is not is cut, and its pieces wait their turn. Every loop of that
+kind runs on ``Waiting``, so that each has a limit in number and in time, and says what it leaves open.
 """
 
 from __future__ import annotations

@@ -1,12 +1,7 @@
 """Real numbers that know themselves to any precision, and the digits that are known of them.
 
-Whole numbers that a caller gives: of digits, of sets, of slices.
-
-Decimal digits of numbers that are known between two bounds.
-
-How precision is raised, and where it ends: a question about balls is asked with twice as many bits until it has an answer.
-
-Real numbers that know themselves to any precision: certified enclosures, correct digits, nearest floats.
+A question about a number is asked in balls of twice as many bits until it has an answer, up to a limit of bits. From a ball come
+the nearest float, digits of which each is proven, ends that are rounded outward, and the simplest rational number in between.
 """
 
 from __future__ import annotations

@@ -1,12 +1,10 @@
-"""Zeros of a real function of omega as formulas, and how they move with a parameter.
-
-Zeros of a real function of omega as formulas, where there are readable ones: factor, look at the degree, invert.
+"""Zeros of a real function of omega as formulas, where there are readable ones, and how they move with a parameter.
 
 Each irreducible factor is solved on its own. One that holds omega only by its square (or only by omega^alpha, or only by
 the angle omega tau of one delay) and is of degree one or two in it is inverted in square roots, powers, asin or acos. All
 others stay what they are: the polynomial is the answer.
 
-How a zero omega of F(omega, p) = 0 moves with a parameter: d omega/dp = -(dF/dp)/(dF/d omega).
+A zero omega of F(omega, p) = 0 moves with a parameter by d omega/dp = -(dF/dp)/(dF/d omega).
 """
 
 from __future__ import annotations

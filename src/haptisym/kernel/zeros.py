@@ -1,12 +1,10 @@
-"""What irreducible real functions share: certified zeros, found by subdivision.
-
-What irreducible real functions of omega share: certified zeros, exact orders, signs.
+"""What irreducible real functions of omega share: certified zeros, exact orders, signs.
 
 A real function is taken apart into irreducible factors. Different factors vanish at different frequencies (for
 polynomials always, for analytic functions except by coincidence) and each has only simple zeros or such tangencies as
 cannot be told from simple pairs. A factor knows all its zeros in an interval, its order at a given number, and its sign.
 
-All zeros of a function with Taylor coefficients in balls, on an interval: subdivision until each piece is clear.
+What has Taylor coefficients in balls is cut until each piece of the interval is clear: without a zero, or with one simple zero.
 """
 
 from __future__ import annotations

@@ -1,12 +1,8 @@
-"""A parameter of a model: its place in the signature, its rule, its value or range.
+"""A parameter of a model: its place in the signature, its rule, and how its value or range is read from what was given.
 
-Quantities that are not known exactly: ``"1.8 kg +- 5 %"``, ``"1.8 kg +- 0.1 kg"``, or a list of the lowest and the highest.
-
-A third number between them is the nominal value.
-
-A parameter of a model: its place in the signature, the rule that its values keep, and how it is read from what was given.
-
-What a parameter of a model may be: its dimension and its rule, as an annotation of the model's function.
+The rule (what it measures, and which values it may have) is an annotation of the model's function. What is not known exactly is
+``"1.8 kg +- 5 %"``, ``"1.8 kg +- 0.1 kg"`` or a list of the lowest and the highest value, with a third between them as the
+nominal one.
 """
 
 from __future__ import annotations

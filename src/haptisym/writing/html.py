@@ -1,10 +1,7 @@
 """A document as a page of HTML that loads nothing from anywhere, and as a piece of one for notebooks.
 
-HTML as a value: text is escaped by construction, and only what was built here is markup.
-
-Equations for a page: aligned at their relations, long ones broken at their signs, long fractions in named parts.
-
-A document as a page of HTML that loads nothing from anywhere, and as a piece of one for notebooks.
+HTML is a value: text is escaped by construction, and only what was built here is markup. Equations are aligned at their
+relations, long ones broken at their signs, long fractions set in named parts.
 """
 
 from __future__ import annotations
