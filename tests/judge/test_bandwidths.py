@@ -21,10 +21,10 @@ from flint import fmpq, fmpq_poly
 from hypothesis import given
 from hypothesis import strategies as st
 from oracles import MP, Case, rounded
-from paper import ask, paper
+from paper import paper
 from regions import enlarged, number, outside
 from strategies import Drawn, cases, coincident_case, scene
-from sympy import CRootOf, Expr, Integer, Rational, Symbol, exp, lambdify, pi, sqrt
+from sympy import Expr, Integer, Rational, exp, lambdify, pi, sqrt
 
 import haptisym as hs
 from haptisym.effects import delay, first_order_lag, series, shunt
@@ -67,18 +67,21 @@ def test_the_paper_s_ratio_peaks_where_the_derivative_at_fifty_digits_vanishes()
 
 
 def test_a_threshold_at_the_very_peak_is_touched_there_and_nowhere_crossed() -> None:
-    peak = real_peak()
-    [touch] = with_threshold(FU, peak.threshold).crossings
+    """r_i of a lag is w/(1 + w^2), largest, 1/2, at the corner frequency."""
+    scene = hs.Scene(mass_spring_damper(k=100), (first_order_lag(30),), (0, 1000), hs.Threshold(2, Rational(1, 2)))
+    [peak] = (x for x in hs.peaks(scene) if x.part is hs.Part.IMAG)
+    result = hs.evaluate(scene)
+    [touch] = result.crossings
     assert (touch.kind.value, touch.multiplicity, touch.omega.digits(40)) == ("touches", 2, peak.omega.digits(40))
-    assert [(float(x.low.omega), float(x.high.omega)) for x in with_threshold(FU, peak.threshold).transparent] == [
-        (0, 1000)
-    ]
+    assert [(float(x.low.omega), float(x.high.omega)) for x in result.transparent] == [(0, 1000)]
 
 
 @pytest.mark.few(3)
 @pytest.mark.parametrize("part", [hs.Part.REAL, hs.Part.IMAG])
 @pytest.mark.parametrize("seed", range(6))
-def test_every_peak_of_a_random_scene_is_touched_by_a_threshold_of_its_height(part: hs.Part, seed: int) -> None:
+def test_every_peak_of_a_random_scene_is_between_two_crossings_of_a_threshold_just_below_its_height(
+    part: hs.Part, seed: int
+) -> None:
     gain, corner = Rational(seed + 2, 7), Rational(3 * seed + 2, 2)
     scene = hs.Scene(
         mass_spring_damper(m=Rational(seed + 1, 5), b=4, k=90),
@@ -86,61 +89,19 @@ def test_every_peak_of_a_random_scene_is_touched_by_a_threshold_of_its_height(pa
         (0, 200),
     )
     for peak in (p for p in hs.peaks(scene) if p.part is part and p.ratio.digits(5) != "0"):
-        limits = {p.value: peak.threshold if p is part else 1000 for p in hs.Part}
-        result = hs.evaluate(replace(scene, threshold=hs.Threshold(**limits)))
-        touched = [c for c in result.crossings if c.omega.digits(25) == peak.omega.digits(25)]
-        assert [(c.kind.value, c.multiplicity) for c in touched] == [("touches", 2)]
+        height, at = Rational(peak.ratio.digits(30)), float(peak.omega)
+        for share, beside in ((-1, [-1, 1]), (1, [])):
+            limits = {p.value: height * (1 + share * Rational(1, 10**14)) if p is part else 1000 for p in hs.Part}
+            near = (c.omega for c in hs.evaluate(replace(scene, threshold=hs.Threshold(**limits))).crossings)
+            assert [1 if x > at else -1 for x in map(float, near) if abs(x - at) < 1e-4 * at] == beside
 
 
 def test_a_delayed_spring_peaks_where_the_sine_does() -> None:
     scene = hs.Scene(mass_spring_damper(k=100), (delay("0.1 s"),), (1, 40))
-    assert [(p.part.value, p.omega.digits(15), p.ratio.digits(5), p.threshold) for p in hs.peaks(scene)] == [
-        ("imag", rounded(5 * MP.pi, 15), "1.0000", None),
-        ("real", rounded(10 * MP.pi, 15), "2.0000", None),
+    assert [(p.part.value, p.omega.digits(15), p.ratio.digits(5)) for p in hs.peaks(scene)] == [
+        ("imag", rounded(5 * MP.pi, 15), "1.0000"),
+        ("real", rounded(10 * MP.pi, 15), "2.0000"),
     ]
-
-
-GOLDEN = (sqrt(5) - 1) / 2
-
-ROOT = CRootOf(Symbol("x") ** 5 - Symbol("x") + Rational(1, 7), 2)
-
-
-@pytest.mark.parametrize("c", [GOLDEN, ROOT, sqrt(2) + sqrt(3) - 3, sqrt(2) / 10])
-def test_an_irrational_threshold_is_crossed_between_rational_ones_a_hair_beside_it(c: object) -> None:
-    about = Fraction(str(c.evalf(60)))
-    results = [
-        with_threshold(FU, value, value) for value in (about - Fraction(1, 10**50), c, about + Fraction(1, 10**50))
-    ]
-    below, exact, above = ([(x.part, x.kind, x.omega) for x in r.crossings] for r in results)
-    assert len(below) == len(exact) == len(above) > 0
-    for (part, kind, low), (part_, kind_, x), (_, _, high) in zip(below, exact, above, strict=True):
-        assert (part, kind) == (part_, kind_)
-        first, middle, last = (Decimal(number.digits(70)) for number in (low, x, high))
-        assert first < middle < last or last < middle < first
-        assert abs(last - first) < Decimal("1e-40")
-
-
-def test_an_irrational_threshold_is_refused_where_the_scene_is_not_rational() -> None:
-    with pytest.raises(hs.SceneError, match="without delays"):
-        ask(mass_spring_damper(k=1), delay("0.1 s"), c=GOLDEN)
-
-
-def test_a_pole_of_a_ratio_is_no_peak_and_a_maximum_at_an_end_of_the_band_is_none() -> None:
-    """An undamped environment, where a damper beside it has an infinite ratio at 2 rad/s; a ratio that only grows."""
-    unbounded = hs.Scene(mass_spring_damper(m=1, k=4), (shunt(b=1),), (0, 10))
-    assert [float(x.omega) for x in hs.evaluate(unbounded).unbounded] == [2.0]
-    assert hs.peaks(unbounded) == ()
-    growing = hs.Scene(mass_spring_damper(k=100), (shunt(m=1),), (0, 10))
-    assert hs.peaks(growing) == ()
-
-
-def test_a_maximum_of_higher_order_is_one_peak_and_an_inflection_is_none() -> None:
-    """|1 - (W - 4)^4/1000| peaks flatly at 2; W + (W - 4)^3 only grows, with slope 0 nowhere; (W - 4)^3 + 64 rests at 2."""
-    flat = hs.Scene(mass_spring_damper(k=1), (shunt(Z="1 - (-s^2 - 4)^4/1000"),), (1, 3))
-    [peak] = hs.peaks(flat)
-    assert (peak.part, float(peak.omega), peak.ratio.digits(5), peak.threshold) == (hs.Part.REAL, 2.0, "1.0000", 1)
-    resting = hs.Scene(mass_spring_damper(k=1), (shunt(Z="64 + (-s^2 - 4)^3"),), (0, 3))
-    assert hs.peaks(resting) == ()
 
 
 def test_peaks_next_to_the_ends_of_the_band_are_there() -> None:
@@ -150,38 +111,6 @@ def test_peaks_next_to_the_ends_of_the_band_are_there() -> None:
     for band in (("2.16", "4.17"), ("2.1", "4.2"), ("0", "100"), ("2", "1000")):
         assert [(p.part, p.omega.digits(12)) for p in hs.peaks(scene.with_band(*band))] == wide
     assert [(p.part, p.omega.digits(12)) for p in hs.peaks(scene.with_band("2.17", "4.16"))] == wide[1:2]
-
-
-@pytest.mark.slow
-def test_the_height_of_a_peak_in_closed_form_is_the_number_that_its_digits_are() -> None:
-    """Several roots of the same minimal polynomial, some of them negative: the index tells which."""
-    gains = [
-        "1 + 3/7*s/(s^2 + 2*s + 30)",
-        "1 - 2*(s + 1)/(s^3 + 2*s^2 + 30*s + 7)",
-        "1 + s^2/(s^4 + s^3 + 20*s^2 + 3*s + 40)",
-    ]
-    count = 0
-    for gain in gains:
-        scene = hs.Scene(mass_spring_damper(m="1/5", b=4, k=90), (first_order_lag("7/2"), series(gain)), (0, 200))
-        for peak in hs.peaks(scene):
-            count += 1
-            assert peak.threshold is not None
-            assert Decimal(str(peak.threshold.evalf(30))) == pytest.approx(
-                Decimal(peak.ratio.digits(30)), rel=Decimal("1e-25")
-            )
-    assert count >= 4
-
-
-@pytest.mark.parametrize("what", ["pi", "delay", "both"])
-def test_the_height_of_a_peak_has_no_closed_form_where_numbers_or_functions_are_not_rational(what: str) -> None:
-    chain = {
-        "pi": (first_order_lag("1 Hz"), series("1 + s/(s^2 + 2*s + 30)")),
-        "delay": (delay("0.1 s"),),
-        "both": (first_order_lag("1 Hz"), delay("0.1 s")),
-    }[what]
-    found = hs.peaks(hs.Scene(mass_spring_damper(m=1, b=4, k=90), chain, (0, 40)))
-    assert found
-    assert [p.threshold for p in found] == [None] * len(found)
 
 
 def needed(jnd: Any, H: complex, G: complex, omega: float) -> dict[str, float]:

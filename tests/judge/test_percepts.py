@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from answers import floats, intervals
 from oracles import MP
-from sympy import Rational, sqrt
+from sympy import Rational, pi
 
 import haptisym as hs
 from haptisym.effects import first_order_lag, second_order_lowpass, series, shunt
@@ -193,10 +193,10 @@ def test_effects_act_on_what_is_rendered() -> None:
     assert (result.crossings, result.percepts) == ((), ())
 
 
-def test_an_irrational_threshold_splits_percepts_where_it_says() -> None:
-    """A spring of 1 with a mass before it: r_r = W, compared with the golden section, whose square is irrational too."""
-    result = hs.evaluate(hs.Scene(mass_spring_damper(k=1), (shunt(m=1),), (0, 3), hs.Threshold((sqrt(5) - 1) / 2, 1)))
-    edge, double = float(MP.sqrt((MP.sqrt(5) - 1) / 2)), float(MP.sqrt(2))
+def test_a_threshold_that_holds_pi_splits_percepts_where_it_says() -> None:
+    """A spring of 1 with a mass before it: r_r = W."""
+    result = hs.evaluate(hs.Scene(mass_spring_damper(k=1), (shunt(m=1),), (0, 3), hs.Threshold(pi / 5, 1)))
+    edge, double = float(MP.sqrt(MP.pi / 5)), float(MP.sqrt(2))
     assert felt(result, "real") == [
         ("stiffness", "lower", edge, 1.0),
         ("stiffness-to-mass", "lower", 1.0, double),

@@ -16,7 +16,7 @@ from mpmath import mp, mpf
 from oracles import DIGITS, MP, Case
 from regions import margin, outside
 from strategies import cases, scene
-from sympy import Rational, sqrt
+from sympy import Rational, pi
 
 import haptisym as hs
 from haptisym import effects, environments
@@ -496,9 +496,9 @@ def test_where_more_than_the_length_of_a_change_matters_nothing_is_said_of_any_e
 
 
 def test_thresholds_that_are_no_fractions_have_their_circles_too() -> None:
-    found = of_any(hs.Threshold(sqrt(2) / 10, sqrt(2) / 5))
+    found = of_any(hs.Threshold(pi / 30, pi / 15))
     assert [float(x) ** 4 / 10**4 for x in (found.transparent_below, found.opaque_above)] == pytest.approx(
-        [0.02, 0.1], rel=1e-14
+        [float(pi / 30) ** 2, float(pi / 30) ** 2 + float(pi / 15) ** 2], rel=1e-14
     )
 
 

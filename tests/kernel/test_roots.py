@@ -26,7 +26,7 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.crossings import noticed, opened
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
-from haptisym.kernel.factors import AnalyticFactor, Level, PolynomialFactor, algebraic
+from haptisym.kernel.factors import AnalyticFactor, PolynomialFactor
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import ExactNumber, bounds, dyadic
 from haptisym.kernel.rings import c, omega, s
@@ -333,18 +333,6 @@ def test_a_double_root_stays_double_and_a_near_double_one_does_not_with_pi_in_it
     split = inside(charted(square - Rational(1, 10**40), high=9))
     assert [order for _, order in split] == [1, 1]
     assert inside(charted(square + Rational(1, 10**40), high=9)) == []
-
-
-def test_a_level_that_is_an_irrational_number_has_exact_signs_and_orders() -> None:
-    """W^2 - 2 W against sqrt(2) - 1 and -1: two zeros, a double one; and signs on both sides of each."""
-    W = omega**2
-    root = algebraic(sqrt(2))
-    points = chart({"f": Level(function(W**2 - 2 * W + 2), root)}, Integer(0), Integer(3)).points
-    assert [p.after["f"] for p in points] == [1, -1, 1, 1]
-    squares = [1 - (MP.sqrt(2) - 1) ** MP.mpf("0.5"), 1 + (MP.sqrt(2) - 1) ** MP.mpf("0.5")]
-    assert [float(p.omega) for p in points[1:-1]] == [float(MP.sqrt(x)) for x in squares]
-    steady = chart({"f": Level(function(W + 2), root), "g": Level(function(1 / (W + 2)), root)}, Integer(0), Integer(3))
-    assert [(p.after["f"], p.after["g"]) for p in steady.points] == [(1, -1), (1, -1)]
 
 
 # Functions known by their Taylor coefficients

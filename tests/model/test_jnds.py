@@ -41,7 +41,7 @@ def test_thresholds_are_positive_fractions() -> None:
         assert (
             "imag" in refusal(hs.Threshold.of, "0.1", bad) or bad is None
         )  # the imaginary part's is then that of the real part
-    for c in (-sqrt(2), I, sqrt(-2), pi * sqrt(2), 1 - sqrt(2)):
+    for c in (sqrt(2) / 10, -sqrt(2), I, sqrt(-2), pi * sqrt(2), 1 - sqrt(2)):
         assert "real: " in refusal(hs.Threshold, c)
 
 

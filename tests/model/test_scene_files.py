@@ -574,7 +574,7 @@ def test_a_value_is_put_where_it_belongs() -> None:
     assert (half.threshold.real, half.threshold.imag_interval) == (Rational(1, 10), (Rational(9, 50), Rational(11, 50)))
     assert half.with_values({"c_real": "0.3"}).threshold.imag_interval == half.threshold.imag_interval
     assert half.with_values({"c_imag": "0.3"}).threshold.imag_interval is None
-    assert PAPER.with_values({"c": sqrt(2) / 10}).threshold[hs.Part.IMAG] == sqrt(2) / 10
+    assert PAPER.with_values({"c": pi / 30}).threshold[hs.Part.IMAG] == pi / 30
 
 
 def test_a_bare_number_is_one_in_the_unit_that_was_there() -> None:

@@ -22,13 +22,12 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from jnds import jnds
 from marks import examples
-from sympy import Symbol, sqrt
+from sympy import Symbol
 
 import haptisym as hs
 from haptisym.cli import app
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.errors import SceneError
-from haptisym.model.jnd import Threshold
 from haptisym.verbs.cost.contenders import (
     CROSSINGS,
     DOUBLE,
@@ -211,9 +210,6 @@ def test_eigenvalues_are_those_of_the_equation_also_where_it_holds_odd_powers() 
     known = sorted(x.real for x in np.roots([1, -9, 9, 9]) if x.real > 0)
     assert companion_way(question)().omegas["real"] == pytest.approx(known, rel=1e-12)
     assert grid_way(question, 500, brent=True)().omegas["real"] == pytest.approx(known, rel=1e-12)
-    irrational = Crossings.of(lag(3, (0, 15), Threshold.of(sqrt(2) / 10, 2)))
-    with pytest.raises(RefusedError, match="the threshold is not rational"):
-        companion_way(irrational)
     with pytest.raises(RefusedError, match="not a polynomial"):
         companion_way(Crossings.of(hs.Scene(SPRING, (hs.effects.delay("0.1 s"),), (0, 15), "0.1")))
 

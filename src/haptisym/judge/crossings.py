@@ -16,13 +16,12 @@ from sympy import Expr, Integer
 
 from haptisym.judge.regions import Cornered, Ellipse, Joint, Region, Sided
 from haptisym.kernel.dynamics import RealFunction
-from haptisym.kernel.factors import Level, algebraic
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.rings import RationalFunction, c, omega
 from haptisym.kernel.roots import Chart, Interval, Key, Point, Signed
 from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.jnd import Part, Shape, Threshold, is_irrational_algebraic
+from haptisym.model.jnd import Part, Shape, Threshold
 
 Measure: TypeAlias = Callable[[Distortion], RealFunction]
 
@@ -82,7 +81,7 @@ class Criterion:
             return self.region.exceeded(d)
         return self.exceeded(self.measure(d))
 
-    def exceeded(self, measure: RealFunction) -> RealFunction | Level:
+    def exceeded(self, measure: RealFunction) -> RealFunction:
         """The same of a measure that is known."""
         return level(measure, self.limit)
 
@@ -98,10 +97,8 @@ class Judged:
         return self.criterion.part
 
 
-def level(measure: RealFunction, limit: Expr) -> RealFunction | Level:
-    """A real function minus a number, which for a function >= 0 may be irrational algebraic: positive where it is above."""
-    if is_irrational_algebraic(limit):
-        return Level(measure, algebraic(limit))
+def level(measure: RealFunction, limit: Expr) -> RealFunction:
+    """A real function minus a number: positive where it is above."""
     f = measure.function
     bound = f.ring.convert(limit)
     top = f.numerator * bound.denominator - bound.numerator * f.denominator

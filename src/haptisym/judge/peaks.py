@@ -7,7 +7,7 @@ hold there, of their least ones; a local maximum is one of that square, or lies 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from itertools import combinations
@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 import flint
-from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
-from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
+from flint import arb
+from sympy import Expr, Integer
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, noticed
@@ -24,11 +24,9 @@ from haptisym.judge.regions import Term
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.factors import PolynomialFactor, Root, the_one
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from haptisym.kernel.roots import Key, Point, Signs, chart
-from haptisym.kernel.zeros import Zero
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 
@@ -171,21 +169,6 @@ class Peak(Judged, Shown):
     def ratio(self) -> RealNumber:
         """The ratio at the peak."""
         return SquareRoot(ValueAt(self.square, self.omega))
-
-    @cached_property
-    def threshold(self) -> Expr | None:
-        """The ratio as an exact algebraic number, fit for a ``Threshold``: the display then touches it here.
-
-        None where the numbers of the scene are not all rational, and where the ratio is how many times a limit is met.
-        """
-        if self.in_limits:
-            return None
-        f, axis = self.square.function, self.square.axis
-        top, bottom = (axis.univariate(p) for p in (f.numerator, f.denominator))
-        zero = self.omega.factor if isinstance(self.omega, Root | Zero) else None
-        if top is None or bottom is None or not isinstance(zero, PolynomialFactor):
-            return None
-        return sqrt(_algebraic(_eliminated(top, bottom, zero), ValueAt(self.square, self.omega).ball))
 
 
 class Peaks(Answer, tuple[Peak, ...]):
@@ -335,23 +318,3 @@ class Largest(RealNumber):
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
             return reduce(arb.max, (number.ball(bits) for number in self.numbers))
-
-
-def _eliminated(top: list[fmpq], bottom: list[fmpq], zero: PolynomialFactor) -> list[fmpq]:
-    """A polynomial that the value top/bottom at a zero of a polynomial satisfies: coefficients, ascending."""
-    context = fmpq_mpoly_ctx.get(("x", "value"), Ordering.lex)
-    x, value = context.gens()
-    above, below = (sum((n * x**i for i, n in enumerate(row)), context.constant(0)) for row in (top, bottom))
-    at = sum((n * x ** (i * zero.step) for i, (n,) in enumerate(zero.coefficients)), context.constant(0))
-    found = {int(e[1]): c for e, c in at.resultant(above - value * below, "x").to_dict().items()}
-    return [found.get(n, fmpq(0)) for n in range(max(found) + 1)]
-
-
-def _algebraic(polynomial: list[fmpq], near: Callable[[int], Ball]) -> Expr:
-    """The root of a polynomial that is this positive number, given by balls around it."""
-    factors = [
-        PolynomialFactor(tuple((int(c.p),) for c in f.coeffs()), 1) for f, _ in fmpq_poly(polynomial).factor()[1]
-    ]
-    root = the_one([x for f in factors for x in f.positive_roots()], near)
-    minimal = Poly([c for (c,) in root.factor.coefficients[::-1]], Symbol("x"))
-    return CRootOf(minimal, root.index + minimal.count_roots(None, 0))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import compress
 from math import inf, prod
 from operator import ge, index
@@ -23,7 +23,7 @@ from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.factors import AnalyticFactor, Level, PolynomialFactor, polynomial_factors
+from haptisym.kernel.factors import AnalyticFactor, PolynomialFactor, polynomial_factors
 from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.waves import WaveTerm, vanishes
 from haptisym.kernel.zeros import Factor, is_clear
@@ -92,18 +92,12 @@ class Known:
     factors: list[tuple[Polynomial, Factor]] = field(default_factory=list)
 
 
-def factored_function(function: RealFunction | Level, known: Known, *, in_square: bool = True) -> Product:
+def factored_function(function: RealFunction, known: Known, *, in_square: bool = True) -> Product:
     """The function taken apart; ``known`` gathers what was on the way.
 
     ``in_square`` : whether even polynomials may be taken apart in omega^2. Of functions on one chart that must be the same, and
     only where all are even or odd: else one frequency might be the zero of two different factors.
     """
-    if isinstance(function, Level):
-        one = RealFunction(
-            function.function.axis.one / function.function.axis.function(function.function.function.denominator)
-        )
-        below = factored_function(one, known, in_square=in_square)
-        return replace(below, exponents={**below.exponents, function.factor: 1})
     top, bottom = function.function.numerator, function.function.denominator
     if top.is_zero():
         return Product(0, Integer(0), {})
@@ -126,9 +120,9 @@ def factored_function(function: RealFunction | Level, known: Known, *, in_square
     return Product(sign, power, {factor: n for factor, n in exponents.items() if n} if sign else {})
 
 
-def is_even_or_odd(function: RealFunction | Level) -> bool:
+def is_even_or_odd(function: RealFunction) -> bool:
     """Whether above and below the line there are even powers of omega alone, or odd ones alone."""
-    f = function.function if isinstance(function, RealFunction) else function.function.function
+    f = function.function
     return all(int(p.deflation_index()[0][0]) % 2 == 0 for p in (f.numerator, f.denominator))
 
 

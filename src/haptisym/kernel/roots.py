@@ -25,7 +25,7 @@ from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.factoring import Known, Product, factored_function, is_even_or_odd
-from haptisym.kernel.factors import AnalyticFactor, Level, PolynomialFactor
+from haptisym.kernel.factors import AnalyticFactor, PolynomialFactor
 from haptisym.kernel.objects import Viewed
 from haptisym.kernel.reals import (
     MOST_BITS,
@@ -126,14 +126,14 @@ class Piece(NamedTuple):
 class Lattice:
     """max over ``terms`` of the min over each: positive exactly where all functions of one term are."""
 
-    terms: tuple[tuple[RealFunction | Level, ...], ...]
+    terms: tuple[tuple[RealFunction, ...], ...]
 
     @classmethod
-    def largest(cls, functions: Iterable[RealFunction | Level]) -> Lattice:
+    def largest(cls, functions: Iterable[RealFunction]) -> Lattice:
         """Positive where any of the functions is."""
         return cls(tuple((f,) for f in functions))
 
-    def pieces(self, name: Hashable) -> dict[Piece, RealFunction | Level]:
+    def pieces(self, name: Hashable) -> dict[Piece, RealFunction]:
         """Its functions, by what a chart calls them."""
         return {Piece(name, i, j): f for i, term in enumerate(self.terms) for j, f in enumerate(term)}
 
@@ -142,7 +142,7 @@ class Lattice:
         return max(min(of(Piece(name, i, j)) for j in range(len(term))) for i, term in enumerate(self.terms))
 
 
-Signed: TypeAlias = RealFunction | Level | Lattice
+Signed: TypeAlias = RealFunction | Lattice
 """A real function whose sign a chart tells."""
 
 
@@ -353,7 +353,7 @@ def _joined(names: Iterable[Key], lattices: Mapping[Key, Lattice], point: Point)
     return Point(point.omega, {x: n for x, n in orders.items() if n}, before, after, frozenset(doubtful))
 
 
-def _charted(functions: Mapping[Key, RealFunction | Level], low: Expr, high: Expr) -> tuple[Point, ...]:
+def _charted(functions: Mapping[Key, RealFunction], low: Expr, high: Expr) -> tuple[Point, ...]:
     """The points of a chart of single functions."""
     even = all(is_even_or_odd(function) for function in functions.values())
     products = _products(functions, in_square=even)
@@ -391,13 +391,12 @@ def _refuse_endless(factors: Iterable[Factor], low: Expr, high: Expr) -> None:
                 raise SceneError(f"a delay of {turned}, more than {_MOST_TURNS} times: give a shorter delay or band")
 
 
-def _products(functions: Mapping[Key, RealFunction | Level], *, in_square: bool) -> dict[Key, Product]:
+def _products(functions: Mapping[Key, RealFunction], *, in_square: bool) -> dict[Key, Product]:
     """The functions taken apart, short ones first: their factors are those of others' denominators."""
     known, found = Known(), dict[Key, Product]()
 
     def length(name: Key) -> int:
-        f = functions[name]
-        return len((f.function if isinstance(f, RealFunction) else f.function.function).denominator)
+        return len(functions[name].function.denominator)
 
     for name in sorted(functions, key=length):
         found[name] = factored_function(functions[name], known, in_square=in_square)

@@ -299,8 +299,8 @@ class Part(Enum):
 class Threshold(Viewed):
     """The JND c of eq. (4): a change of Re H or Im H is noticed when it exceeds that fraction of ``|H|``.
 
-    Each a number > 0: rational, rational in pi, or algebraic as a SymPy expression (for scenes whose numbers are rational); or a
-    rational formula in omega, as a string. ``region`` : what it is besides, where it is not the paper's square.
+    Each a number > 0, rational or rational in pi, or a rational formula in omega, as a string. ``region`` : what it is besides,
+    where it is not the paper's square.
     Source: Fu, van Paassen and Mulder (2019), eq. (4); 10 % for the impedances of manual control.
 
     >>> Threshold.of(0.1)
@@ -488,8 +488,6 @@ _TILTED = "separate ranges of the half widths of a tilted ellipse are not suppor
 
 def threshold_value(key: str, given: Number) -> tuple[Expr, ExactRange | None]:
     """A threshold and its range, if it has one; SceneError, with the key, unless both are > 0."""
-    if isinstance(given, Expr) and is_irrational_algebraic(given) and given.evalf() > 0:
-        return given, None
     found_formula = formula(key, given)
     if found_formula is not None and found_formula.has(omega):
         return found_formula, None
@@ -532,11 +530,6 @@ def formula(key: str, given: object) -> Expr | None:
             f'{key}: "{given}" is not a rational formula: use numbers, pi, omega, + - * / and whole powers'
         ) from None
     return value
-
-
-def is_irrational_algebraic(value: Expr) -> bool:
-    """Whether a number is real and algebraic, but not rational."""
-    return bool(value.is_number and not value.is_Rational and value.is_algebraic and value.is_real)
 
 
 _KEYS = {

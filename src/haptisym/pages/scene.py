@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi, sqrt
 
-from haptisym.judge.crossings import noticed, opened
+from haptisym.judge.crossings import noticed
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import dynamics as response
 from haptisym.kernel.dynamics import RealFunction, Ring
@@ -27,7 +27,7 @@ from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, 
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
 from haptisym.model.distortion import Distortion, magnitude, part_of
-from haptisym.model.jnd import Part, Shape, Threshold, is_irrational_algebraic
+from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import spread, values
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.scene import Knob, Scene
@@ -236,7 +236,7 @@ def threshold(c: Threshold) -> Phrase:
 
 def _equality(name: str, value: Expr) -> Phrase:
     """``c = 0.1``, or with ≈ where the number is not rational and was rounded."""
-    decimal = value.evalf(6) if is_irrational_algebraic(value) else value if value.is_Rational else rounded(value)
+    decimal = value if value.is_Rational else rounded(value)
     return Equation((named(name), layout(decimal)), ("=" if value.is_Rational else "≈",))
 
 
@@ -323,9 +323,8 @@ class SceneForms:
     def threshold(self, part: Part) -> doc.Line:
         """The polynomial in omega^2 that is positive exactly where the ratio exceeds its threshold, in factors."""
         limits = self.evaluation.scene.threshold
-        free = [x for x in Part if is_irrational_algebraic(limits[x] ** 2)]
-        found = next(x for x in opened(noticed(limits), free) if x.part is part).function(self.evaluation.distortion)
-        assert isinstance(found, RealFunction)  # a symbol is no algebraic number
+        found = next(x for x in noticed(limits) if x.part is part).function(self.evaluation.distortion)
+        assert isinstance(found, RealFunction)  # of one part
         return self.polynomial(quantity("p_r" if part is Part.REAL else "p_i"), found)
 
     def polynomial(self, left: Box, found: RealFunction) -> doc.Line:

@@ -34,7 +34,7 @@ from haptisym.kernel.rings import omega as omega_
 from haptisym.kernel.rings import s
 from haptisym.kernel.roots import Chart, chart
 from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.jnd import Part, Threshold, is_irrational_algebraic
+from haptisym.model.jnd import Part, Threshold
 from haptisym.model.scene import Scene
 from haptisym.programs.floats import floats_of
 from haptisym.programs.values import Array
@@ -411,8 +411,6 @@ def companion_way(question: Crossings) -> Attempt:
 
 def _polynomial(question: Crossings, criterion: Criterion) -> Array:
     """The coefficients, ascending."""
-    if any(is_irrational_algebraic(question.threshold[x]) for x in Part):
-        raise RefusedError("the threshold is not rational")
     excess = question.functions[criterion]
     if not isinstance(excess, RealFunction):
         raise RefusedError("the border of the JND region is not one polynomial")

@@ -62,7 +62,7 @@ from haptisym.kernel.roots import Lattice, Piece
 from haptisym.kernel.solutions import Equation, Solution, solve
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.jnd import Part, is_irrational_algebraic
+from haptisym.model.jnd import Part
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, MotionKind, Number, dimension_exponents
 from haptisym.model.scene import Scene
@@ -433,9 +433,7 @@ class Derivation(Answer):
     @cached_property
     def criteria(self) -> tuple[Criterion, ...]:
         """What is judged, each with the symbol c for its threshold, or with the scene's number."""
-        limits = self.scene.threshold
-        free = [x for x in Part if x in self.kept_thresholds or is_irrational_algebraic(limits[x] ** 2)]
-        return opened(noticed(limits), free)
+        return opened(noticed(self.scene.threshold), self.kept_thresholds)
 
     def criterion(self, of: Part | Criterion) -> Criterion:
         """What is judged of a part, or by that name; SceneError for a JND of which there are no such formulas."""

@@ -144,7 +144,8 @@ def _multiple(t: Threshold, x: Array, y: Array, omega: Array) -> Array:
 
     (region, *_) = (c.joint for c in noticed(t))
     square = np.maximum(np.abs(x / number(t.real)), np.abs(y / number(t.imag)))
-    return region.enlarged(x, y, number) if region else square
+    found: Array = region.enlarged(x, y, number) if region else square
+    return found
 
 
 def _designed(

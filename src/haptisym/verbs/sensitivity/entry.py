@@ -28,14 +28,13 @@ from haptisym.judge.crossings import Criterion, Crossing, CrossingKind, Curve
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.dynamics import RealFunction
-from haptisym.kernel.factors import algebraic
 from haptisym.kernel.objects import Shown, counted, titled
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot, at_rising_precision
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, at_rising_precision
 from haptisym.kernel.rings import Polynomial, PolynomialRing, c, omega
 from haptisym.kernel.roots import Lattice, Piece, Point, Signed, chart
 from haptisym.kernel.solutions import Equation, ImplicitSlope
 from haptisym.kernel.zeros import is_clear, sign_of
-from haptisym.model.jnd import Part, is_irrational_algebraic
+from haptisym.model.jnd import Part
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import THRESHOLD, Knob, Knobs, Scene
 from haptisym.model.scenefile import as_scene
@@ -434,7 +433,8 @@ class Sensitivities(Answer):
             return {}
         one, knobs = derive(self.scene, [THRESHOLD]), self.scene.knobs.limits.values()
         return {
-            x: VariedParameter(knob, _limit(x), one) for x, knob in zip(self.evaluation.criteria, knobs, strict=True)
+            x: VariedParameter(knob, ExactNumber(x.threshold), one)
+            for x, knob in zip(self.evaluation.criteria, knobs, strict=True)
         }
 
     def _crossing(self, x: Crossing) -> Sensitive:
@@ -547,12 +547,6 @@ def _alike(f: Signed, g: Signed) -> bool:
     if not isinstance(f, RealFunction) or not isinstance(g, RealFunction):
         return f is g
     return f.function.equals(g.function) or f.function.equals(-g.function)
-
-
-def _limit(x: Criterion) -> RealNumber:
-    """The threshold as a number."""
-    irrational = is_irrational_algebraic(x.threshold)
-    return SquareRoot(algebraic(x.limit)) if irrational else ExactNumber(x.threshold)
 
 
 def sensitivity(scene: Scene | str | Path, digits: int = 15, *, limit: float | None = SECONDS) -> Sensitivities:

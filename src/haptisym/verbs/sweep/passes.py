@@ -42,7 +42,6 @@ from haptisym.judge.percepts import changeovers
 from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import HaptisymError, SceneError, UndecidedError
-from haptisym.kernel.factors import Level
 from haptisym.kernel.reals import ExactNumber, bounds, expression_ball
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, omega
 from haptisym.kernel.roots import Chart, Key, Lattice, Point, Signed, chart
@@ -174,7 +173,7 @@ class _ClosedForms:
     @property
     def functions(self) -> list[RealFunction]:
         """All of them."""
-        own = [f for x in self.measures.values() for f in _functions(x) if isinstance(f, RealFunction)]
+        own = [f for x in self.measures.values() for f in _functions(x)]
         return [*self.turning, *self.present, *own]
 
 
@@ -186,8 +185,6 @@ def _closed_forms(scene: Scene, swept: Sequence[Knob]) -> _ClosedForms | None:
         d = Distortion.of(chain, Ring.of([*chain.entries(), *_LIMITS.values()]))
         measures = {x: _measure(x, d) for x in (_opened(x, swept) for x in noticed(scene.threshold))}
     except HaptisymError:
-        return None
-    if any(isinstance(f, Level) for x in measures.values() for f in _functions(x)):
         return None
     turning = tuple(part_of(r, Part.REAL) for r in (d.env_response, d.perc_response))
     # where there is a real part its changeovers tell that there are dynamics
@@ -211,7 +208,7 @@ def _measure(x: Criterion, d: Distortion) -> Signed:
     return x.function(d) if x.region or x.threshold.has(omega) else x.measure(d)
 
 
-def _functions(x: Signed) -> Iterator[RealFunction | Level]:
+def _functions(x: Signed) -> Iterator[RealFunction]:
     yield from ((f for term in x.terms for f in term) if isinstance(x, Lattice) else (x,))
 
 
