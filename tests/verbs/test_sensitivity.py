@@ -21,7 +21,7 @@ from haptisym.kernel.reals import ExactNumber, SquareRoot
 from haptisym.kernel.rings import PolynomialRing, omega
 from haptisym.kernel.solutions import Equation
 from haptisym.model.quantities import dimension_exponents
-from haptisym.verbs.sensitivity.entry import FLAT, TOUCH, Meeting, Sensitive, Slope
+from haptisym.verbs.sensitivity.entry import FLAT, TOUCH, Sensitive, Slope
 
 STEP = Rational(1, 10**15)
 SCENES = ["fu2019", "delayed-spring", "organ-tissue", "position-force-teleoperation", "sidestick"]
@@ -196,18 +196,12 @@ def test_what_does_not_matter_has_elasticity_zero_and_a_parameter_that_is_0_its_
     assert {p.name: float(p.elasticity) for p in turn.parameters} == {"m": -0.5, "k": 0.5, "omega_n": 0, "zeta": 0}
 
 
-def test_a_derivative_that_is_exactly_zero_is_told_as_zero() -> None:
+def test_a_derivative_that_is_exactly_zero_is_left_undecided() -> None:
     """k/b = omega_c: the lag cancels the environment's zero, and r_i does not depend on k at first order."""
     scene = hs.Scene(environments.kelvin_voigt(100, 5), (effects.first_order_lag(20),))
     found = hs.sensitivity(scene)
-    assert found.certified
-    assert float(found.crossings[0]["k"].derivative) == float(found.crossings[0]["b"].derivative) == 0
-    here, *steps = (
-        Fraction(changed(scene, "k", k).crossings[0].omega.digits(40))
-        for k in (100, Rational(999, 10), Rational(1001, 10), Rational(9999, 100), Rational(10001, 100))
-    )
-    far, near = [x - here for x in steps[:2]], [x - here for x in steps[2:]]
-    assert all(float(x / y) == pytest.approx(100, rel=0.01) for x, y in zip(far, near, strict=True))  # a parabola
+    assert not found.certified
+    assert [found.crossings[0][x].reason[:9] for x in "kb"] == ["undecided"] * 2
 
 
 def test_a_slope_is_told_to_as_many_digits_as_wanted() -> None:
@@ -349,12 +343,8 @@ def beside_a_mass(low: int, high: int) -> hs.Scene:
 
 IN_HZ = 20 * pi
 MEETINGS = {
-    "a pole without damping goes on as a zero": (filtered(0), "perceived", 80, "zeta", "above", -64 * 15 / 114.2),
     "a pole moves with its frequency": (filtered(0), "perceived", 80, "omega_n", "", 1),
     "a pole at a frequency in Hz moves with it": (filtered(0, omega_n="10 Hz"), "perceived", IN_HZ, "omega_n", "", 1),
-    "a pole at a frequency in Hz goes on as a zero": (
-        filtered(0, omega_n="10 Hz"), "perceived", IN_HZ, "zeta", "above", 15 * IN_HZ**2 / (100 - 1.8 * IN_HZ**2),
-    ),
     "a pole at a frequency in Hz does not move with a mass": (filtered(0, omega_n="10 Hz"), "perceived", IN_HZ, "m", "", 0),
     "a crossing at the least damping": (filtered(0), "crossings", 24.828, "zeta", "above", 27.714),
     "a parameter that does not matter, at its least value": (filtered(0), "environment", 7.4536, "zeta", "", 0),
@@ -362,10 +352,6 @@ MEETINGS = {
         hs.Scene(environments.kelvin_voigt(100, 5), (effects.first_order_lag(40), effects.delay(0)), (0, 30)),
         "crossings", 8.5, "tau", "above", None,
     ),
-    "a zero that moves through two that stay": (formula("(k + s^2)*(100 + s^2)^2", k=100), "environment", 10, "k", "", 1 / 20),
-    "a zero between two poles that part": (formula("(100 + s^2)/((100 + s^2)^2 - q^2)", q=0), "environment", 10, "q", "splits", None),
-    "two lines that cross a third": (formula("(100 + s^2)*((100 + s^2)^2 - 4*q^2)", q=0), "environment", 10, "q", "splits", None),
-    "a zero with two that are not real": (formula("(100 + s^2 + q)*((100 + s^2)^2 + 4*q^2)", q=0), "environment", 10, "q", "", 1 / 20),
     "a crossing that enters the band at its end": (beside_a_mass(0, 10), "crossings", 10, "m", "above", -50),
     "a crossing that leaves the band at its end": (beside_a_mass(0, 10), "crossings", 10, "k", "below", 1 / 20),
     "a crossing that leaves the band at its start": (beside_a_mass(10, 20), "crossings", 10, "m", "below", -50),
@@ -415,13 +401,19 @@ def test_a_derivative_from_one_side_is_the_slope_of_certified_frequencies_there(
 
 def test_one_sided_derivatives_are_said_in_text_and_document() -> None:
     found = hs.sensitivity(filtered(0))
-    assert "-8.406 above" in str(found)
-    row = found.to_dict()["changeovers"]["perceived"][-1]["parameters"][-1]
-    assert (row["name"], row["side"], row["reason"]) == ("zeta", "above", "from above; below there is no scene")
-    assert row["digits"]["derivative"] == "-8.40630472854641"  # -960/114.2
+    assert " above" in str(found)
+    crossing = next(x for x in found.to_dict()["crossings"] if abs(x["omega"] - 24.828) < 0.01)
+    row = next(x for x in crossing["parameters"] if x["name"] == "zeta")
+    assert (row["side"], row["reason"]) == ("above", "from above; below there is no scene")
 
 
-# --- where several zeros of one factor meet --------------------------------------------------------------------------
+def test_where_several_zeros_and_poles_meet_it_is_undecided_how_they_move() -> None:
+    """A pole without damping: a zero above the line on a double zero below it; it stays where its own frequency is."""
+    found = min(hs.sensitivity(filtered(0)).changeovers_perceived, key=lambda x: abs(float(x.omega) - 80))
+    assert (found["zeta"].derivative, found["zeta"].reason[:9]) == (None, "undecided")
+
+
+# --- the slope of one factor -----------------------------------------------------------------------------------------
 
 PARAMETER, OTHER = Symbol("p", real=True), Symbol("b", real=True)
 RING = PolynomialRing(omega, [PARAMETER, OTHER])
@@ -429,45 +421,6 @@ RING = PolynomialRing(omega, [PARAMETER, OTHER])
 
 def equation(expression: Expr) -> Equation:
     return Equation(RING, RING.convert(expression.expand()).numerator)
-
-
-def branches(rows: list[tuple[Expr, int]], w: Any, p: Any) -> Any:
-    """How many branches go through the point, with their slopes; None where that is left open."""
-    values = tuple((x, ExactNumber(Rational(v))) for x, v in ((omega, w), (PARAMETER, p), (OTHER, 2)))
-    found = Meeting(tuple((equation(x), n) for x, n in rows), PARAMETER, values).branches()
-    return None if found is None else sorted((None if x is None else float(x) for x in found), key=str)
-
-
-@given(
-    st.fractions(1, 9, max_denominator=7),
-    st.fractions(-5, 5, max_denominator=7),
-    st.fractions(-4, 4, max_denominator=5),
-)
-def test_branches_through_a_point_are_those_of_the_lowest_terms_there(w: Fraction, p: Fraction, m: Fraction) -> None:
-    """A loop's own crossing and a point alone; lines; cusps, folds and inflections are left open."""
-    x, y = PARAMETER - Rational(p), omega - Rational(w)
-    slanted = y - Rational(m) * x
-    for F, known in (
-        (slanted**2 - x**2 * (x + 2), [None, None]),
-        (slanted**2 - x**2 * (x - 1), []),
-        (slanted**2 - x**3, None),
-        (y**2 - 3 * x, None),
-        (y**4 + 5 * x, None),
-        (y**3 - x, None),
-        (slanted * (1 + omega**2) - 3 * x**2, [float(m)]),
-        (y + x**2, [0.0]),
-        (y + 4, []),
-        (x + 0 * y, []),
-        (y**3 - x**2 * y - x**4, None),
-    ):
-        for order in (1, 2, 3):  # beside a square, which brings no change of sign
-            assert branches([(F, order), (y, 2)], w, p) == (known if order % 2 else []), F
-
-
-def test_branches_of_several_factors_are_told_together() -> None:
-    x, y = PARAMETER - 5, omega - 3
-    assert branches([(y - 2 * x, 1), (y + x, 1), (y - 9 * x, 2)], 3, 5) == [-1.0, 2.0]
-    assert branches([(y - 2 * x, 1), (y**2 - x, 3)], 3, 5) is None
 
 
 @pytest.mark.parametrize(("p", "b"), [(2, 9), (Rational(1, 3), 5), (Rational(7, 2), 3)])

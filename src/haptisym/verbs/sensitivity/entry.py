@@ -2,14 +2,9 @@
 
 A crossing is a simple zero of F(omega, p) = r^2 - c^2, so that d omega/dp = -(dF/dp)/(dF/d omega) there (implicit
 differentiation). ``Derivation.sensitivity`` has the formula; here it is evaluated in ball arithmetic at the certified
-frequency. Where the display touches its threshold dF/d omega is 0 and the derivative does not exist. Where zeros and poles meet
-(``Meeting``), where a parameter has the least value that it may have, and at the ends of the band it may exist from one side.
-
-A sign changes at a zero of odd order of what stands above or below the line of f(omega, p). For the scene's own p several may
-lie on one frequency: a pole without damping is a zero above the line on a double zero below it, and with a little damping the
-zero alone is left, beside it. Counted are the real branches through the point that change the sign, for p a little smaller
-and a little larger; one alone is where the frequency goes, and its slope follows from its own factor by implicit differentiation.
-Derivation: 14_sensitivity.
+frequency. Where the display touches its threshold dF/d omega is 0 and the derivative does not exist; where a parameter has the
+least value that it may have, and at the ends of the band, it may exist from one side. Where several zeros and poles meet, as at
+a pole without damping, it is left undecided. Derivation: 14_sensitivity.
 """
 
 from __future__ import annotations
@@ -20,8 +15,8 @@ from pathlib import Path
 from typing import Any, ClassVar, TypeAlias
 
 import flint
-from flint import arb, fmpq
-from sympy import Expr, Integer, Rational, Symbol, pi
+from flint import arb
+from sympy import Expr, Integer, Symbol, pi
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Crossing, CrossingKind, Curve
@@ -30,10 +25,10 @@ from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, at_rising_precision
-from haptisym.kernel.rings import Polynomial, PolynomialRing, c, omega
+from haptisym.kernel.rings import c, omega
 from haptisym.kernel.roots import Lattice, Piece, Point, Signed, chart
 from haptisym.kernel.solutions import Equation, ImplicitSlope
-from haptisym.kernel.zeros import is_clear, sign_of
+from haptisym.kernel.zeros import is_clear
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import THRESHOLD, Knob, Knobs, Scene
@@ -46,87 +41,6 @@ Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 SymbolValues: TypeAlias = tuple[tuple[Symbol, RealNumber], ...]
 ZERO = ExactNumber(Integer(0))
 """What does not move at first order."""
-Branch: TypeAlias = RealNumber | None
-"""The slope of a branch; None where it is one of several that leave the point."""
-
-
-@dataclass(frozen=True)
-class Meeting:
-    """Factors, each with its order, that vanish or nearly vanish at a frequency, where the symbols have these ``values``."""
-
-    factors: Factors
-    parameter: Symbol
-    values: SymbolValues
-
-    def branches(self) -> list[Branch] | None:
-        """The branches that change the sign, as many for a smaller value of the parameter as for a larger one.
-
-        None where that stays open: but for polynomials with rational values of the symbols, where a branch turns back, and where
-        more than two of one factor meet.
-        """
-        core = self._core()
-        if core is None:
-            return None
-        found = [self._of(factor, core) for factor, order in self.factors if order % 2]
-        return None if None in found else [x for own in found for x in own or []]
-
-    def is_still(self) -> bool:
-        """Whether a simple zero of the only factor does not move at first order: dF/dp is 0 there. (False: not seen to be.)"""
-        core, [(factor, _)] = self._core(), self.factors
-        return core is not None and self._vanishes(
-            factor.ring, _derivative(factor.ring, factor.F, self.parameter), core
-        )
-
-    def _of(self, factor: Equation, core: Polynomial) -> list[Branch] | None:
-        """The real branches of one factor F, by the lowest terms of its Taylor series at the point.
-
-        Two meet where F_p is 0 as well: a d omega^2 + 2 b d omega dp + c dp^2 = 0 are two lines or none, as b^2 - a c tells.
-        """
-        ring, F, here = factor.ring, factor.F, self._here(factor.ring, factor.F)
-        times = 0 if here.is_zero() else _multiplicity(core, here)  # F = p - value is 0 nowhere beside the value
-        if times == 0:
-            return []
-        F_w, F_p = _derivative(ring, F, omega), _derivative(ring, F, self.parameter)
-        is_flat = self._vanishes(ring, F_p, core)
-        if times == 1:
-            return [ZERO if is_flat else Slope(factor.slope(self.parameter), self.values)]
-        if times > 2 or not is_flat:
-            return None
-        a, b, c = (_derivative(ring, *x) for x in ((F_w, omega), (F_w, self.parameter), (F_p, self.parameter)))
-        discriminant = b * b - a * c
-        sign = None if self._vanishes(ring, discriminant, core) else self._sign(ring, discriminant)
-        return None if sign is None else [None, None] if sign > 0 else []
-
-    def _core(self) -> Polynomial | None:
-        """The irreducible polynomial that the frequency is a zero of; None but for polynomials with rational values."""
-        plain = not any(f.ring.functions for f, _ in self.factors)
-        if not plain or not all(isinstance(value, Rational) for value in self._numbers.values()):
-            return None
-        left: dict[str, Polynomial] = {}
-        for factor, _ in self.factors:
-            here = self._here(factor.ring, factor.F)
-            for core, _ in [] if here.is_zero() else here.factor()[1]:
-                if self._sign(factor.ring, core) is None:
-                    left[str(core)] = core
-        return next(iter(left.values())) if len(left) == 1 else None
-
-    def _here(self, ring: PolynomialRing, polynomial: Polynomial) -> Polynomial:
-        """A polynomial with the symbols' values in place."""
-        known = {ring.meanings.index(x): v for x, v in self._numbers.items() if x in ring.meanings}
-        return polynomial.subs({i: fmpq(int(v.p), int(v.q)) for i, v in known.items()})
-
-    @property
-    def _numbers(self) -> dict[Symbol, Any]:
-        """The symbols' exact values, None where a number has none."""
-        return {x: v.value if isinstance(v, ExactNumber) else None for x, v in self.values if x != omega}
-
-    def _vanishes(self, ring: PolynomialRing, polynomial: Polynomial, core: Polynomial) -> bool:
-        here = self._here(ring, polynomial)
-        return bool(here.is_zero()) or _multiplicity(core, here) > 0
-
-    def _sign(self, ring: PolynomialRing, polynomial: Polynomial) -> int | None:
-        """The sign here, -1 or 1; None where it is 0, or too near to it."""
-        return at_rising_precision(lambda bits: sign_of(ring.ball(polynomial, balls(self.values, bits))) or None, 64)
 
 
 def not_clear(factors: Factors, values: SymbolValues) -> Factors:
@@ -146,20 +60,6 @@ def not_clear(factors: Factors, values: SymbolValues) -> Factors:
 def balls(values: SymbolValues, bits: int) -> dict[Expr, Ball]:
     """Enclosures of exact values, and of pi at the working precision."""
     return {pi: arb.pi(), **{symbol: number.ball(bits) for symbol, number in values}}
-
-
-def _multiplicity(core: Polynomial, polynomial: Polynomial) -> int:
-    """How often an irreducible polynomial divides one that is not 0."""
-    times = 0
-    while True:
-        quotient, rest = divmod(polynomial, core)
-        if not rest.is_zero():
-            return times
-        polynomial, times = quotient, times + 1
-
-
-def _derivative(ring: PolynomialRing, polynomial: Polynomial, x: Symbol) -> Polynomial:
-    return polynomial.derivative(ring.meanings.index(x)) if x in ring.meanings else 0 * polynomial
 
 
 @dataclass(frozen=True, repr=False)
@@ -311,13 +211,11 @@ def at(
     if flat:
         return replace(still(p), derivative=None, elasticity=None, reason=flat)
     if len(meeting) != 1 or not simple:
-        return _met(p, Meeting(meeting, p.knob.symbol, values), where)
+        return Sensitivity(p.knob, None, None, _MEET)
     slope = Slope(meeting[0][0].slope(p.knob.symbol), values)
     if slope.slope.vanishes({p.knob.symbol: p.knob.value}):
         return _one_sided(p, ZERO, where)
     if not slope.is_clear():
-        if Meeting(meeting, p.knob.symbol, values).is_still():
-            return _one_sided(p, ZERO, where)
         return Sensitivity(p.knob, None, None, _NOT_CLEAR)
     return _one_sided(p, slope, where)
 
@@ -332,16 +230,6 @@ def _one_sided(p: VariedParameter, derivative: RealNumber, where: RealNumber) ->
     least = p.least and derivative is not ZERO
     side, reason = ("above", _LEAST) if least else ("", "")
     return Sensitivity(p.knob, derivative, elasticity, reason, side)
-
-
-def _met(p: VariedParameter, meeting: Meeting, where: RealNumber) -> Sensitivity:
-    """The sensitivity where several zeros and poles meet."""
-    branches = meeting.branches()
-    if branches is None:
-        return Sensitivity(p.knob, None, None, _MEET)
-    if len(branches) == 1 and branches[0]:
-        return _one_sided(p, branches[0], where)
-    return Sensitivity(p.knob, None, None, f"undefined: it {'splits into several' if branches else 'is not there'}")
 
 
 @dataclass(frozen=True, repr=False)
