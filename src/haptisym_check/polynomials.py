@@ -6,8 +6,7 @@ from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import prod
 
-from haptisym_check.reading import Polynomial
-from haptisym_check.values import MOST_OTHERS, Value, need
+from haptisym_check.values import MOST_OTHERS, Polynomial, Value, need
 
 Point = tuple[int, int]  # numerator and denominator; (1, 0) is infinity
 

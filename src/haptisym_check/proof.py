@@ -1,19 +1,17 @@
-"""A certificate against a scene file: proven, or refused."""
+"""A certificate against a scene file: proven, or refused; and what is proven, in words."""
 
 import hashlib
 import json
 from functools import partial
 from typing import Any
 
-from haptisym_check.chart import CURVES, Chart, Curve, claimed
-from haptisym_check.link import PARTS, functions, link
-from haptisym_check.reading import keyed, listed, number, numbers, others
+from haptisym_check.chart import CURVES, Chart, Curve, claimed, zeros
 from haptisym_check.requirement import requirement
-from haptisym_check.scene import Element, Scene
-from haptisym_check.values import UnreadableError, combined, need
+from haptisym_check.scene import PARTS, Element, Scene, functions, link
+from haptisym_check.values import UnreadableError, combined, keyed, listed, need, number, numbers, others
 from haptisym_check.waves import factor_of
-from haptisym_check.words import words
-from haptisym_check.zeros import zeros
+
+# A certificate against a scene file: proven, or refused.
 
 
 def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -85,3 +83,46 @@ def in_hand(hand: Any, scene: Scene) -> Any:
 EVALUATION = "delays", "orders", "breakpoints", "factors", "functions", "poles"
 NAMES = [f"{x}.{part}" for x in CURVES for part in PARTS]
 QUESTIONS = {"evaluation": evaluation, "stability": stability, "requirement": requirement}
+
+
+# Claims that are proven, in words.
+
+
+def words(claim: dict[str, Any]) -> list[str]:
+    """A line for what it is about, then one for each thing that it says."""
+    return {"evaluation": of_band, "stability": of_roots, "requirement": of_values}[claim["question"]](claim)
+
+
+def of_band(claim: dict[str, Any]) -> list[str]:
+    """Of an evaluation."""
+    at = [x if x == y else f"[{x}, {y}]" for x, y in claim["frequencies"]]
+    n = len(claim["crossings"])
+    lines = [f"Proven on the band from {at[0]} to {at[-1]} rad/s: {n or 'no'} crossing{'s'[: n > 1]}, none missed."]
+    for x in claim["crossings"]:
+        lines += [f"{x['part']} part {MEETS[x['kind']]} its threshold at {at[x['at']]} rad/s"]
+    lines += [f"transparent from {at[x]} to {at[y]} rad/s" for x, y in claim["transparent"]]
+    for x in claim["percepts"]:
+        lines += [f"{x['change']} {x['property']} ({x['part']} part) from {at[x['from']]} to {at[x['to']]} rad/s"]
+    return [*lines, f"imposed motion: {POLES[claim['stable']]} poles of H_perc in Re s >= 0"]
+
+
+def of_roots(claim: dict[str, Any]) -> list[str]:
+    """Of stability."""
+    lines = [f"Proven: {claim['imposed']} poles of H_perc in Re s >= 0 (imposed motion)."]
+    for hand, roots in ((x["hand"], x["unstable"]) for x in claim["held"]):
+        name = ascii(hand) if isinstance(hand, str) else ", ".join(f"{key} = {hand[key]}" for key in "mbk")
+        lines += [f"held in the hand {name}: {roots} roots in Re s >= 0"]
+    return lines
+
+
+def of_values(claim: dict[str, Any]) -> list[str]:
+    """Of a requirement."""
+    free, parts, binds = claim["free"], claim["parts"], claim["binds"]
+    lines = [f"Proven of {ascii('.'.join(map(str, free)))[1:-1]}, {' and '.join(parts)} part, on the whole band:"]
+    for low, high, holds in claim["values"]:
+        lines += [f"{'transparent' if holds else 'not transparent'} between {low or '-oo'} and {high or 'oo'}"]
+    return lines + ([f"what binds: {', '.join(f'{part} part' for part in binds)}"] if binds else [])
+
+
+MEETS = {"exceeds": "exceeds", "returns": "returns below", "touches": "touches"}
+POLES = {True: "no", False: "some", None: "nothing is said of"}

@@ -1,15 +1,150 @@
-"""What a scene file says: exact numbers, and the chain of its dynamics in Gaussian integers wherever it is asked for."""
+"""What a scene file says, exactly, and rule 1: the functions of a proof are those of the scene."""
 
 import re
 import tomllib
+from collections.abc import Callable
 from fractions import Fraction
-from functools import reduce
-from math import comb, factorial
+from functools import cache, reduce
+from itertools import chain, product
+from math import comb, factorial, prod
 from operator import getitem
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
 
-from haptisym_check.formulas import CATALOGUE, FREE, Number, evaluated, quantity, words_of
-from haptisym_check.values import ONE, Point, Ratio, RefusedError, UnreadableError, Value, combined, need
+from haptisym_check.polynomials import Factor
+from haptisym_check.values import (
+    ONE,
+    ZERO,
+    Point,
+    Ratio,
+    RefusedError,
+    UnreadableError,
+    Value,
+    combined,
+    degree,
+    keyed,
+    listed,
+    need,
+    number,
+    whole,
+)
+
+# Formulas and quantities with units, as a scene file writes them: exact.
+
+T = TypeVar("T")
+NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3}(?![0-9]))?"
+EXPONENT = r"[+-]?(?:[0-9]{1,2}(?:\.[0-9]{0,12})?|\.[0-9]{1,12})"
+POWER = rf"(?:\^|\*\*)\s*(?:\(\s*(?:[+-]?[0-9]{{1,2}}\s*/\s*[1-9][0-9]?|{EXPONENT})\s*\)|{EXPONENT}(?![\w.]))"
+WORD = re.compile(rf"{NUMBER}|[^\W\d]\w*|[°%]|{POWER}|[-+*/()]")
+BINDS = {"+": 1, "-": 1, "*": 2, "/": 2}
+
+
+@cache
+def words_of(text: str) -> list[str]:
+    """Numbers, names, signs and powers, in reverse."""
+    found = WORD.findall(text) if len(text) <= 4000 else []
+    whole = "".join("".join(found).split()) == "".join(text.split())
+    need(found and len(found) <= 400 and whole, f"{text[:60]!r} is not understood")
+    return found[::-1]
+
+
+def evaluated(text: str, leaf: Callable[[str], T], combine: Callable[[str, T, T], T], *, spaced: bool = False) -> T:
+    """A formula's value, from what numbers, names and their broken powers are and how two combine; ``spaced``: N m is N*m."""
+    words = [*words_of(text)]
+
+    def value(least: int) -> T:
+        """Of what signs hold together that bind more than that."""
+        word = words.pop() if words else ")"
+        if word in BINDS:
+            need(BINDS[word] == 1, f"{text[:60]!r} is not understood")
+            found = combine("*", leaf(f"{word}1"), value(2))
+        elif word == "(":
+            found = value(0)
+            need(words and words.pop() == ")", f"{text[:60]!r} is not understood")
+        else:
+            need(word[0] not in ")^*", f"{text[:60]!r} is not understood")
+            found = leaf(word)
+        if word not in BINDS and words and re.match(r"\^|\*\*", words[-1]):
+            base, n = found, Fraction(re.sub("[^-0-9./]", "", words.pop()))
+            found = leaf("1" if n.denominator == 1 else f"{word}^{n}")
+            for _ in range(abs(int(n)) if n.denominator == 1 else 0):
+                found = combine("*" if n > 0 else "/", found, base)
+        while words and words[-1] != ")" and BINDS.get(words[-1], BINDS["*"]) > least:
+            sign = words[-1] if words[-1] in BINDS else "*"
+            unsaid = words[-1] != sign and (not spaced or (words[-1] != "1" and words[-1][0] in ".0123456789"))
+            need(not unsaid, f"{text[:60]!r} is not understood")
+            found = combine(sign, found, value(BINDS[words.pop() if words[-1] == sign else sign]))
+        return found
+
+    result = value(0)
+    need(not words, f"{text[:60]!r} is not understood")
+    return result
+
+
+class Number(NamedTuple):
+    """value * pi^pi, and its dimension, powers of kg, m and s; None without a unit."""
+
+    value: Fraction
+    pi: int = 0
+    dimension: list[Any] | None = None
+
+    def at(self, pi: int) -> Ratio:
+        """With a whole number in place of pi."""
+        up, down = max(self.pi, 0), max(-self.pi, 0)
+        top = Value(self.value.numerator * pi**up, 0, degree(1, up)) if self.value else ZERO
+        return top, Value(self.value.denominator * pi**down, 0, degree(1, down))
+
+
+FREE = Number(Fraction(1), 1)  # a parameter that is left free takes the place of pi
+CATALOGUE = tomllib.loads((Path(__file__).parent / "catalogue.toml").read_text(encoding="utf-8"))
+SPELLED: dict[int, str] = {ord(x): y for x, y in zip("·×⋅²³", ("*", "*", "*", "^2", "^3"), strict=True)}
+
+
+def unit(word: str) -> Number:
+    """A number, or a unit by its name, perhaps with a prefix."""
+    if word[0] in "+-.0123456789" and "^" not in word:
+        return Number(Fraction(word))
+    name, _, power = word.partition("^")
+    prefix, base = ("", name) if name in CATALOGUE["units"] else (name[:1], name[1:])
+    factor, pi, dimension, prefixed = CATALOGUE["units"].get(base, ["1", 0, [], ""])
+    fits = dimension and (not prefix or (prefix in CATALOGUE["prefixes"] and prefixed))
+    need(fits, f"the unit {word!r} is not understood")
+    value = Fraction(factor) * Fraction(10) ** CATALOGUE["prefixes"].get(prefix, 0)
+    need(not power or (value == 1 and not pi), f"the power {word!r} is not rational")
+    return Number(value, pi, [Fraction(power or 1) * n for n in dimension])
+
+
+def units(sign: str, x: Number, y: Number) -> Number:
+    """The product or the quotient of two."""
+    need(sign in "*/", "a quantity is a product of powers")
+    n = 1 if sign == "*" else -1
+    need(n > 0 or y.value, "a division by zero")
+    value = x.value * y.value**n
+    need(value.numerator.bit_length() + value.denominator.bit_length() < 10**5, "a number is too large")
+    both = [a + n * b for a, b in zip(x.dimension or [0, 0, 0], y.dimension or [0, 0, 0], strict=True)]
+    return Number(value, x.pi + n * y.pi, None if x.dimension is y.dimension is None else both)
+
+
+def quantity(given: Any, kind: str = "") -> Number:
+    """A number with or without a unit, exactly; of a range the nominal value. ``kind``: a key of the dimensions."""
+    if isinstance(given, list):
+        need(2 <= len(given) <= 3, "a range has two ends, and perhaps its nominal value between them")
+        low, *between, high = (quantity(x, kind) for x in given)
+        need(low[1:] == high[1:], "the ends of a range have different units")
+        return between[0] if between else low._replace(value=(low.value + high.value) / 2)
+    if isinstance(given, Number):
+        return given
+    if isinstance(given, int | Fraction) and not isinstance(given, bool):
+        return Number(Fraction(given))
+    need(isinstance(given, str) and len(given) < 500, "a value is neither a number nor a text")
+    text, *deviation = re.split(r"\+/?-|±", given)
+    found = evaluated(text.translate(SPELLED), unit, units, spaced=True)
+    own = CATALOGUE["dimensions"][kind] if kind else []
+    need(len(deviation) < 2 and (not own or found.dimension in (None, *own)), f"{given[:60]!r} has the wrong dimension")
+    return found
+
+
+# What a scene file says: exact numbers, and the chain of its dynamics in Gaussian integers wherever it is asked for.
 
 Powered = tuple[Ratio, Fraction]  # times s to that power: in a product they are added, as s^a s^b = s^(a + b)
 
@@ -216,3 +351,121 @@ class Scene:
             below = c.times(w).times(top).plus(d.times(z).times(bottom))
             top, bottom = above.times(z.times(w)), below.times(x.times(y))
         return self.felt.at(point)[0], (top, bottom)
+
+
+# Rule 1: the functions of a proof are those of the scene.
+
+PARTS = "real", "imag"
+Sides = tuple[Value, Value, Value, Value]
+Numbers = tuple[Fraction, ...]
+
+
+class Product:
+    """number * product of factor^exponent."""
+
+    def __init__(self, x: Any, factors: list[Factor]) -> None:
+        value, powers = keyed(x, "number", "powers")
+        rows = [listed(row, 2, 2) for row in listed(powers, 500)]
+        self.number, self.powers = number(value), {whole(i, 0, len(factors) - 1): whole(n, -100, 100) for i, n in rows}
+        need(len(self.powers) == len(rows), "a factor stands twice in a product")
+        need(self.number or not rows, "a function that is zero everywhere has no factors")
+        self.size = sum(abs(n) * factors[i].size for i, n in self.powers.items())
+        waves = list(map(sum, zip(*([n * k for k in factors[i].waves] for i, n in self.powers.items()), strict=True)))
+        need(not any(n % 2 for n in waves), "a product changes its sign in a turn")
+        self.circles = [-n // 2 for n in waves]  # cos^2 = 1/(1 + t^2)
+
+    def at(self, factors: list[Value], circles: list[Value]) -> Ratio:
+        """Numerator and denominator, with values of the factors and of 1 + t^2 for each tangent t."""
+        found = [Value(self.number.numerator), Value(self.number.denominator)]
+        for x, n in [*((factors[i], n) for i, n in self.powers.items()), *zip(circles, self.circles, strict=False)]:
+            found[n < 0] = found[n < 0].times(x.power(abs(n)))
+        return found[0], found[1]
+
+
+def functions(scene: Scene, delays: Numbers, orders: Numbers, x: Value, pi: int, *others: Any) -> dict[str, Ratio]:
+    """The ten functions, numerator and denominator, at a frequency."""
+    h, g = scene.at(Point((x.times(Value(0, 1)), ONE), pi, delays, orders, others))
+    pairs = {"environment": h, "perceived": g, "difference": combined("-", g, h), "sum": combined("+", g, h)}
+    found: dict[str, Ratio] = {}
+    for name, (u, v) in pairs.items():
+        turned = u.times(v.conjugate())  # u/v = u conj(v)/|v|^2
+        for part, size in zip(PARTS, turned[:2], strict=True):
+            found[f"{name}.{part}"] = turned._replace(re=size, im=0), v.times(v.conjugate())
+    root = h[0].times(h[1]).times(g[1]).times(g[1])  # H = N/D, G = P/Q
+    for part in PARTS:  # (Re (G - H))^2/|H|^2 = (Re ((P D - Q N) conj(D Q)))^2/(|N|^2 |D|^2 |Q|^4)
+        y, limit = found[f"difference.{part}"][0], scene.threshold[part].at(pi)
+        ratio = y.times(y), root.times(root.conjugate())
+        found[f"excess.{part}"] = combined("-", ratio, combined("*", limit, limit))
+    return found
+
+
+Values = Callable[..., dict[str, Ratio]]
+Counts = tuple[int, int]
+
+
+class Grid:
+    """Functions of a scene, and as told, at whole numbers in place of omega (or s), pi, tangents and powers."""
+
+    def __init__(
+        self, told: dict[str, Product], factors: list[Factor], scene: Values, delays: int, orders: int
+    ) -> None:
+        self.told, self.factors, self.scene, self.delays, self.orders = told, factors, scene, delays, orders
+        self.start = self.sides(0, 1, *[0] * delays, *[(0, 0)] * orders)
+
+    def sides(self, x: int, pi: int, *others: Any) -> dict[str, Sides]:
+        """Numerator and denominator of each function in the scene, and as told."""
+        circles = [Value(1 + t * t, 0, degree(2 + i, 2)) for i, t in enumerate(others[: self.delays])]
+        values = [own.at(x, pi, [*others[: self.delays], *chain(*others[self.delays :])]) for own in self.factors]
+        functions = self.scene(Value(x, 0, degree(0)), pi, *others)
+        return {name: (*functions[name], *told.at(values, circles)) for name, told in self.told.items()}
+
+    def elsewhere(self, k: int) -> dict[str, Sides]:
+        """The same at a place that differs from others in all numbers."""
+        powers = ((k + 3 + i, k + 4) for i in range(self.orders))
+        return self.sides(k, k + 1, *range(k + 2, k + 2 + self.delays), *powers)
+
+    def zero(self, names: set[str], rests: Callable[[str, Sides], list[Value]], cost: int) -> set[str]:
+        """Those of which polynomials vanish on a grid that shows that they are zero; on it left bottom must be right top."""
+        rows = (x.degrees for name in names for x in rests(name, self.start[name]))
+        n, m, *size = [max(0, *column) + 1 for column in zip(*rows, strict=True)][: 2 + self.delays + self.orders]
+        tangents, powers = size[: self.delays], size[self.delays :]
+        corners = [k * (k + 1) // 2 for k in powers]  # of Re and Im together, as their degrees are
+        need(n <= 3000 and n * m * prod(tangents + corners) * cost <= 3 * 10**7, "the degrees are too high")
+        triangles = ([(i, k) for i in range(most) for k in range(most - i)] for most in powers)
+        for at in product(*map(list[Any], (range(n), range(1, m + 1), *map(range, tangents), *triangles))):
+            found = self.sides(*at) if names else {}
+            wrong = [name for name in names if across(name, found[name])[0][:2] != (0, 0)]
+            need(not wrong, f"{', '.join(sorted(wrong))}: not that of the scene")
+            names = {name for name in names if all(x[:2] == (0, 0) for x in rests(name, found[name]))}
+        return names
+
+
+def across(_: str, x: Sides) -> list[Value]:
+    """left bottom - right top: zero where both fractions are one function."""
+    return [x[2].times(x[1]).plus(x[3].times(x[0]), -1)]
+
+
+def link(
+    x: Any, names: list[str], factors: list[Factor], scene: Values, length: int, waves: Counts = (0, 0), share: int = 1
+) -> dict[str, Product]:
+    """Products, proven to be functions of a scene, which it gives for omega (or s), pi, tangents and powers: on a grid.
+
+    ``length``: of the scene's formulas. ``waves``: how many delays and how many orders there are. ``share``: one of how many such
+    questions it is, which together may take so long as one.
+    """
+    told = {name: Product(y, factors) for name, y in zip(names, keyed(x, *names), strict=True)}
+    cost = share * (sum(x.size for x in factors) + sum(x.size for x in told.values()) + 5 * length + 100)
+    grid, fixed = Grid(told, factors, scene, *waves), dict[str, tuple[Value, Value]]()
+    for k in range(17, 25):
+        other = grid.elsewhere(k) if len(fixed) < len(told) else {}
+        fixed |= {name: (x[3], x[1]) for name, x in other.items() if x[3].re and x[1][:2] != (0, 0)}
+    need(len(fixed) == len(told), "a function is nowhere defined")
+
+    def multiples(name: str, x: Sides) -> list[Value]:
+        """What vanishes where the scene's numerator and denominator are those told, times one number."""
+        u, v = (y._replace(degrees=degree(0, 0)) for y in fixed[name])
+        return [x[i].times(u).plus(x[i + 2].times(v), -1) for i in range(2)]
+
+    left = set(names) - grid.zero(set(names), multiples, cost)
+    need(not left or grid.zero(left, across, cost) == left, "a function is not that of the scene")
+    return told

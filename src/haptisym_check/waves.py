@@ -1,20 +1,163 @@
-"""Rules 7 and 8: signs of factors with sines, cosines and powers of omega, from Taylor's sums and his remainder."""
+"""Rules 7 and 8: signs of factors with sines, cosines and powers of omega, in numbers with bounds of their errors."""
 
 from collections import Counter
 from collections.abc import Callable
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache, reduce
 from itertools import accumulate, groupby, repeat, zip_longest
 from math import factorial, lcm
 from operator import mul
 from typing import Any
 
-from haptisym_check.balls import SCALE, Ball, in_pi
-from haptisym_check.link import Numbers
-from haptisym_check.polynomials import Factor, moved, pairs
-from haptisym_check.reading import Polynomial, keyed, listed, polynomial, whole
-from haptisym_check.series import ORDER, Series, Terms, place
-from haptisym_check.values import need
+from haptisym_check.polynomials import PI, Factor, moved, pairs
+from haptisym_check.scene import Numbers
+from haptisym_check.values import Polynomial, keyed, listed, need, polynomial, whole
+
+# Numbers with bounds of their errors (rules 7 and 8): sines, cosines and powers, all in parts of one.
+
+BITS, GUARD = 280, 64
+SCALE, FINER = 1 << BITS, 1 << (BITS + GUARD)
+Ball = tuple[int, int]
+"""All numbers within a radius of a middle."""
+
+
+def parts(x: Fraction) -> int:
+    """A number to one part of one."""
+    return (x.numerator << BITS) // x.denominator
+
+
+def circle(x: Fraction) -> list[int]:
+    """cos x, -sin x, -cos x, sin x, x >= 0, to two parts of one: Taylor's sums at x/2^n < 1/2, and n times twice the angle.
+
+    That doubles errors, as squares of complex numbers of size one do.
+    """
+    n = (2 * x.numerator // x.denominator).bit_length()
+    need(n < 50, "an angle is too large")
+    y = x.numerator * FINER // (x.denominator << n)
+    terms = list(accumulate(range(1, 64), lambda term, k: term * y // (FINER * k), initial=FINER))
+    c, s = (sum(terms[i::4]) - sum(terms[i + 2 :: 4]) for i in (0, 1))
+    for _ in range(n):
+        c, s = c * c - s * s >> (BITS + GUARD), 2 * c * s >> (BITS + GUARD)
+    return [x >> GUARD for x in (c, -s, -c, s)]
+
+
+def artanh(x: Fraction) -> int:
+    """The sum of x^n/n, n odd, |x| <= 1/3, to a thousand parts of FINER."""
+    y = int(x * FINER)
+    powers = accumulate(range(109), lambda z, _: z * (y * y // FINER) // FINER, initial=y)
+    return sum(z // n for z, n in zip(powers, range(1, 221, 2), strict=True))
+
+
+LN_2 = 2 * artanh(Fraction(1, 3))
+
+
+def power(x: Fraction, alpha: Fraction) -> Ball:
+    """x^alpha = exp(alpha ln x), x > 0 and 0 < alpha < 1; ln (1 + y)/(1 - y) = 2 artanh y."""
+    n = x.numerator.bit_length() - x.denominator.bit_length()
+    need(x > 0 and abs(n) < 10**5, "a number is too large, or too small")
+    m = x / Fraction(2) ** n  # between 1/2 and 2
+    k, y = divmod((2 * artanh((m - 1) / (m + 1)) + n * LN_2) * alpha.numerator // alpha.denominator, LN_2)
+    total = sum(accumulate(range(1, 80), lambda term, i: term * y // (FINER * i), initial=FINER))
+    up, down = max(k, 0), GUARD + max(-k, 0)
+    return total << up >> down, (10**12 << up >> down) + 2  # 2^k exp y
+
+
+@cache
+def power_of_pi(n: int) -> Ball:
+    low, high = (x**n * SCALE // y**n for x, y in PI)
+    return low, high - low + 1
+
+
+def in_pi(row: list[int]) -> Ball:
+    """A polynomial in pi."""
+    found = [(c * power_of_pi(n)[0], abs(c) * power_of_pi(n)[1]) for n, c in enumerate(row)]
+    return sum(x for x, _ in found), sum(x for _, x in found)
+
+
+# Taylor's sums with sines, cosines and powers of omega (rules 7 and 8).
+
+ORDER = 14
+Series = tuple[list[int], int]
+"""Coefficients of v^n, n from 0 to ORDER, in parts of one, and a bound of the sum of all their errors."""
+Terms = list[tuple[tuple[int, ...], list[Ball]]]
+"""Products of powers (as of ``Place``), each with the coefficients of a polynomial in omega."""
+
+
+def times(p: Series, q: Series) -> Series:
+    """Leibniz: the coefficients of a product; those of p may be fewer."""
+    (a, r), (b, s) = p, q
+    lost = (sum(map(abs, a)) + r) * s + r * sum(map(abs, b))  # |p q - a b| <= |p| |q - b| + |p - a| |b|
+    return [sum(map(mul, a, b[n::-1])) >> BITS for n in range(len(b))], (lost >> BITS) + 1 + len(b)
+
+
+def plus(p: Series, q: Series) -> Series:
+    """The coefficients of a sum."""
+    return [x + y for x, y in zip(p[0], q[0], strict=True)], p[1] + q[1]
+
+
+def waves(turns: list[int], ahead: Fraction, count: int) -> list[Series]:
+    """Of the sine and the cosine of an angle + ahead v, from its ``circle``, or from the largest sizes of that."""
+    x, y = ahead.as_integer_ratio()
+    weights = [(x**n << BITS) // (y**n * factorial(n)) for n in range(count)]
+    lost = 2 * (sum(weights) >> BITS) + 2 + 2 * count
+    return [([turns[(n + i) % 4] * w >> BITS for n, w in enumerate(weights)], lost) for i in (3, 0)]
+
+
+def binomial(alpha: Fraction, low: Fraction, high: Fraction, step: Fraction, count: int) -> Series:
+    """Of omega^alpha at a number, or of the sizes from low to high; of h^alpha from 0 on."""
+    ahead = step / low if low else Fraction(0)
+    weights = list(accumulate(range(1, count), lambda w, n: w * (alpha - n + 1) * ahead / n, initial=Fraction(1)))
+    (first, lost), (own, more) = power(high if low else step, alpha), power(low or step, alpha)
+    later = [own * w.numerator // w.denominator for w in weights[1:]]
+    errors = lost + int(more * sum(map(abs, weights))) + 1 + count
+    return [first, *(map(abs, later) if low < high else later)], errors
+
+
+class Place:
+    """Powers of omega, sines, cosines, Re and Im of (j omega)^alpha, as series with the step h: at a number, or from low to high,
+    where coefficients are the largest sizes of theirs. From 0 on the last two are those of h: before them is a power of omega/h.
+    """
+
+    def __init__(self, delays: Numbers, orders: Numbers, low: Fraction, high: Fraction, step: Fraction) -> None:
+        count = ORDER + 1 if step else 1
+        rest = [0] * (count - 1)
+        self.own: list[Series] = [([parts(high), parts(step)][:count], 2)]
+        for rate in (tau / 2 for tau in delays):
+            self.own += waves([SCALE] * 4 if low < high else circle(high * rate), step * rate, count)
+        for alpha in orders:
+            size, turns = binomial(alpha, low, high, step, count), circle(alpha * Fraction(*PI[0]) / 2)
+            self.own += [times(size, ([x, *rest], 3)) for x in turns[::3]]
+        self.none = (0,) * len(self.own)
+        self.known: dict[tuple[int, ...], Series] = {self.none: ([SCALE, *rest], 0)}
+        self.tables: dict[int, tuple[Any, ...]] = {}
+
+    def product(self, powers: tuple[int, ...]) -> Series:
+        """Of omega (first), of a sine, its cosine, the next sine, ..., a real part, its imaginary part, ..., to these powers."""
+        if powers not in self.known:
+            i = max(i for i, n in enumerate(powers) if n)
+            self.known[powers] = times(self.own[i], self.product((*powers[:i], powers[i] - 1, *powers[i + 1 :])))
+        return self.known[powers]
+
+    def polynomial(self, p: list[Ball]) -> Series:
+        """In omega."""
+        if len(p) not in self.tables:
+            rows, errors = zip(*(self.product((n, *self.none[1:])) for n in range(len(p))), strict=True)
+            sizes = [sum(map(abs, row)) + lost for row, lost in zip(rows, errors, strict=True)]
+            self.tables[len(p)] = list(zip(*rows, strict=True)), errors, sizes
+        columns, errors, sizes = self.tables[len(p)]
+        middles, radii = zip(*p, strict=True)
+        lost = sum(map(mul, map(abs, middles), errors)) + sum(map(mul, radii, sizes))
+        return [sum(map(mul, middles, x)) >> BITS for x in columns], (lost >> BITS) + 1 + len(columns)
+
+    def total(self, terms: Terms) -> Series:
+        """Of their sum."""
+        return reduce(plus, (times(self.polynomial(p), self.product(powers[: len(self.own)])) for powers, p in terms))
+
+
+place = lru_cache(maxsize=8)(Place)
+
+
+# Rules 7 and 8: signs of factors with sines, cosines and powers of omega, from Taylor's sums and his remainder.
 
 
 class WaveFactor(Factor):

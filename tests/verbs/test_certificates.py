@@ -43,8 +43,7 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.kernel.reals import RealNumber
 from haptisym_check.__main__ import main as checker_main
-from haptisym_check.formulas import CATALOGUE
-from haptisym_check.scene import Scene
+from haptisym_check.scene import CATALOGUE, Scene
 from haptisym_check.values import RefusedError
 
 QUICK = {"fu2019", "a device", "zener-tissue", "integrator", "touches", "delayed-spring", "a clock", "a spring-pot"}

@@ -17,14 +17,12 @@ from marks import often
 from sympy import pi
 
 from haptisym.model.quantities import read_unit
-from haptisym_check import RefusedError, balls, chart, formulas, link, requirement, slices, waves, zeros
-from haptisym_check.balls import SCALE
-from haptisym_check.formulas import CATALOGUE, FREE, Number
-from haptisym_check.link import PARTS, Product
+from haptisym_check import RefusedError, chart, requirement, waves
+from haptisym_check import scene as scenes
 from haptisym_check.polynomials import PI, Factor
-from haptisym_check.scene import Scene
-from haptisym_check.series import ORDER
+from haptisym_check.scene import CATALOGUE, FREE, PARTS, Number, Product, Scene
 from haptisym_check.values import ONE, Point, Ratio, Value, combined, degree
+from haptisym_check.waves import ORDER, SCALE
 
 MP = mpmath.mp.clone()
 MP.prec = 600
@@ -98,18 +96,18 @@ def test_formulas_have_the_values_that_python_gives_them(seed: int) -> None:
     draw = random.Random(seed)
     for _ in range(60):
         text, code = written(draw, 4)
-        if len(text) > 900 or len(formulas.WORD.findall(text)) > 400:
+        if len(text) > 900 or len(scenes.WORD.findall(text)) > 400:
             continue
         try:
             true = eval(code, {"Fraction": Fraction, **NAMES})  # noqa: S307  an independent reader of the same formula
         except (ZeroDivisionError, OverflowError):
             continue
-        assert formulas.evaluated(text, leaf, joined) == true, text
+        assert scenes.evaluated(text, leaf, joined) == true, text
 
 
 def test_signs_bind_as_in_mathematics_and_what_may_be_read_in_two_ways_is_refused() -> None:
     for text in ("2 - 3 - 4", "12/3/2", "12/3*2", "2 + 3*4", "-3*2", "-2 + 3", "2*(-3)", "2*-3", "+3", "2-(-3)"):
-        assert formulas.evaluated(text, leaf, joined) == eval(text)  # noqa: S307
+        assert scenes.evaluated(text, leaf, joined) == eval(text)  # noqa: S307
     for text, value in (
         ("-2^2", -4),
         ("2*3^2", 18),
@@ -117,14 +115,14 @@ def test_signs_bind_as_in_mathematics_and_what_may_be_read_in_two_ways_is_refuse
         ("2^-2", Fraction(1, 4)),
         ("a^2", Fraction(9, 4)),
     ):
-        assert formulas.evaluated(text, leaf, joined) == value
+        assert scenes.evaluated(text, leaf, joined) == value
     for text in ("", "2 3", "2(3)", "(2)(3)", "2)", "(2", "*2", "2*", "2 + ", "2 ** ", "^2", "2 $ 3", "2$", "$a", "2 é",
                  "2^x", "2^1000", "2^2^1", "()", "2 * * 3", "a b", "+".join(["1"] * 201), "1" + " " * 4000):  # fmt: skip
-        assert refused(formulas.evaluated, text, leaf, joined), text
-    assert formulas.evaluated("+".join(["1"] * 200), leaf, joined) == 200
-    assert formulas.evaluated("a^0.5", lambda word: word, lambda *x: str(x)) == "a^1/2"
-    assert formulas.evaluated("a/bc a", leaf, joined, spaced=True) == Fraction(3, 2) / -5 * Fraction(3, 2)
-    assert refused(formulas.evaluated, "a 2", leaf, joined, spaced=True)
+        assert refused(scenes.evaluated, text, leaf, joined), text
+    assert scenes.evaluated("+".join(["1"] * 200), leaf, joined) == 200
+    assert scenes.evaluated("a^0.5", lambda word: word, lambda *x: str(x)) == "a^1/2"
+    assert scenes.evaluated("a/bc a", leaf, joined, spaced=True) == Fraction(3, 2) / -5 * Fraction(3, 2)
+    assert refused(scenes.evaluated, "a 2", leaf, joined, spaced=True)
 
 
 def test_units_mean_what_haptisym_takes_them_for() -> None:
@@ -132,7 +130,7 @@ def test_units_mean_what_haptisym_takes_them_for() -> None:
     prefixed = [f"{x}{name}" for x in CATALOGUE["prefixes"] for name in known if CATALOGUE["units"][name][3]]
     for name in [*known, *prefixed, "N*s/m", "kg*m^2"]:
         factor, exponents = read_unit(name, name, "")
-        mine = formulas.quantity(f"1 {name}")
+        mine = scenes.quantity(f"1 {name}")
         assert [exponents.get(x, 0) for x in ("mass", "length", "time")] == mine.dimension, name
         assert factor == mine.value.numerator * pi**mine.pi / mine.value.denominator, name
 
@@ -150,7 +148,7 @@ def test_quantities_are_those_of_pint(seed: int) -> None:
         signs = [draw.choice(["*", "/", " ", "·", "⋅"]) for _ in words[1:]]
         text = number + " " + words[0] + "".join(a + b for a, b in zip(signs, words[1:], strict=True))
         own = "".join(("/" if a == "/" else "*") + names[b] for a, b in zip(["*", *signs], words, strict=True))
-        found, true = formulas.quantity(text), registry.Quantity(f"1.0{own}").to_base_units()
+        found, true = scenes.quantity(text), registry.Quantity(f"1.0{own}").to_base_units()
         assert float(found.value) * float(MP.pi) ** found.pi == pytest.approx(float(number) * true.magnitude, rel=1e-12)
         dimension = [true.dimensionality.get(f"[{x}]", 0) for x in ("mass", "length", "time")]
         assert found.dimension == pytest.approx(dimension)
@@ -169,14 +167,14 @@ def test_quantities_are_exact_and_of_a_range_the_nominal_value_or_the_middle() -
         ("2 m²", number(2, 0, [0, 2, 0])), ("3 m³", number(3, 0, [0, 3, 0])), (FREE, FREE),
         ("80 N s^0.3/m", number(80, 0, [1, 0, -Fraction(17, 10)])),
     ):  # fmt: skip
-        assert formulas.quantity(given) == found, given
+        assert scenes.quantity(given) == found, given
     for wrong in ([1], [1, 2, 3, 4], ["1 s", "2"], ["1 s", "2 m"], ["1 °", "2 rad"], True, None, 1.5, "x", "1 kmin", "1 xs", "1 kk", "5 +/- 1 +/- 2",
                   "5 + 1", "1/0", "1 µ%", "1 kin", "5 mm^0.5", "1 Hz^0.5", "4^0.5", "4^0.5 N", "1" * 500):  # fmt: skip
-        assert refused(formulas.quantity, wrong), wrong
+        assert refused(scenes.quantity, wrong), wrong
     for text, kind in (("1 N/m", "m"), ("1 kg", "k"), ("1 s", "o"), ("1 Hz", "t"), ("1 N", "z")):
-        assert refused(formulas.quantity, text, kind)
+        assert refused(scenes.quantity, text, kind)
     for text, kind in (("1 kg m^2", "m"), ("1 N m/rad", "k"), ("1 Hz", "o"), ("1 min", "t"), ("1 %", "z"), ("1", "k")):
-        assert not refused(formulas.quantity, text, kind)
+        assert not refused(scenes.quantity, text, kind)
     assert Number(Fraction(3, 4), 2).at(5) == (Value(75, 0, degree(1, 2)), Value(4))
     assert Number(Fraction(3, 4), -1).at(5) == (Value(3), Value(20, 0, degree(1, 1)))
 
@@ -425,7 +423,7 @@ def test_the_ten_functions_are_those_of_two_dynamics(seed: int) -> None:
             f'[evaluation]\njnd = {{ real = "{limits[0]}", imag = "{limits[1]}" }}\n'
         )
         x, p = draw.randint(1, 9), 5  # in place of omega and of pi
-        found = link.functions(Scene(text.encode(), None), (), (), Value(x, 0, degree(0)), p)
+        found = scenes.functions(Scene(text.encode(), None), (), (), Value(x, 0, degree(0)), p)
         s = MP.mpc(0, x)
         H = (a + b * s) / (s**2 + c * s + 40)
         G = (H + d * s) / e
@@ -446,7 +444,7 @@ def test_a_function_that_differs_anywhere_is_not_that_of_the_scene() -> None:
     """omega^2 + pi, and polynomials that have its value at many places of a grid."""
     good, one = Factor([[0, 1], [0], [1]]), {"it": {"number": "1", "powers": [[0, 1]]}}
     square = lambda x, pi, *_: {"it": (x.times(x).plus(Value(pi, 0, degree(1))), ONE)}  # noqa: E731
-    linked = lambda told, factors, scene=square: link.link(told, ["it"], factors, scene, 5)  # noqa: E731
+    linked = lambda told, factors, scene=square: scenes.link(told, ["it"], factors, scene, 5)  # noqa: E731
     assert linked(one, [good])["it"].number == 1
     assert refused(linked, {"it": {"number": "2", "powers": [[0, 1]]}}, [good])
     for rows in ([[0, 1], [1], [1]], [[1, 1], [0], [1]], [[0, 1], [0, 1], [1]], [[0, 0, 1], [0], [1]], [[3], [0], [1]]):
@@ -474,7 +472,7 @@ def test_a_function_that_differs_anywhere_is_not_that_of_the_scene() -> None:
     twice = {"it": {"number": "1", "powers": [[0, 1], [1, 1], [2, -1]]}}
     assert linked(twice, [good, Factor([[7], [1]]), Factor([[7], [1]])])["it"].powers == {0: 1, 1: 1, 2: -1}
     with pytest.raises(RefusedError, match="too high"):
-        link.link(one, ["it"], [good], square, 10**7)
+        scenes.link(one, ["it"], [good], square, 10**7)
     with pytest.raises(RefusedError, match="nowhere defined"):
         linked(one, [good], lambda x, *_: {"it": (x, Value(0))})
 
@@ -495,7 +493,7 @@ def test_functions_with_tangents_and_powers_are_told_from_others(seed: int) -> N
     def accepted(own: dict[tuple[int, int, int], int]) -> bool:
         told = {"waves": [2], "terms": [[list(key), [[str(c)]]] for key, c in own.items() if c]}
         factor = waves.WaveFactor(told, (Fraction(1, 3),), (Fraction(1, 2),))
-        return not refused(link.link, {"it": {"number": "1", "powers": [[0, 1]]}}, ["it"], [factor], scene, 5, (1, 1))
+        return not refused(scenes.link, {"it": {"number": "1", "powers": [[0, 1]]}}, ["it"], [factor], scene, 5, (1, 1))
 
     assert accepted(rows)
     assert not any(accepted(rows | {key: rows.get(key, 0) + draw.choice([-1, 1])}) for key in keys)
@@ -758,16 +756,16 @@ def test_an_even_part_may_vanish_in_the_last_cell_and_zeros_at_0_count() -> None
     for p, cuts in (([6, 1, 1, 1], "0 2"), ([15, -1, 1, 1], "0"), ([15, -1, 1, 1], "0 9"), ([15, -1, 1, 1], "0 20")):
         for side, more in product((1, -1), (0, 1)):
             rows = [*[[0]] * more, *([side * c] for c in p)]
-            assert zeros.to_the_right(rows, list(map(Fraction, cuts.split()))) == 2 + more
+            assert chart.to_the_right(rows, list(map(Fraction, cuts.split()))) == 2 + more
 
 
 def test_cells_that_do_not_part_zeros_of_even_and_odd_parts_are_refused() -> None:
     rows = expanded([(1, 1), (2, 1), (3, 1), (4, 1)])  # E = W^2 - 35 W + 24, O = 50 - 10 W
-    assert zeros.to_the_right(rows, list(map(Fraction, (0, 1, 20)))) == 0
+    assert chart.to_the_right(rows, list(map(Fraction, (0, 1, 20)))) == 0
     for cuts in ((0,), (0, 40), (0, 1), (0, 4, 40)):
-        assert refused(zeros.to_the_right, rows, list(map(Fraction, cuts)))
-    assert refused(zeros.to_the_right, [[6], [1], [1]], list(map(Fraction, (0, 6))))  # E = 6 - W is zero there
-    assert not refused(zeros.to_the_right, [[6], [1], [1]], list(map(Fraction, (0, 5))))
+        assert refused(chart.to_the_right, rows, list(map(Fraction, cuts)))
+    assert refused(chart.to_the_right, [[6], [1], [1]], list(map(Fraction, (0, 6))))  # E = 6 - W is zero there
+    assert not refused(chart.to_the_right, [[6], [1], [1]], list(map(Fraction, (0, 5))))
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -776,13 +774,13 @@ def test_polynomials_have_a_zero_in_common_if_they_share_one(seed: int) -> None:
     for _ in range(30):
         p, q = ([(draw.randint(-6, 6), draw.randint(1, 3)) for _ in range(draw.randint(0, 4))] for _ in range(2))
         shared = {Fraction(-a, b) for a, b in p} & {Fraction(-a, b) for a, b in q}
-        assert zeros.coprime(expanded(p), expanded(q)) == (not shared)
-    with_pi, lost = [[0, 1], [1]], [[1], [zeros.PRIME]]  # nothing is known where a leading coefficient vanishes
-    assert zeros.coprime(with_pi, [[0, 2], [3]])
-    assert not zeros.coprime(with_pi, [[0, 0, 1], [0, 2], [1]])
+        assert chart.coprime(expanded(p), expanded(q)) == (not shared)
+    with_pi, lost = [[0, 1], [1]], [[1], [chart.PRIME]]  # nothing is known where a leading coefficient vanishes
+    assert chart.coprime(with_pi, [[0, 2], [3]])
+    assert not chart.coprime(with_pi, [[0, 0, 1], [0, 2], [1]])
     for p in ([[1]], [[2], [1]], [[3], [5], [1]], lost):
-        assert not zeros.coprime(lost, p)
-        assert not zeros.coprime(p, lost)
+        assert not chart.coprime(lost, p)
+        assert not chart.coprime(p, lost)
 
 
 def test_zeros_are_counted_with_multiplicity_and_poles_left_out() -> None:
@@ -799,7 +797,7 @@ def test_zeros_are_counted_with_multiplicity_and_poles_left_out() -> None:
         return combined("/", reduce(partial(combined, "*"), [one] * power, two), three)
 
     def count(power: int = 3, **other: Any) -> int:
-        return zeros.zeros(told | other, partial(function, power=power), 20)
+        return chart.zeros(told | other, partial(function, power=power), 20)
 
     assert count() == 3
     assert count(2, function={"number": "1", "powers": [[0, 2], [1, 1], [2, -1]]}) == 2
@@ -813,7 +811,7 @@ def test_zeros_are_counted_with_multiplicity_and_poles_left_out() -> None:
     shared = {"number": "1", "powers": [[0, 3], [1, 1], [2, -1], [3, -1]]}  # (s - 1)^3/(s - 1)
     assert refused(count, 2, factors=[*factors, factors[0]], function=shared, cells=[[]] * 4)
     nothing = {"factors": [], "function": {"number": "0", "powers": []}, "cells": []}
-    assert refused(zeros.zeros, nothing, lambda _: (Value(0), ONE), 20)
+    assert refused(chart.zeros, nothing, lambda _: (Value(0), ONE), 20)
 
 
 # Rule 6: slabs of values
@@ -881,7 +879,7 @@ def test_where_two_slabs_join_an_excess_may_vanish_but_has_no_pole_and_a_part_ex
 def test_an_end_belongs_to_a_slab_where_a_factor_is_not_zero_there() -> None:
     """p - 1 above 1 and below it."""
     for low, high, fits in (((1, 1), (2, 1), (False, True)), ((0, 1), (1, 1), (True, False))):
-        made = slices.Slices(Factor([[-1, 1]]), low, high)
+        made = requirement.Slices(Factor([[-1, 1]]), low, high)
         assert made.side(Fraction(0), Fraction(1), fits) == (1 if low == (1, 1) else -1)
         assert refused(made.side, Fraction(0), Fraction(1), fits[::-1])
 
@@ -906,7 +904,7 @@ def test_the_slices_of_a_factor_have_the_sign_of_all_its_values(seed: int, waved
             (1, 0) if last is None else last.as_integer_ratio(),
         )
         try:
-            found = slices.Slices(factor, low, high).side(a, b, closed)
+            found = requirement.Slices(factor, low, high).side(a, b, closed)
         except RefusedError:
             continue
         told += 1
@@ -1079,7 +1077,7 @@ def test_sines_and_powers_are_those_of_mpmath_and_of_arb(seed: int) -> None:
         *(Fraction(draw.randint(0, 999), draw.choice([1, 7, 360])) for _ in range(12)),
     ):
         c, s = MP.cos(exact(x)), MP.sin(exact(x))
-        assert all(abs(true * SCALE - own) < 2 for own, true in zip(balls.circle(x), (c, -s, -c, s), strict=True))
+        assert all(abs(true * SCALE - own) < 2 for own, true in zip(waves.circle(x), (c, -s, -c, s), strict=True))
     for x in (
         Fraction(1),
         Fraction(2),
@@ -1088,7 +1086,7 @@ def test_sines_and_powers_are_those_of_mpmath_and_of_arb(seed: int) -> None:
         *(Fraction(draw.randint(1, 10**9), draw.randint(1, 10**9)) for _ in range(12)),
     ):
         alpha = draw.choice([Fraction(draw.randint(1, 29), 30), Fraction(1, 2**99 + 1)])
-        m, r = balls.power(x, alpha)
+        m, r = waves.power(x, alpha)
         with flint.ctx.workprec(3000):
             true = flint.arb(flint.fmpq(x.numerator, x.denominator)) ** flint.arb(
                 flint.fmpq(alpha.numerator, alpha.denominator)
@@ -1096,7 +1094,7 @@ def test_sines_and_powers_are_those_of_mpmath_and_of_arb(seed: int) -> None:
             assert abs(true * SCALE - m) <= r
             assert r <= 2 + 2 * true
     half, most = Fraction(1, 2), Fraction(2) ** 99_999
-    assert [refused(balls.circle, x) for x in (Fraction(2**48), Fraction(2**48 - 1))] == [True, False]
+    assert [refused(waves.circle, x) for x in (Fraction(2**48), Fraction(2**48 - 1))] == [True, False]
     for x, too_large in (
         (Fraction(0), True),
         (Fraction(-1), True),
@@ -1105,4 +1103,4 @@ def test_sines_and_powers_are_those_of_mpmath_and_of_arb(seed: int) -> None:
         (2 * most, True),
         (1 / (2 * most), True),
     ):
-        assert refused(balls.power, x, half) == too_large
+        assert refused(waves.power, x, half) == too_large

@@ -27,7 +27,7 @@ from haptisym.verbs.evaluate.products import Linked, products, rectangular
 from haptisym.verbs.require.feasible import End
 from haptisym.verbs.require.freeparameter import conditions
 from haptisym.verbs.require.required import Requirement
-from haptisym_check.slices import Slices, cost
+from haptisym_check.requirement import Slices, cost
 
 Value: TypeAlias = Fraction | None
 """A value of the parameter; None where it is unbounded."""
