@@ -139,7 +139,7 @@ def _displayed(
 def _multiple(t: Threshold, x: Array, y: Array, omega: Array) -> Array:
     """How many times a region must be enlarged to hold a change."""
 
-    def number(c: Expr) -> Array:
+    def number(c: Expr) -> Any:
         return floats_of(c, omega)
 
     (region, *_) = (c.joint for c in noticed(t))
