@@ -112,5 +112,5 @@ def _proven(found: Sensitivities) -> Iterator[Phrase]:
     if found.certified:
         yield proof(found.scene, "derivatives by implicit differentiation of the threshold equation, all digits")
     else:
-        yield undecided("what is marked so, at the precision limit")
+        yield undecided("what is marked so")
         yield "Proven: all else."

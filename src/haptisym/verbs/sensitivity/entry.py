@@ -92,7 +92,7 @@ class Slope(RealNumber):
 
 
 TOUCH = "undefined: the display touches its threshold here"
-_MEET = "undecided: several branches of the equation meet here"
+_MEET = "undecided: several zeros and poles meet here"
 _NOT_CLEAR = "undecided: dF/dp or dF/d omega is 0 here, or too near to it"
 FLAT = "undefined: the ratio crosses its threshold at 0 rad/s, where it is flat"
 _LEAST = "from above; below there is no scene"
