@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 from marks import often, required
 from pagereader import Page, equations, value
-from sympy import Rational, pi, sqrt
+from sympy import Rational, pi
 
 import haptisym as hs
 from haptisym.kernel.reals import ExactNumber
@@ -136,7 +136,7 @@ FORMULAS: dict[str, tuple[Callable[[], Any], str]] = {
         r"\begin{pmatrix} F_e \\ X_e \end{pmatrix},\quad \omega_c = 6 \pi \approx 18.8496\,\mathrm{rad/s}"),
     ),
     "thresholds": (lambda: hs.Threshold.of("0.1", Rational(1, 3)), r"c_{\mathrm{real}} = 0.1,\quad c_{\mathrm{imag}} = \tfrac{1}{3}"),
-    "a root": (lambda: hs.Threshold(sqrt(2) / 10, sqrt(2) / 10), r"c = 0.1 \sqrt{2} \approx 0.141421"),
+    "a threshold in pi": (lambda: hs.Threshold(pi / 30, pi / 30), r"c = \tfrac{1}{30} \pi \approx 0.10472"),
     "an exact number": (lambda: ExactNumber(30 * pi), r"30 \pi \approx 94.2477796076938"),
     "a small number": (lambda: ExactNumber(Rational(1, 3)), r"\tfrac{1}{3}"),
     "a number": (lambda: paper().crossings[0].omega, "7.97891679017471"),

@@ -702,7 +702,6 @@ def test_the_values_asked_about_are_those_of_the_range_that_the_model_allows(
 
 
 OPEN = hs.Scene(SPRING, (effects.first_order_lag(symbols("w")), effects.shunt(m=1)), (0, 15))
-ODD = hs.Scene(SPRING, LAG.effects, (0, 15), hs.Threshold.of(Rational(1, 10) + root(2) / 100))
 REFUSED: list[tuple[hs.Scene, str, dict[str, Any], str]] = [
     *((PAPER, "zeta", {"digits": x}, "digits") for x in (0, -3, 2.5, "7")),
     *((PAPER, "zeta", {"limit": x}, "limit") for x in (0, -1, float("nan"), float("inf"), "5")),
@@ -716,7 +715,6 @@ REFUSED: list[tuple[hs.Scene, str, dict[str, Any], str]] = [
     (PAPER, "zeta", {"any_environment": True, "part": REAL}, "no parts"),
     *((LAG, f"evaluation.jnd.{x}", {"any_environment": True}, "thresholds are one") for x in ("real", "imag")),
     (OPEN, "effects.shunt.m", {}, "omega_c = w is a symbol; give a number"),
-    (ODD, "omega_c", {}, "thresholds that are rational"),
 ]
 
 

@@ -110,7 +110,7 @@ def pieces(condition: Condition) -> tuple[RealFunction, ...]:
     if isinstance(condition, RealFunction):
         return (condition,)
     [term] = condition.terms
-    return tuple(map(_rational, term))
+    return term
 
 
 def conditions(
@@ -131,7 +131,7 @@ def conditions(
         terms = own.terms if isinstance(own, Lattice) else ((own,),)
         for i, term in enumerate(terms, 1):
             name = each(x, i) if len(terms) > 1 else x
-            found[name] = Lattice((tuple(map(_upright, term)),)) if len(term) > 1 else _rational(term[0])
+            found[name] = Lattice((tuple(map(_upright, term)),)) if len(term) > 1 else term[0]
     return found
 
 
@@ -145,15 +145,9 @@ def _distortion(scene: Scene, free: list[Knob]) -> Distortion:
     return Distortion.of(scene.chain.at(values(x for x in scene.parameters if x not in free)))
 
 
-def _rational(found: object) -> RealFunction:
-    if not isinstance(found, RealFunction):
-        raise SceneError("a requirement needs thresholds that are rational numbers")
-    return found
-
-
-def _upright(found: object) -> RealFunction:
+def _upright(found: RealFunction) -> RealFunction:
     """With what changes the sign below the line brought above it."""
-    f = _rational(found).function
+    f = found.function
     constant, factors = f.denominator.factor()
     turning = [factor for factor, n in factors if n % 2 and not _is_positive(factor)]
     if not turning and constant > 0:
