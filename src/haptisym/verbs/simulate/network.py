@@ -22,8 +22,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import reduce
+from dataclasses import dataclass, field, replace
+from functools import cached_property, reduce
 from math import ceil, floor, log, sin
 from typing import Any, NamedTuple, TypeAlias
 
@@ -85,6 +85,12 @@ class SignalSum:
     def __sub__(self, other: SignalSum) -> SignalSum:
         return self + -other
 
+    def renamed(self, old: tuple[str, Exact], new: tuple[str, Exact]) -> SignalSum:
+        """With another signal, late by another time, in the place of one."""
+        both = {old: new}
+        each = ((both.get((name, x), (name, x)), k, value) for (name, k, x), value in self.terms.items())
+        return SignalSum({(name, k, x): value for (name, x), k, value in each})
+
     def d(self, times: int = 1) -> SignalSum:
         """The derivative with respect to time, that many times."""
         return SignalSum({(name, order + times, lag): value for (name, order, lag), value in self.terms.items()})
@@ -103,17 +109,43 @@ class SignalSum:
 
 @dataclass(frozen=True)
 class Hold:
-    """A clock that samples ``source`` every ``period`` seconds and holds the value, rounded to ``resolution``, on ``target``."""
+    """A clock that samples ``source`` every ``T`` seconds, rounded to ``resolution``, and holds on ``target`` what it computes.
+
+    sum of below_i target(n - i) = sum of above_i source(n - i), for the n-th sample.
+    """
 
     source: str
     target: str
-    period: float
+    T: Exact
     name: str
     resolution: float = 0.0
+    above: tuple[Exact, ...] = (fmpq(1),)
+    below: tuple[Exact, ...] = (fmpq(1),)
+
+    @cached_property
+    def period(self) -> float:
+        """T as a float."""
+        return float_of(self.T)
+
+    @cached_property
+    def _weights(self) -> tuple[list[tuple[int, float]], ...]:
+        """Of samples and of what was held, by how many periods ago; without those that are 0."""
+        own = ([x / self.below[0] for x in row] for row in (self.above, (fmpq(0), *self.below[1:])))
+        return tuple([(n + 1, float_of(x)) for n, x in enumerate(row) if x != 0] for row in own)
 
     def read(self, value: float) -> float:
-        """What is held of a value: a whole multiple of the resolution, or the value itself."""
-        return self.resolution * round(value / self.resolution) if self.resolution else value
+        """What is sampled of a value: a whole multiple of the resolution, or the value itself."""
+        return self.resolution * float(np.rint(value / self.resolution)) if self.resolution else value
+
+    def computed(self, samples: Sequence[float], given: Sequence[float]) -> float:
+        """What is held after these samples, and after what was held before."""
+        above, below = self._weights
+        return sum(x * samples[-n] for n, x in above) - sum(x * given[1 - n] for n, x in below)
+
+    def equation(self, source: SignalSum) -> SignalSum:
+        """What is zero between two samples where they are taken of a signal all the time."""
+        rows = (self.below, SignalSum.of(self.target)), (self.above, -source)
+        return sum((c * x.late(n * self.T) for row, x in rows for n, c in enumerate(row)), SignalSum({}))
 
 
 @dataclass(frozen=True)
@@ -168,6 +200,15 @@ class Network:
         """A new signal."""
         self._count += 1
         return SignalSum.of(f"{label}.{self._count}")
+
+    def hold_whole_delays(self) -> None:
+        """Let what is held, and late by whole periods, be held by a clock of its own: no delay line keeps it."""
+        for hold in tuple(self.holds):
+            lags = {x for e in self.equations for name, _, x in e.terms if name == hold.target and x != 0}
+            for lag in sorted(x for x in lags if (x / hold.T).q == 1):
+                late = name_of(self.signal("late"))
+                self.holds.append(replace(hold, target=late, above=((_ZERO,) * int((lag / hold.T).p) + hold.above)))
+                self.equations = [e.renamed((hold.target, lag), (late, _ZERO)) for e in self.equations]
 
     def zero(self, equation: SignalSum) -> None:
         """One more equation of motion: this sum is zero."""
@@ -311,7 +352,7 @@ def _series(net: Network, element: Effect, near: Port, far: Port) -> None:
 
 def _zero_order_hold(net: Network, element: Effect, near: Port, far: Port) -> None:
     net.equal(far.X, near.X)
-    net.holds.append(Hold(name_of(near.F), name_of(far.F), float_of(_values(element)["T"]), element.name))
+    net.holds.append(Hold(name_of(near.F), name_of(far.F), _values(element)["T"], element.name))
 
 
 def build_controller(net: Network, effect: Effect, port: Port, resolution: float = 0.0) -> None:
@@ -319,20 +360,17 @@ def build_controller(net: Network, effect: Effect, port: Port, resolution: float
 
     ``resolution`` : of its encoder, m or rad; rounding a sample is sampling what was rounded, without an event for each step.
     """
-    sampled, force = net.signal("sampled"), net.signal("computed")
-    T = _values(effect)["T"]
-    net.holds.append(Hold(name_of(port.X), name_of(sampled), float_of(T), effect.name, resolution))
-    D = controller(effect)
-    net.equal(_samples_ago(D.denominator, force, T), _samples_ago(D.numerator, sampled, T))
-    net.equal(port.F, force)
+    D, T = controller(effect), _values(effect)["T"]
+    both = (_in_delays(p) for p in (D.numerator, D.denominator))
+    net.holds.append(Hold(name_of(port.X), name_of(port.F), T, effect.name, resolution, *both))
 
 
-def _samples_ago(polynomial: Polynomial, x: SignalSum, T: Exact) -> SignalSum:
-    """A polynomial in 1/z, applied to a signal that changes with the clock alone."""
-    total = SignalSum({})
+def _in_delays(polynomial: Polynomial) -> tuple[Exact, ...]:
+    """The coefficients of a polynomial in 1/z, ascending."""
+    row: dict[int, Exact] = {}
     for (n, power_of_pi, *_), coefficient in polynomial.to_dict().items():
-        total = total + coefficient * exact(pi) ** int(power_of_pi) * x.late(int(n) * T)
-    return total
+        row[int(n)] = row.get(int(n), _ZERO) + coefficient * exact(pi) ** int(power_of_pi)
+    return tuple(row.get(n, _ZERO) for n in range(max(row, default=0) + 1))
 
 
 def _sampled_loop(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -515,9 +553,7 @@ def at_rest(net: Network, position: float) -> dict[str, float]:
 
 def _ratios(net: Network, limits: Mapping[str, Exact]) -> dict[str, Exact]:
     """Each signal as a fraction of the hand's position; ``limits`` : the same of the forces that stand at their limit."""
-    held = [
-        SignalSum.of(x.target) - SignalSum.of(x.source).late(fmpq(*x.period.as_integer_ratio()) / 2) for x in net.holds
-    ]
+    held = [x.equation(SignalSum.of(x.source).late(x.T / 2)) for x in net.holds]
     passed = [*held, *(SignalSum.of(x.target) - SignalSum.of(x.source) for x in net.steps)]
     at_limit = {target: SignalSum.of(target) - ratio * SignalSum.of(MOTION) for target, ratio in limits.items()}
     switched = [at_limit.get(x.target, x.closed if x.offset else SignalSum.of(x.target)) for x in net.switches]

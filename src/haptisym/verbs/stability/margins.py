@@ -246,7 +246,7 @@ class _Later:
         parts = [
             (x, a + (b - a) * i / _PARTS, a + (b - a) * (i + 1) / _PARTS) for x, a, b in pieces for i in range(_PARTS)
         ]
-        known = [(d, (a, b), part[0]) for part in parts for d, a, b in self._allowed(*part, _COARSE, [(0.0, _PI)])]
+        known = [(d, (a, b), part[0]) for part in parts for d, a, b in self._allowed(*part, _FINE, [(0.0, _PI)])]
         least = min((d for d, _, _ in known), default=most)
         if _DEEPEST < least < most:
             raise UndecidedError(
@@ -291,7 +291,7 @@ class _Later:
                     continue
                 d: int | None = 0
                 if not below.contains(0):
-                    d = _least((-above / below).arg(), a, b, only)
+                    d = _least(_angle(-above / below), a, b, only)
                 if d is None:
                     continue
                 if b - a > finest * max(b, _SLOWEST):
@@ -308,11 +308,7 @@ class _Later:
         if not left:
             return None
         late = Opened(replace(loop.loop, above=(*[Integer(0)] * d, *loop.loop.above)), loop.symbol)
-        with ctx.workprec(_BITS):
-            most = late.most(_between(low, high)) if d <= _FEW and _FINEST < width <= _THIN else None
-        if most == 0:
-            return None
-        if most or width <= _FINEST:
+        if width <= _FINEST:
             home, count = (late.count(Rational(x.numerator, x.denominator))[0] for x in (low, high))
             if home != count:
                 found = Walk(late, low, home, Rule.POSITIVE, (low, high)).between(low, high, count)
@@ -328,9 +324,13 @@ def _between(low: Fraction, high: Fraction) -> Ball:
 
 
 _PI = 3.1415926535897936  # a little more
-_THIN, _FEW = 2.0**-2, 8  # of a period, and whole samples, from which on a test for a pair pays
-_COARSE, _FINEST, _SLOWEST, _MORE, _TURNS, _PARTS = 2.0**-6, 2.0**-16, 2.0**-14, 16, 64, 4
+_COARSE, _FINE, _FINEST, _SLOWEST, _MORE, _TURNS, _PARTS = 2.0**-6, 2.0**-12, 2.0**-16, 2.0**-14, 16, 64, 4
 _BITS, _DEEPEST, _MOST_CELLS = 128, 48, 20_000
+
+
+def _angle(x: acb) -> Ball:
+    """Of a number, all over its ball: about pi where it is about -1, not both pi and -pi."""
+    return x.arg() if not x.real < 0 else (-x).arg() + arb.pi()
 
 
 def _least(angle: Ball, a: float, b: float, only: int | None) -> int | None:
