@@ -206,9 +206,22 @@ def approximate(expression: Expr, digits: int = 6) -> Expr:
     >>> approximate(Rational(408233133, 200000001) * s + 40 * pi), approximate(Rational(4, 3) * s + 40 * pi)
     (2.04117*s + 125.664, 4*s/3 + 40*pi)
     """
-    if _with_numbers(expression, lambda x: x if _is_readable(x) else rounded(x, digits)) == expression:
+    if is_readable(expression):
         return expression
     return _with_numbers(expression, lambda x: x if x.is_Integer and abs(x) < 10**digits else rounded(x, digits))
+
+
+def is_readable(expression: Expr) -> bool:
+    """Whether a formula has no long number; to see that makes nothing anew, which takes far longer."""
+    if not expression.free_symbols:
+        rational, rest = expression.as_coeff_Mul()
+        return is_short(rational) and rest in (S.One, pi, pi**2)
+    if isinstance(expression, Pow):
+        return is_readable(expression.base)
+    if not isinstance(expression, Add | Mul):
+        return not isinstance(expression, Function) or all(map(is_readable, expression.args))
+    known, rest = expression.as_independent(*expression.free_symbols, as_Add=isinstance(expression, Add))
+    return all(map(is_readable, (known, *expression.func.make_args(rest))))
 
 
 def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
@@ -244,11 +257,6 @@ def is_short(value: Rational) -> bool:
         case Numeral(digits, exponent):
             return len(digits) <= _READABLE and (not exponent or digits == "1")
     raise AssertionError
-
-
-def _is_readable(value: Expr) -> bool:
-    rational, rest = value.as_coeff_Mul()
-    return is_short(rational) and rest in (S.One, pi, pi**2)
 
 
 def place(factor: Expr) -> tuple[Any, ...]:
