@@ -41,6 +41,7 @@ from haptisym.writing.latex import LINE, formula, is_long, width
 from haptisym.writing.layout import (
     QUANTITIES,
     approximate,
+    as_finite,
     function,
     is_readable,
     layout,
@@ -185,7 +186,7 @@ def _squares(function: RationalFunction, polynomial: Polynomial) -> Expr:
     moduli = []
     for factor, exponent in factors:
         real, imag = map(axis.expression, axis.parts([factor])[0])
-        moduli.append((real**2 + imag**2) ** exponent)
+        moduli.append(as_finite(real**2 + imag**2) ** exponent)
     return Mul(unit**2, *moduli)
 
 

@@ -228,7 +228,7 @@ def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
     if not expression.free_symbols:
         return change(expression)
     if isinstance(expression, Pow):
-        return Pow(_with_numbers(expression.base, change), expression.exp)
+        return Pow(as_finite(_with_numbers(expression.base, change)), expression.exp)
     if isinstance(expression, Function):
         return expression.func(*(_with_numbers(x, change) for x in expression.args))
     if not isinstance(expression, Add | Mul):
@@ -236,6 +236,12 @@ def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
     known, rest = expression.as_independent(*expression.free_symbols, as_Add=isinstance(expression, Add))
     others = (_with_numbers(x, change) for x in expression.func.make_args(rest))
     return expression.func(change(known), *others)
+
+
+def as_finite(total: Expr) -> Expr:
+    """The same sum: once seen to be finite, SymPy does not count the real roots of its terms to raise it to a power."""
+    all(x.is_finite for x in total.args)
+    return total
 
 
 def rounded(value: Expr, digits: int = 6) -> Expr:
