@@ -199,11 +199,12 @@ _MOST_ORDERS = 8
 
 @dataclass(frozen=True)
 class _Term:
-    """c(q) s^power exp(-s lag): ``row`` : of c, by ascending powers of q."""
+    """c(q) s^power exp(-s lag): ``row`` : of c, by ascending powers of q; ``slopes`` : of power and lag along q."""
 
     row: Row
     power: Expr
     lag: Expr
+    slopes: tuple[Expr, Expr]
 
 
 @dataclass(frozen=True)
@@ -219,19 +220,19 @@ class Characteristic:
 
     @cached_property
     def _terms(self) -> list[_Term]:
-        return [
-            _Term(row, p - self.shared, lag_of(turns, self.loop))
-            for p, group in self.loop.table.items()
-            for turns, row in group.items()
-        ]
+        q, found = self.loop.symbol, list[_Term]()
+        for p, group in self.loop.table.items():
+            for turns, row in group.items():
+                lag = lag_of(turns, self.loop)
+                found.append(_Term(row, p - self.shared, lag, (p.diff(q), lag.diff(q))))
+        return found
 
     def value(self, omega: Ball, q: Ball) -> tuple[Ball, Ball, Ball]:
         """f and its slopes along omega and q, at the current working precision; omega > 0."""
-        symbol, known, log = self.loop.symbol, {self.loop.symbol: q}, acb(omega.log(), arb.pi() / 2)
+        known, log = {self.loop.symbol: q}, acb(omega.log(), arb.pi() / 2)
         total = along = across = acb(0)
         for term in self._terms:
-            p, lag = (expression_ball(x, known) for x in (term.power, term.lag))
-            dp, dlag = (expression_ball(x.diff(symbol), known) for x in (term.power, term.lag))
+            p, lag, dp, dlag = (expression_ball(x, known) for x in (term.power, term.lag, *term.slopes))
             c, dc = _horner(term.row, q)
             wave = (log * p - acb(0, omega * lag)).exp()
             total += c * wave
