@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -187,14 +188,21 @@ _SETTING = ("GDEF", "GPOS", "GSUB", "MATH", "kern")
 
 @contextmanager
 def _letters_alone(target: Path) -> Iterator[None]:
-    """Fonts of PDF files without these tables, as long as it lasts."""
-    options: Any = resolve_name("fontTools.subset:Options") if target.suffix.lower() == ".pdf" else None
-    dropped = getattr(options, "_drop_tables_default", None)
-    if dropped is None:  # of another version of fontTools, files take longer
+    """Fonts of PDF files without these tables, as long as it lasts: not even read."""
+    if target.suffix.lower() != ".pdf":
         yield
         return
-    options._drop_tables_default = [*dropped, *_SETTING]
+    fonts: Any = import_module("fontTools.subset")
+    load = fonts.load_font
+
+    def bare(*given: Any) -> Any:
+        font = load(*given)
+        for table in {*_SETTING} & {*font.keys()}:
+            del font[table]
+        return font
+
+    fonts.load_font = bare
     try:
         yield
     finally:
-        options._drop_tables_default = dropped
+        fonts.load_font = load

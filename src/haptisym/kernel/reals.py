@@ -239,10 +239,10 @@ def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({
 
     ``known``: balls that symbols stand for.
     """
-    if known and value in known:
-        return known[value]
     if value.is_Rational:
         return arb(fmpq(int(value.p), int(value.q)))
+    if known and value in known:
+        return known[value]
     if value is pi:
         return arb.pi()
     if value.is_Add or value.is_Mul:

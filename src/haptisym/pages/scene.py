@@ -38,7 +38,18 @@ from haptisym.writing import document as doc
 from haptisym.writing.boxes import Absolute, Box, Equation, Prefixed, Sum
 from haptisym.writing.document import Block, Document, Phrase, Strong, listed
 from haptisym.writing.latex import LINE, formula, is_long, width
-from haptisym.writing.layout import QUANTITIES, approximate, function, layout, named, plain, quantity, rounded
+from haptisym.writing.layout import (
+    QUANTITIES,
+    approximate,
+    as_finite,
+    function,
+    is_readable,
+    layout,
+    named,
+    plain,
+    quantity,
+    rounded,
+)
 
 # Closed forms.
 
@@ -175,7 +186,7 @@ def _squares(function: RationalFunction, polynomial: Polynomial) -> Expr:
     moduli = []
     for factor, exponent in factors:
         real, imag = map(axis.expression, axis.parts([factor])[0])
-        moduli.append((real**2 + imag**2) ** exponent)
+        moduli.append(as_finite(real**2 + imag**2) ** exponent)
     return Mul(unit**2, *moduli)
 
 
@@ -371,7 +382,7 @@ def _expression(row: doc.Line) -> Expr:
 def _evaluated(row: doc.Line, known: Mapping[Symbol, Expr]) -> doc.Line:
     """A row with numbers for its parameters; if they are long, in lowest terms and rounded."""
     exact = _expression(row).xreplace(known)
-    if approximate(exact) == exact:
+    if is_readable(exact):
         return replace(row, value=exact)
     return replace(row, value=approximate(_monic(exact)), relation="≈")
 

@@ -6,9 +6,9 @@ Quotients of polynomials whose parameters are numbers are brought into a form th
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from html import escape
 from itertools import pairwise
 from typing import Any
-from xml.sax.saxutils import escape
 
 from sympy import Add, Basic, Expr, Function, I, Integer, Mul, Rational, Symbol, preorder_traversal
 from sympy.core.numbers import ImaginaryUnit

@@ -8,7 +8,7 @@ in the others Newton's step in balls proves that there is just one pair. What is
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -32,6 +32,7 @@ from haptisym.kernel.where import Array, halves
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.programs.onaxis import OnAxis
+from haptisym.programs.taylormodels import Model
 from haptisym.verbs.stability.clocked import passages
 from haptisym.verbs.stability.held import drifts, need_roots
 from haptisym.verbs.stability.loops import (
@@ -160,10 +161,11 @@ class _Cells:
             looked += len(part)
             if looked > _MOST_CELLS:
                 break
-            clear, rates = self.axis.bounded(part)
-            part, rates = part[~clear], rates[~clear]
-            self._prove(part)
-            open_ones = ~self._is_settled(part)
+            parts = self.axis.parts(part)
+            clear, rates = self.axis.bounded(part, parts)
+            self._prove(part, self._likely(parts, ~clear))
+            open_ones = ~clear
+            open_ones[~clear] = ~self._is_settled(part[~clear])
             if open_ones.any():
                 waiting.add(halves(part[open_ones], np.argmax(rates[open_ones], -1)))
         width = self.high - self.low
@@ -186,10 +188,10 @@ class _Cells:
             found[i] = self.form.is_clear_at_0(*_balls(middle[i], half[i]))
         return found
 
-    def _prove(self, cells: Array) -> None:
-        """Try Newton's step about where a cell, C being nearly straight in it, may hold a pair."""
+    def _prove(self, cells: Array, likely: Iterable[tuple[int, Array]]) -> None:
+        """Try Newton's step about where a cell may hold a pair."""
         middle, half = self._box(cells)
-        for i, t in self._likely(cells):
+        for i, t in likely:
             if any(_inside(middle[i], half[i], *box) for box in self._known):
                 continue
             box = middle[i] + t * half[i], _WIDER * half[i]
@@ -210,9 +212,9 @@ class _Cells:
                 return ExactNumber(Integer(0))
         return None
 
-    def _likely(self, cells: Array) -> Iterator[tuple[int, Array]]:
-        """Cells with the place, in halves of it from its middle, where C would be 0 if it were straight."""
-        parts = self.axis.parts(cells)
+    @staticmethod
+    def _likely(parts: tuple[Model, Model], among: Array) -> Iterator[tuple[int, Array]]:
+        """Cells in which C is nearly straight, with the place, in halves of one from its middle, where C would then be 0."""
         slopes = np.stack([x.c1[:, 0] for x in parts], 1)
         values = np.stack([x.c0[:, 0] for x in parts], 1)
         bends = np.stack([abs(x.c2[:, 0]).sum((-1, -2)) + x.r[:, 0] for x in parts], 1)
@@ -221,7 +223,7 @@ class _Cells:
             inverse = np.stack([np.stack([d, -b], -1), np.stack([-c, a], -1)], 1) / (a * d - b * c)[:, None, None]
             t = -np.einsum("nij,nj->ni", inverse, values)
             bent = np.einsum("nij,nj->ni", abs(inverse), bends)
-        for i in np.flatnonzero((abs(t) < _NEAR).all(-1) & (bent < _STRAIGHT).all(-1)):
+        for i in np.flatnonzero(among & (abs(t) < _NEAR).all(-1) & (bent < _STRAIGHT).all(-1)):
             yield int(i), t[i]
 
 

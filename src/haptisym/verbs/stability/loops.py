@@ -18,6 +18,7 @@ the axis there only adds roots on the right, or only takes them away, one infini
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -26,7 +27,7 @@ from itertools import combinations, groupby, pairwise, product
 from math import comb, perm
 
 import flint
-from flint import acb, arb, fmpq
+from flint import acb, arb, arb_poly, fmpq
 from sympy import Expr, Integer, Poly, Rational, Symbol, factorial
 
 from haptisym.judge.passivity import rests
@@ -198,11 +199,12 @@ _MOST_ORDERS = 8
 
 @dataclass(frozen=True)
 class _Term:
-    """c(q) s^power exp(-s lag): ``row`` : of c, by ascending powers of q."""
+    """c(q) s^power exp(-s lag): ``row`` : of c, by ascending powers of q; ``slopes`` : of power and lag along q."""
 
     row: Row
     power: Expr
     lag: Expr
+    slopes: tuple[Expr, Expr]
 
 
 @dataclass(frozen=True)
@@ -218,19 +220,19 @@ class Characteristic:
 
     @cached_property
     def _terms(self) -> list[_Term]:
-        return [
-            _Term(row, p - self.shared, lag_of(turns, self.loop))
-            for p, group in self.loop.table.items()
-            for turns, row in group.items()
-        ]
+        q, found = self.loop.symbol, list[_Term]()
+        for p, group in self.loop.table.items():
+            for turns, row in group.items():
+                lag = lag_of(turns, self.loop)
+                found.append(_Term(row, p - self.shared, lag, (p.diff(q), lag.diff(q))))
+        return found
 
     def value(self, omega: Ball, q: Ball) -> tuple[Ball, Ball, Ball]:
         """f and its slopes along omega and q, at the current working precision; omega > 0."""
-        symbol, known, log = self.loop.symbol, {self.loop.symbol: q}, acb(omega.log(), arb.pi() / 2)
+        known, log = {self.loop.symbol: q}, acb(omega.log(), arb.pi() / 2)
         total = along = across = acb(0)
         for term in self._terms:
-            p, lag = (expression_ball(x, known) for x in (term.power, term.lag))
-            dp, dlag = (expression_ball(x.diff(symbol), known) for x in (term.power, term.lag))
+            p, lag, dp, dlag = (expression_ball(x, known) for x in (term.power, term.lag, *term.slopes))
             c, dc = _horner(term.row, q)
             wave = (log * p - acb(0, omega * lag)).exp()
             total += c * wave
@@ -560,6 +562,7 @@ def clear_of_chains(loop: Loop, far_out: Sequence[Meeting]) -> list[tuple[RealNu
 
 _RADIANS = 40, 120  # that the delay turns up to where roots are looked for beside a chain
 _HALVINGS = 40  # of values beside a chain
+_STEPS = 32  # of frequencies, each by a quarter higher than the one before it
 
 
 @dataclass(frozen=True)
@@ -613,13 +616,11 @@ class BesideChains:
                 return None
             q = (1 / a).union(arb(0)) if high is None else a.union(high.ball(_BITS))
             own = [_horner(row[::-1] if inverse else row, q)[0].lower() for row in self.rows]
-            weights = [own[0].max(arb(0)), *own[1:2], *(x.min(arb(0)) for x in own[2:])]
-            at = last / 1024
-            while at <= last:
-                if sum((x * expression_ball(at) ** (2 - 2 * i) for i, x in enumerate(weights)), arb(0)) > 0:
-                    return at
-                at *= Rational(5, 4)
-        return None
+            weights = arb_poly([own[0].max(arb(0)), *own[1:2], *(x.min(arb(0)) for x in own[2:])])
+            # over the second highest power of omega^2 this grows with omega
+            start = expression_ball(last) / 1024
+            first = bisect_left(range(_STEPS), 1, key=lambda i: weights((start * arb(1.25) ** i) ** -2) > 0)
+        return None if first == _STEPS else last / 1024 * Rational(5, 4) ** first
 
 
 _FURTHER = 8  # turns of a delay beyond its value
