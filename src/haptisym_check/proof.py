@@ -6,12 +6,12 @@ from functools import partial
 from typing import Any
 
 from haptisym_check.chart import CURVES, Chart, Curve, claimed
+from haptisym_check.delayterms import factor_of
 from haptisym_check.link import PARTS, functions, link
 from haptisym_check.reading import keyed, listed, number, numbers, others
 from haptisym_check.requirement import requirement
 from haptisym_check.scene import Element, Scene
 from haptisym_check.values import UnreadableError, combined, need
-from haptisym_check.waves import factor_of
 from haptisym_check.words import words
 from haptisym_check.zeros import zeros
 

@@ -6,13 +6,13 @@ from itertools import pairwise
 from typing import Any
 
 from haptisym_check.chart import ends_of_band
+from haptisym_check.delayterms import factor_of
 from haptisym_check.link import PARTS, Product, functions, link
 from haptisym_check.polynomials import Factor, affordable
 from haptisym_check.reading import keyed, listed, number, numbers, others
 from haptisym_check.scene import Scene
 from haptisym_check.slices import Slices, cost, is_less, point
 from haptisym_check.values import need
-from haptisym_check.waves import factor_of
 
 
 def verify(

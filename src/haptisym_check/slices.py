@@ -5,10 +5,10 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
+from haptisym_check.delayterms import WaveFactor
 from haptisym_check.polynomials import Factor, Point, moved, sliced
 from haptisym_check.reading import number
 from haptisym_check.values import need
-from haptisym_check.waves import WaveFactor
 
 
 def point(x: Any, infinity: int) -> Point:

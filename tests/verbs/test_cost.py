@@ -29,7 +29,9 @@ from haptisym.cli import app
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.errors import SceneError
 from haptisym.model.jnd import Threshold
-from haptisym.verbs.cost.contenders import (
+from haptisym.verbs.cost.entry import Cost, Measurement, approximated, interleaved, without
+from haptisym.verbs.cost.hardcosts import hard_cases
+from haptisym.verbs.cost.methods import (
     CROSSINGS,
     DOUBLE,
     RATIO_METHODS,
@@ -45,8 +47,6 @@ from haptisym.verbs.cost.contenders import (
     right_digits,
     scipy_way,
 )
-from haptisym.verbs.cost.entry import Cost, Measurement, approximated, interleaved, without
-from haptisym.verbs.cost.hardcosts import hard_cases
 
 SPRING = hs.environments.mass_spring_damper(k=100)
 

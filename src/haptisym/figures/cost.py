@@ -23,8 +23,8 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from haptisym.figures import pen
+from haptisym.figures.files import Drawings
 from haptisym.figures.layers import Chart, Layer, On, Room, dots, number, raised, thin
-from haptisym.figures.sheet import Drawings
 from haptisym.verbs.cost.entry import Cost, Measurement, duration, front
 from haptisym.verbs.cost.hardcosts import HardCosts, HardRow, worst_verdict
 

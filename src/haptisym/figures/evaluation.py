@@ -38,6 +38,7 @@ from haptisym.figures.curves import (
     sampled,
     top_of,
 )
+from haptisym.figures.files import Drawings
 from haptisym.figures.layers import (
     Above,
     Axis,
@@ -62,7 +63,6 @@ from haptisym.figures.layers import (
     spread,
     text_width,
 )
-from haptisym.figures.sheet import Drawings
 from haptisym.judge.bandwidths import Bandwidths
 from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.crossings import Curve as Dynamics

@@ -14,12 +14,12 @@ from matplotlib.figure import Figure
 from haptisym.figures import pen
 from haptisym.figures.curves import broken, columns, ends_of, limit_of, name_of, sampled
 from haptisym.figures.evaluation import REGIONS
+from haptisym.figures.files import Drawings, drawings_of, sheet
 from haptisym.figures.layers import Above, Axis, Band, Chart, Curve, Layer, Limit, Mark, On, Words, frequency
-from haptisym.figures.sheet import Drawings, drawings_of, sheet
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.programs.values import Array
-from haptisym.verbs.family.each import FamilyAnswers
+from haptisym.verbs.family.answers import FamilyAnswers
 from haptisym.verbs.family.entry import FamilyEvaluation
 
 _LIMITING = ((pen.BLUE, pen.SOLID), (pen.RED, pen.DASHED), ("#7cc0c8", pen.SOLID), ("#d0701f", pen.DASHED))

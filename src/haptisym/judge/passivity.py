@@ -27,10 +27,10 @@ from sympy import Expr, Integer, Poly, Rational, pi
 from haptisym.judge.colgate import SampledPassivity, sampled_passivity
 from haptisym.judge.crossings import PASSIVE
 from haptisym.judge.peaks import Greatest, greatest
+from haptisym.kernel.asymptoticsign import AsymptoticSign, Sense, asymptotic_sign
 from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.far import AsymptoticSign, Sense, far
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, omega, s
 from haptisym.kernel.rootcount import count_roots, is_stable, order_at_0
@@ -183,7 +183,7 @@ def _allowed_far_out(response: Response) -> bool:
     faster = sign_of_number(grown - 2)
     if faster:
         return faster < 0
-    found = far(raw).sense
+    found = asymptotic_sign(raw).sense
     if found in (Sense.BOTH, Sense.UNKNOWN):
         raise UndecidedError("whether a display is a positive mass at high frequency")
     return found is Sense.NEGATIVE
@@ -354,7 +354,7 @@ def passivity(scene: Scene, distortion: Distortion | None = None) -> Passivity:
     """
     d = distortion or scene.closed
     periods = clocks(scene)
-    settled = AsymptoticSign(Sense.POSITIVE) if periods else far(d.perc_response.raw_imag)
+    settled = AsymptoticSign(Sense.POSITIVE) if periods else asymptotic_sign(d.perc_response.raw_imag)
     high, is_late = (pi / max(periods, key=float), False) if periods else _reach(scene, d, settled)
     beyond = Beyond.CLOCK if periods else Beyond.LATE if is_late else _BEYOND[settled.sense]
     return Passivity(scene, d, chart({PASSIVE: PASSIVE.function(d)}, Integer(0), high), high, beyond, settled)
@@ -400,7 +400,7 @@ def _damping(d: Distortion, high: Expr) -> Greatest | None:
     if not needed.function.numerator.degrees()[0] and len(axis.angles) == 1 and not axis.orders:
         return greatest(needed, Integer(0), 2 * pi / axis.angles[0].rate)  # a wave, which repeats
     for value in _tried(needed, high):
-        left = far(axis.convert(value * omega) + raw)
+        left = asymptotic_sign(axis.convert(value * omega) + raw)
         if left.sense is Sense.POSITIVE:
             reach = left.radius if sign_of_number(left.radius - high) > 0 else high
             found = greatest(needed, Integer(0), reach)

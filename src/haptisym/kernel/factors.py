@@ -20,6 +20,17 @@ from flint import acb_poly, arb, arb_poly, fmpq, fmpq_poly, fmpz, fmpz_poly
 from sympy import Dummy, Expr, Rational, minimal_polynomial, pi
 
 from haptisym.kernel.budget import Waiting, tick
+from haptisym.kernel.delayterms import (
+    NEARER,
+    Wave,
+    WaveSum,
+    by_powers,
+    clear_of_zero,
+    exact_waves,
+    leading_term,
+    order_at_0,
+    taylor_coefficients,
+)
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import (
@@ -31,17 +42,6 @@ from haptisym.kernel.reals import (
     expression_ball,
 )
 from haptisym.kernel.rings import PolynomialRing, omega
-from haptisym.kernel.waves import (
-    NEARER,
-    Wave,
-    WaveSum,
-    by_powers,
-    clear_of_zero,
-    exact_waves,
-    leading_term,
-    order_at_0,
-    taylor_coefficients,
-)
 from haptisym.kernel.zeros import (
     Factor,
     SeriesFactor,

@@ -40,9 +40,9 @@ from sympy import (
     sqrt,
 )
 
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis
 from haptisym.kernel.errors import SceneError, quoted
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, omega, s
 from haptisym.kernel.rings import c as symbol_c
@@ -207,7 +207,7 @@ def _writer(
     environment: Expr, rendered: Expr, matrices: tuple[Matrix, ...], inputs: tuple[Symbol, ...]
 ) -> Callable[[Sequence[str], Collection[str]], Program]:
     """What writes the programs of a chain, all from the same steps."""
-    from haptisym.programs.stable import stable_program
+    from haptisym.programs.distortion import stable_program
 
     return stable_program(environment, rendered, matrices, inputs)
 
@@ -456,7 +456,7 @@ def _far(f: RealFunction) -> Expr:
         return Integer(1)
     if any(not angle.constant for angle in f.axis.angles):
         raise SceneError("with a delay there may be infinitely many crossings: give a band, as band=(0, 100)")
-    found = far(f.function)
+    found = asymptotic_sign(f.function)
     if found.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
         raise SceneError("the highest crossing is not known: give a band, as band=(0, 100)")
     return max(found.radius, Integer(1))

@@ -348,7 +348,7 @@ def bandwidths(e: Evaluation) -> Iterator[Block]:
     yield doc.Paragraph(("For ", _range(threshold), ": ", _between(found, threshold), _blocked(found, threshold)))
     if found.is_one_curve:
         caption = "The bandwidth over the range; a dot is attained, a ring is not."
-        yield w.drawing("bandwidths", caption, "sheet:draw_figure", e, "bandwidths")
+        yield w.drawing("bandwidths", caption, "files:draw_figure", e, "bandwidths")
 
 
 def _range(threshold: Threshold) -> Phrase:
@@ -472,7 +472,7 @@ def regions(e: Evaluation) -> Iterator[Block]:
         w.hertz(lambda x: w.cell(x.crossing.omega) if x.crossing else "none", "first crossing"),
         w.Field("what happens there", lambda x: event(x.crossing, _KINDS.get(x.name)) if x.crossing else ""),
     )  # fmt: skip
-    figure = w.drawing("regions", _PLANE, "sheet:draw_figure", e, "regions")
+    figure = w.drawing("regions", _PLANE, "files:draw_figure", e, "regions")
     yield doc.Section(_SURVIVES, (doc.Paragraph(_spread(e.regions)), rows, figure), "regions")
 
 
@@ -504,7 +504,7 @@ def deciding(e: Evaluation) -> Iterator[Block]:
     )
     near = listed(map(w.both, found.undecided))
     said = [words, *([w.undecided(("whether a region is reached near ", near))] if near else [])]
-    figure = w.drawing("discriminate", _DECIDING, "sheet:draw_figure", e, "discriminate")
+    figure = w.drawing("discriminate", _DECIDING, "files:draw_figure", e, "discriminate")
     yield doc.Section("Which changes would decide between the models?", (rows, *w.noted(said), figure), "discriminate")
     display: Block = doc.Paragraph("All models judge the display equally on the whole band.")
     if found.display:
@@ -543,7 +543,7 @@ def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
         [*many.family, together], ("Bandwidth of each environment by region, ", FREQUENCY_UNIT, ", proven."),
         w.Field("environment", str), *(w.number(_region_name(x), partial(width, x=x)) for x in many.regions),
     )  # fmt: skip
-    figure = w.drawing("regions", _WIDTHS, "sheet:draw_figure", many, "regions")
+    figure = w.drawing("regions", _WIDTHS, "files:draw_figure", many, "regions")
     yield doc.Section(
         _SURVIVES, (doc.Paragraph(_spread(many.regions, "common bandwidth")), worst, each, figure), "regions"
     )
@@ -621,7 +621,7 @@ def _step_2(e: Evaluation) -> Iterator[Block]:
 
 
 def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
-    return w.drawing(name, caption, "sheet:draw_figure", e, name, wide=wide)
+    return w.drawing(name, caption, "files:draw_figure", e, name, wide=wide)
 
 
 def percepts(e: Evaluation) -> Block:

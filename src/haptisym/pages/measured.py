@@ -400,7 +400,7 @@ def _felt_words(e: MeasuredEvaluation, part: Part | None, line: int) -> str:
 
 
 def _figure(e: MeasuredEvaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
-    return w.drawing(name, caption, "sheet:draw_figure", e, name, wide=wide)
+    return w.drawing(name, caption, "files:draw_figure", e, name, wide=wide)
 
 
 def _how_sure(e: MeasuredEvaluation) -> Iterator[Phrase]:

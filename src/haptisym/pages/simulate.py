@@ -41,7 +41,7 @@ def page(found: Simulation | Simulations) -> Document:
     """The whole page; several runs of one scene, one for each frequency, are one table."""
     runs = found.runs
     drawn = (
-        drawing(name, caption, "sheet:draw_figure", found, name)
+        drawing(name, caption, "files:draw_figure", found, name)
         for name, caption in _CAPTIONS.items()
         if name.startswith("simulated") or any(run.estimates for run in runs)
     )

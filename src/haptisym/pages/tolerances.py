@@ -104,7 +104,7 @@ _LINE = " Line: the boundary for the nominal values, computed."
 
 def _hands_figure(a: Tolerances) -> Iterator[Block]:
     if a.held:
-        yield w.drawing("hands", _HANDS + ("" if clocks(a.box.scene) else _LINE), "sheet:draw_figure", a, "hands")
+        yield w.drawing("hands", _HANDS + ("" if clocks(a.box.scene) else _LINE), "files:draw_figure", a, "hands")
 
 
 # Where crossings lie.
@@ -118,7 +118,7 @@ def _enclosures(a: Tolerances) -> Block:
     said = f"* {'attained at a corner of the ranges' if a.box.sides else 'a crossing'}; any other end is a bound."
     dots = "Dots: crossings of the sets that were drawn at random." if a.samples else ""
     shown = f"Grey: where crossings may lie, proven for all values. {dots}".strip()
-    figure = w.drawing("enclosures", shown, "sheet:draw_figure", a, "enclosures")
+    figure = w.drawing("enclosures", shown, "files:draw_figure", a, "enclosures")
     found = w.table(
         a.enclosures, "Where crossings lie, proven.",
         w.Field("distortion" if region else "ratio", lambda x: w.CHANGE if x.criterion.joint else w.symbol(x.criterion.symbol)),

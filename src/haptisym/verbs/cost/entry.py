@@ -31,7 +31,7 @@ from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.cost.contenders import (
+from haptisym.verbs.cost.methods import (
     CROSSINGS,
     RATIO_METHODS,
     Attempt,

@@ -22,8 +22,8 @@ from haptisym.model.catalogue import Effect
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Number
-from haptisym.verbs.cost.contenders import CROSSINGS, RATIO_METHODS, Crossings, Method, Question, RatioQuestion, Score
 from haptisym.verbs.cost.entry import Measurement, interleaved, machine, wrong_words
+from haptisym.verbs.cost.methods import CROSSINGS, RATIO_METHODS, Crossings, Method, Question, RatioQuestion, Score
 
 PAPER = (Rational(9, 5), 15, 100)
 """m, b, k of the paper's example."""

@@ -73,7 +73,7 @@ from haptisym.verbs.require.freeparameter import (
     substituted,
     without,
 )
-from haptisym.verbs.require.places import (
+from haptisym.verbs.require.limitingpoints import (
     CellVerdict,
     Corner,
     CriticalPlace,

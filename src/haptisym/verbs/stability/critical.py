@@ -20,10 +20,10 @@ from sympy import Expr, Integer, Rational
 
 from haptisym.judge.peaks import ValueAt
 from haptisym.kernel.arrays import np
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, UndecidedError
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, rational_between
 from haptisym.kernel.rootcount import RootChain
@@ -32,7 +32,6 @@ from haptisym.kernel.where import Array, halves
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.programs.onaxis import OnAxis
-from haptisym.verbs.stability.clocked import passages
 from haptisym.verbs.stability.held import drifts, need_roots
 from haptisym.verbs.stability.loops import (
     ALLOWED,
@@ -50,6 +49,7 @@ from haptisym.verbs.stability.loops import (
     from_infinity,
     minus,
 )
+from haptisym.verbs.stability.sampled import passages
 
 _WINDOWS = 7
 _SMALLEST = Rational(1, 1024)  # as what a value of 0 counts for the first window
@@ -289,7 +289,7 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
         alone = ValueAt(RealFunction(curve.value.reduced()), ExactNumber(Integer(1)))
         yield Meetings((*far_out, Meeting(alone, None)))
         return
-    settled = far(curve.condition)
+    settled = asymptotic_sign(curve.condition)
     if settled.sense in _SETTLED:
         yield Meetings((*far_out, *curve.meetings(_near(settled.radius, loop))))
         return
@@ -331,7 +331,7 @@ def _windows(loop: Loop, curve: Curve, value: Expr, far_out: tuple[Meeting, ...]
             value * _LOWS[min(j, 1)] / 4 ** max(j - 1, 0),
         )
         for end, sense in ((high, Sense.POSITIVE), (low, Sense.NEGATIVE)):
-            ahead = far(minus(curve.square, end**2))
+            ahead = asymptotic_sign(minus(curve.square, end**2))
             if ahead.sense is sense and end > 0:
                 found = (*far_out, *curve.meetings(_near(ahead.radius, loop)))
                 done = True

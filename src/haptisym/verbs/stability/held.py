@@ -17,9 +17,9 @@ from sympy import Expr, I, Integer, prime
 
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity, environment_alone, force_is_stable, passivity, rests
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, omega
@@ -28,7 +28,7 @@ from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import WHOLE_NUMBERS, Parameter, values
 from haptisym.model.scene import Scene, clocks
-from haptisym.verbs.stability.clocked import OnCircle, clocked_roots, loop_of
+from haptisym.verbs.stability.sampled import OnCircle, clocked_roots, loop_of
 
 
 def unstable_roots(scene: Scene, hand: Hand) -> Roots:
@@ -335,7 +335,7 @@ def _decided(perceived: RationalFunction, hand: Hand) -> Box:
 def _meeting(perceived: RationalFunction, hand: Hand) -> RealNumber | None:
     """A frequency at which roots lie on the axis for some hand of the box."""
     functions = _functions(perceived, hand)
-    reaches = [x.radius for f in functions if (x := far(f)).sense is Sense.NEGATIVE and x.radius]
+    reaches = [x.radius for f in functions if (x := asymptotic_sign(f)).sense is Sense.NEGATIVE and x.radius]
     if not reaches:
         raise UndecidedError(
             "whether roots meet the imaginary axis at ever higher frequencies for some hand of the box"

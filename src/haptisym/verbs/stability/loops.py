@@ -31,10 +31,10 @@ from sympy import Expr, Integer, Poly, Rational, Symbol, factorial
 
 from haptisym.judge.passivity import rests
 from haptisym.judge.peaks import ValueAt
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, expression_ball, rational_between
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials, omega
 from haptisym.kernel.rootcount import Roots, Row, late_turns, squares, terms_of
@@ -486,7 +486,7 @@ def _eliminated(loop: Loop) -> Curve:
 def _is_apart(f: Polynomial, g: Polynomial, axis: Axis) -> bool:
     """Whether two polynomials are shown to have no zero > 0 in common: at one, more than one root would be."""
     shared = axis.function(f.gcd(g))
-    settled = far(shared)
+    settled = asymptotic_sign(shared)
     if settled.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
         return False
     table = chart({"": RealFunction(shared)}, Integer(0), max(settled.radius, Integer(1)))
@@ -664,7 +664,7 @@ class Switches:
         """Of a loop with an open delay and without a chain of roots on the right. UndecidedError where it has another form."""
         ratio, multiple = _ratio(loop)
         condition = minus(squared_modulus(ratio).function, Integer(1))
-        settled = far(condition)
+        settled = asymptotic_sign(condition)
         if settled.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
             raise UndecidedError("where roots meet the imaginary axis")
         response = on_axis(ratio)
@@ -821,7 +821,7 @@ class Tendency:
         if len(self.loop.powers) != 2 or (curve := curve_of(self.loop)) is None or curve.condition.is_zero:
             return None
         rate = _turning_of(curve)
-        found = far(rate)
+        found = asymptotic_sign(rate)
         if found.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
             return None
         if any(float(found.radius * lag) > _MOST_TURNING for lag in self.loop.ring.lags):

@@ -23,22 +23,22 @@ from sympy import Integer, Rational, Symbol
 
 from haptisym.effects import delay as delayed
 from haptisym.effects import series
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.enclosures import over_circle
 from haptisym.kernel.errors import LimitError, UndecidedError
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.pulse import SampledLoop
 from haptisym.kernel.reals import Ball, RealNumber
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import chart
+from haptisym.kernel.sampledloop import SampledLoop
 from haptisym.model.catalogue import Effect, Hand
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene, clocks
-from haptisym.verbs.stability.clocked import Opened, Walk, loop_of, series_alone
 from haptisym.verbs.stability.critical import critical
 from haptisym.verbs.stability.loops import Loop, minus
+from haptisym.verbs.stability.sampled import Opened, Walk, loop_of, series_alone
 
 _MOST_GAIN, _MOST_DELAY = 1000, 1000
 _FACTOR = series("g_margin", parameters={"g_margin": 1}, name="margin-of-gain")
@@ -159,7 +159,7 @@ def _phase(scene: Scene, hand: Hand) -> Limit | None:
         return None
     ratio = RationalFunction(loop.ring, loop.powers[0], loop.powers[1]).reduced()
     condition = minus(squared_modulus(ratio).function, Integer(1))
-    settled = far(condition)
+    settled = asymptotic_sign(condition)
     if settled.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
         raise UndecidedError("where the loop has a gain of 1, as that may be at ever higher frequencies")
     table = chart({"": RealFunction(condition.reduced())}, Integer(0), max(settled.radius, Integer(1)))

@@ -26,7 +26,7 @@ class FamilyAnswers(Answer):
     """
 
     _schema: ClassVar[str] = "haptisym.answers/1"
-    _page: ClassVar[str] = "haptisym.pages.each:page"
+    _page: ClassVar[str] = "haptisym.pages.familyanswers:page"
     _figure: ClassVar[str] = "haptisym.figures.family:EACH"
 
     family: SceneFamily

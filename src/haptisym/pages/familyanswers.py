@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from haptisym.pages import words as w
-from haptisym.verbs.family.each import FamilyAnswers
+from haptisym.verbs.family.answers import FamilyAnswers
 from haptisym.writing import document as doc
 from haptisym.writing.document import Document, Phrase, Strong, listed
 
