@@ -60,9 +60,14 @@ class Model:
 
 @dataclass(frozen=True, repr=False)
 class Environment(Shown):
-    """What should be felt: H_env(s), force per position.
+    """What should be felt: the dynamic stiffness ``H_env(s) = F(s)/X(s)``, N/m or N m/rad, exact.
 
-    ``dynamics`` is written in the parameters' symbols, ``H`` with their values in place.
+    ``dynamics`` : in s and the symbols of ``parameters``; ``H`` : with their values, SI.
+    Made by the functions of ``haptisym.environments``; SceneError for a value that breaks the rule of its parameter.
+
+    >>> from haptisym import environments
+    >>> environments.kelvin_voigt("100 N/m", "2 N*s/m").H
+    2*s + 100
     """
 
     model: str
@@ -123,7 +128,16 @@ class Environment(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Effect(Shown):
-    """What stands between environment and hand: a chain matrix, ``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]``."""
+    """What stands between environment and hand, as a chain matrix: ``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]``.
+
+    F is force, N or N m, X position, m or rad: of an H behind it the hand feels ``(A H + B)/(C H + D)``. Exact.
+    ``dynamics`` : A, B, C, D in s and the symbols of ``parameters``; ``matrix`` : with their values, SI.
+    Made by the functions of ``haptisym.effects``; SceneError for a value that breaks the rule of its parameter.
+
+    >>> from haptisym import effects
+    >>> effects.first_order_lag("80 rad/s").matrix
+    (80/(s + 80), 0, 0, 1)
+    """
 
     model: str
     parameters: tuple[Parameter, ...]

@@ -44,7 +44,7 @@ from haptisym.writing.layout import plain as in_line
 
 
 class Language(Enum):
-    """A programming language, and how its files end."""
+    """A programming language of ``scene_code`` and ``distortion_code``; its value is the ending of its files."""
 
     NUMPY = "py"
     C = "c"
