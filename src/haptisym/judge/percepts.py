@@ -73,7 +73,7 @@ class Felt(NamedTuple):
     words: str
 
 
-NOT_NAMED = "noticed (active: no property applies)"
+NOT_NAMED = "noticed (active)"
 """What is said where the imaginary part is noticed while Im H_perc < 0: the paper's model has no property for that."""
 
 _OF_IMAG = (Property.DAMPING, Property.FRICTION)

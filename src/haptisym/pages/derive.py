@@ -450,9 +450,13 @@ _HOW_SURE = "Proven: all equations, by exact algebra; haptisym.verify compares t
 
 def page(d: Derivation) -> Document:
     """The parameters, and the sections."""
-    rows = tuple((named(p.symbol.name), _meaning(p, d.scene.motion), _state(d, p)) for p in d.scene.parameters)
+    rows = tuple(
+        (named(p.symbol.name), _meaning(p, d.scene.motion), layout(p.value), _state(d, p)) for p in d.scene.parameters
+    )
     table = doc.Table(
-        (doc.Column("symbol"), doc.Column("quantity"), doc.Column("value")), rows, "The parameters, in SI units."
+        (doc.Column("symbol"), doc.Column("quantity"), doc.Column("in the scene"), doc.Column("")),
+        rows,
+        "The parameters, in SI units.",
     )
     return page_about(d.scene, (), ((table,) if rows else ()) + sections(d), (_HOW_SURE,), "Derivation", _asides(d))
 
@@ -475,7 +479,7 @@ def _meaning(p: Parameter, motion: MotionKind | None) -> str:
 
 
 def _state(d: Derivation, p: Parameter) -> Phrase:
-    return ("a symbol; ", layout(p.value), " in the scene") if p.symbol in d.kept else layout(p.value)
+    return "" if len(d.kept) in (0, len(d.scene.parameters)) else "kept" if p.symbol in d.kept else "inserted"
 
 
 def body(d: Derivation) -> dict[str, Any]:

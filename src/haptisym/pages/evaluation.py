@@ -677,7 +677,7 @@ def _friction(e: Evaluation) -> Iterator[Phrase]:
     force, source = w.near(float(x.force)), "(Veldhuis, Mulder and van Paassen, 2024: a Weber fraction and a floor)"
     if x.noticed is None or x.least is None:
         words = (
-            f"Friction of {{}} {newton} in the display has a threshold of its own {source}, which the scene does not give: "
+            f"Friction of {{}} {newton} in the display has a separate threshold {source}, which the scene does not give: "
             "{} in {}."
         )
         yield w.phrased(words, force, doc.Code('friction = { weber = ..., floor = "... N" }'), doc.Code("[evaluation]"))
@@ -698,7 +698,7 @@ def _energy(e: Evaluation) -> Iterator[Phrase]:
     if found.damping is not None and found.poles_allow:
         yield w.enough_damping(w.at_most(found.damping.value), e.scene)
     elif found.is_unbounded:
-        yield "No damping of a hand compensates this activity at all frequencies: it increases faster than frequency."
+        yield w.endless()
 
 
 # What is proven.

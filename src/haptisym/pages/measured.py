@@ -247,7 +247,7 @@ def _answer(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
         felt.setdefault((words, f" ({part})"), ends_)
     few = [(words, " at ", at, "\xa0", FREQUENCY_UNIT) for words, at in islice(felt.items(), 2)]
     yield "Felt as", listed(few) if few else "not resolved"
-    yield "Stability", "not tested: measured points do not show it"
+    yield "Stability", "not tested: it needs a model (haptisym identify fits one)"
 
 
 def _share(x: float, digits: int = 4) -> str:
@@ -264,7 +264,7 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     else:
         function = e.scene.frame.distortion().env
         form, is_rounded = readable(function, s)
-        unit = f"  {w.stiffness_unit(e.scene.frame)}"
+        unit = f" {w.stiffness_unit(e.scene.frame)}"
         yield "environment", (equation("H_env", form, relation="≈" if is_rounded else "="), unit)
     yield "perceived", measured_words(felt)
     if felt.understood:
@@ -370,10 +370,9 @@ def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
     if rows:
         caption = "What is felt at the points that exceed, where their discs show it."
         yield w.table(rows[:MOST_ROWS], caption, *_each(w.IN_UNIT, "points", "part", "felt as"))
-    if len(rows) > MOST_ROWS:
-        yield doc.Notes(
-            (f"The first {MOST_ROWS} groups of points that are felt in the same way; --json has every point.",)
-        )
+    more = f"The first {MOST_ROWS} groups of points that are felt in the same way; --json has every point."
+    active = "Active: Im H_perc < 0, where no property applies to the imaginary part."
+    yield from w.noted([*[more] * (len(rows) > MOST_ROWS), *[active] * (NOT_NAMED in (x[-1] for x in rows))])
     if not rows:
         yield doc.Paragraph("At no point do the discs show that something is noticed, and in which part.")
     yield _figure(
@@ -416,5 +415,5 @@ def _how_sure(e: MeasuredEvaluation) -> Iterator[Phrase]:
     missed = min(1.0, share * (2 if both_ else 1)) * len(e)
     yield (
         f"Estimated: each disc misses the true value with a probability of {_share(share)}, if the noise is as assumed; that is ",
-        w.near(missed), f" of {counted(len(e), 'point')}.",
+        w.near(missed, most=2), f" of {counted(len(e), 'point')}.",
     )  # fmt: skip

@@ -50,7 +50,7 @@ def _answer(found: Sensitivities) -> Iterator[tuple[Phrase, Phrase]]:
         )
     yield "Bandwidth", (both(x.omega), limit)
     same = (y for y in found.crossings if y.omega is x.omega or (x.criterion and y.criterion == x.criterion))
-    moved = [p for y in [*same][:1] for p in y.ranked if p.elasticity is not None][:_FEW]
+    moved = [p for y in [*same][:1] for p in y.ranked if p.elasticity is not None and float(p.elasticity)][:_FEW]
     if moved:
         yield "Moved most by", listed((named(p.name), " (", _signed(p.elasticity), "\xa0% per %)") for p in moved)
 
@@ -108,9 +108,9 @@ def _signed(x: RealNumber | None, unit: Expr = S.One) -> Phrase:
 
 
 def _proven(found: Sensitivities) -> Iterator[Phrase]:
-    yield "Elasticity: per cent of the frequency per per cent of the parameter."
+    yield "Elasticity: (p/", FREQUENCY, ") d", FREQUENCY, "/dp, per cent per per cent."
     if found.certified:
-        yield proof(found.scene, "derivatives by implicit differentiation of the threshold equation, all digits")
+        yield proof(found.scene, "all derivatives and all digits printed")
     else:
         yield undecided("what is marked so, at the precision limit")
         yield "Proven: all else."

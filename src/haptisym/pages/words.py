@@ -44,12 +44,12 @@ def page_about(
     proof: Iterable[Phrase],
     kind: str = "",
     asides: Iterable[str] | None = None,
-    further: Iterable[str] = (),
+    further: Sequence[str] = (),
 ) -> Document:
     """A page about a scene: the answer in a few lines, what there is besides, how sure it is, then model and source.
 
     ``kind`` : what a report calls itself. ``asides`` : remarks about the scene, by default its own. ``further`` : commands that
-    lead on.
+    lead on; one of the options that print formulas is left out where they are printed.
     """
     found = tuple(answer)
     notes = [doc.coded(x) for x in (scene.asides() if asides is None else asides)]
@@ -57,15 +57,14 @@ def page_about(
     end += [f"Source: {scene.source}"] if scene.source else []
     told: list[Block] = [doc.Facts(found, "findings")] if found else []
     told += [*blocks, doc.Notes((*proof, *notes))]
-    steps = tuple(y for x in further for y in ("; ", doc.Code(x)))[1:]
-    brief = (doc.Notes((*end, *((("Next: ", *steps),) if steps else ()))),)
-    return Document(
-        scene.title or "Untitled scene",
-        (),
-        (*told, doc.Versions(brief, lambda: [doc.Notes(tuple(end))])),
-        kind,
-        scene.frequency,
-    )
+
+    def last(commands: Iterable[str]) -> list[Block]:
+        steps = tuple(y for x in commands for y in ("; ", doc.Code(x)))[1:]
+        return [doc.Notes((*end, ("Next: ", *steps)) if steps else tuple(end))]
+
+    used = doc.Formulas(lambda: last(x for x in further if not x.startswith("--")), last(further))
+    blocks = (*told, doc.Versions((used,), lambda: last(())))
+    return Document(scene.title or "Untitled scene", (), blocks, kind, scene.frequency)
 
 
 # Sentences and tables.
@@ -304,6 +303,17 @@ def enough_damping(least: Phrase, scene: Scene) -> Phrase:
     """The damping of a hand that compensates whatever a display generates."""
     least = least, f" {unit(Dimension.DAMPING, scene.motion)}"
     return phrased("Stable in any hand with damping above {}, for any mass and stiffness.", least)
+
+
+def endless() -> Phrase:
+    """That no damping of a hand compensates what a display generates."""
+    return (
+        "No damping of a hand is enough for all masses and stiffnesses: −",
+        Prefixed(OPERATORS[Part.IMAG], H_PERC),
+        "/",
+        OMEGA,
+        " is unbounded.",
+    )
 
 
 def noted(remarks: Iterable[Phrase]) -> tuple[doc.Notes, ...]:

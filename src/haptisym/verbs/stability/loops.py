@@ -522,15 +522,15 @@ def from_infinity(loop: Loop) -> tuple[Meeting, ...]:
     delayed = [turns for turns in leading if any(turns)]
     units = {i for turns in delayed for i, n in enumerate(turns) if n}
     if len(units) > 1 and any(loop.symbol in loop.ring.lags[i].free_symbols for i in units):
-        raise UndecidedError("where a chain of roots comes to the axis, as delays meet that are no multiples of one")
+        raise UndecidedError("where a chain of roots comes to the axis: its delays are no multiples of one")
     if not any(any(row[1:]) for row in leading.values()):
         return ()
     if loop.low is None and any(any(row[2:]) for row in leading.values()):
-        raise UndecidedError("where a chain of roots comes to the axis, of a number that may be negative")
+        raise UndecidedError("where a chain of roots comes to the axis: the parameter may be negative")
     if _is_product(leading):
         return tuple(Meeting(x, None) for x in zeros(next(iter(leading.values()))))
     if len(delayed) > (1 if len(units) == 1 else _MOST_DELAYED):
-        raise UndecidedError("where a chain of roots comes to the axis, as delays meet in the highest power of s")
+        raise UndecidedError("where a chain of roots comes to the axis: several delays are in the highest power of s")
     own = leading.get((0,) * len(loop.ring.lags), [Integer(0)])
     found = list[RealNumber]()
     for signs in product((1, -1), repeat=len(delayed)):  # |own| = sum of |delayed|, whatever their signs are

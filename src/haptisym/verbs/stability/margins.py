@@ -29,7 +29,7 @@ from haptisym.kernel.dynamics import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.enclosures import over_circle
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.reals import Ball, RealNumber
+from haptisym.kernel.reals import Ball, RealNumber, Way, printed
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import chart
 from haptisym.kernel.sampledloop import SampledLoop
@@ -41,6 +41,7 @@ from haptisym.verbs.stability.loops import Loop, minus
 from haptisym.verbs.stability.sampled import Opened, Walk, loop_of, series_alone
 
 _MOST_GAIN, _MOST_DELAY = 1000, 1000
+_NONE = "no limit found within it"
 _FACTOR = series("g_margin", parameters={"g_margin": 1}, name="margin-of-gain")
 _LATE = delayed(0, name="margin-of-delay")
 
@@ -161,7 +162,7 @@ def _phase(scene: Scene, hand: Hand) -> Limit | None:
     condition = minus(squared_modulus(ratio).function, Integer(1))
     settled = asymptotic_sign(condition)
     if settled.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
-        raise UndecidedError("where the loop has a gain of 1, as that may be at ever higher frequencies")
+        raise UndecidedError("where the loop has a gain of 1: it may be at ever higher frequencies")
     table = chart({"": RealFunction(condition.reduced())}, Integer(0), max(settled.radius, Integer(1)))
     if any("" in x.undecided for x in table.points):
         raise UndecidedError("whether the loop comes to a gain of 1")
@@ -212,8 +213,11 @@ def _gain_by_clock(scene: Scene, hand: Hand) -> tuple[Limit | None, Limit | None
 
 def _passed(walk: Walk, side: int) -> Limit | None:
     passage, known = walk.towards(side)
+    way = Way.DOWN if side > 0 else Way.UP
     if passage is None and (walk.ends[side > 0] - known) * side > 0:
-        raise UndecidedError(f"beyond {float(known):.4g}, where the search ended")
+        raise UndecidedError(
+            f"searched {'up' if side > 0 else 'down'} to a factor of {printed(known, 4, way)}, {_NONE}"
+        )
     return None if passage is None else Limit(passage.value, passage.omega)
 
 
@@ -222,7 +226,7 @@ def _delay_by_clock(scene: Scene, hand: Hand) -> Limit | None:
     if loop is None:
         return None
     if not loop.T.is_Rational:
-        raise UndecidedError("how much delay is allowed beside a period that is no rational number")
+        raise UndecidedError("how much delay is allowed: the sampling period is no rational number")
     late = Symbol("tau_margin", positive=True)
     plant = replace(loop.plant, terms=tuple((lag + late, row) for lag, row in loop.plant.terms))
     return _Later(Opened(replace(loop, plant=plant), late), Fraction(int(loop.T.p), int(loop.T.q))).first()
@@ -249,17 +253,18 @@ class _Later:
         known = [(d, (a, b), part[0]) for part in parts for d, a, b in self._allowed(*part, _COARSE, [(0.0, _PI)])]
         least = min((d for d, _, _ in known), default=most)
         if _DEEPEST < least < most:
-            raise UndecidedError(
-                f"how much delay is allowed beyond {float(self.T * least):.4g} s, up to which none makes it shake"
-            )
+            raise self._searched(least)
         for d in range(least, min(most, least + _MORE)):
             for loop, low, high in pieces:
                 phis = [*dict.fromkeys(phi for _, phi, own in known if own is loop)]
                 if (found := self._in(loop, low, high, d, phis)) is not None:
                     return found
         if least < most:
-            raise UndecidedError(f"how much delay is allowed beyond {float(self.T * (least + _MORE)):.4g} s")
+            raise self._searched(least + _MORE)
         return None
+
+    def _searched(self, samples: int) -> UndecidedError:
+        return UndecidedError(f"searched up to {printed(1000 * self.T * samples, 4, Way.DOWN)} ms, {_NONE}")
 
     def _pieces(self) -> Iterator[tuple[Opened, Fraction, Fraction]]:
         """Of one period those within which all delays keep their whole samples."""
