@@ -14,13 +14,12 @@ from haptisym.pages.words import (
     Field,
     both,
     caveats,
+    limits,
     near,
     noted,
     number,
     page_about,
-    percent,
     proof,
-    region,
     spans,
     table,
     undecided,
@@ -133,12 +132,8 @@ def _plain(x: RealNumber | int | None) -> Phrase:
 
 def jnd_verdict(m: Metrics | ControlLoading) -> Phrase:
     """What the JND evaluation says, in a line."""
-    c, found = m.scene.threshold, m.evaluation.transparent
-    if not c.is_plain:
-        return "transparent ", spans(found) if found else "nowhere on the band", " (", region(c), ")"
-    limits = percent(c.real) if c.real == c.imag else f"{percent(c.real)} and {percent(c.imag)}"
-    where: Phrase = spans(found) if found else "nowhere on the band"
-    return "transparent ", where, " (", named("c"), f" = {limits})"
+    found = m.evaluation.transparent
+    return "transparent ", spans(found) if found else "nowhere on the band", "; JND ", limits(m.scene.threshold)
 
 
 _DESCRIBED = "relative distortion", "impedance range", "sensitivity", "effective impedance"

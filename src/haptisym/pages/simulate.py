@@ -58,7 +58,6 @@ def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
     length, force = (unit(x, first.scene.motion) for x in (Dimension.DISPLACEMENT, Dimension.FORCE))
     kind = first.motion.name + (f", {len(runs)} runs" if len(runs) > 1 else "")
     most = max(float(abs(run.force).max()) for run in runs)
-    yield "simulated", ", ".join(first.built)
     yield "motion", (f"{kind}, up to ", near(first.motion.amplitude), f" {length}")
     yield "time", ("0 to ", near(max(float(run.time[-1]) for run in runs)), " s")
     yield "force", ("up to ", near(most), f" {force} at the hand")
@@ -80,10 +79,11 @@ def _table(runs: Sequence[Simulation]) -> Iterator[Block]:
     if rows:
         heading = H_PERC, f" recovered from the force, {stiffness_unit(runs[0].scene)}"
         caption = (*heading, "; its distance from the closed form, and the error of the simulation, estimated.")
+        agrees = Field("agrees", lambda x: _AGREES[x.agrees])
         shown = table(
-            rows, caption, hertz(lambda x: cell(x.omega)), number("Re simulated", lambda x: near(x.simulated.real)),
-            number("Im simulated", lambda x: near(x.simulated.imag)), number("difference", lambda x: near(x.difference, most=2)),
-            number("error", lambda x: near(x.error, most=2)), Field("agrees", lambda x: _AGREES[x.agrees]),
+            rows, caption, hertz(lambda x: cell(x.omega)), number("Re", lambda x: near(x.simulated.real)),
+            number("Im", lambda x: near(x.simulated.imag)), number("difference", lambda x: near(x.difference, most=2)),
+            number("estimated error", lambda x: near(x.error, most=2)), *[agrees] * (not all(x.agrees for x in rows)),
         )  # fmt: skip
         yield doc.Section(heading, (shown,))
 
@@ -100,7 +100,8 @@ def _verdict(runs: Sequence[Simulation]) -> Phrase:
     wrong = [cell(x.omega) for x in rows if not x.agrees]
     if wrong:
         return Strong("disagrees"), " with the simulation at ", listed(wrong), "\xa0", FREQUENCY_UNIT
-    return "agrees with the simulation at every frequency, within its estimated error"
+    where = f" at all {len(rows)} frequencies" if len(rows) > 1 else ""
+    return f"agrees with the simulation{where}, within its estimated error"
 
 
 # A release: what was let go, how the motion went on, and what the closed form gives for it.
@@ -109,7 +110,8 @@ def _verdict(runs: Sequence[Simulation]) -> Phrase:
 def page_release(r: Release) -> Document:
     """The whole page."""
     shown = "Motion after the hand lets go, and the envelope of the rightmost pole in closed form."
-    blocks = *_table_release(r), *noted(_remarks(r)), doc.Facts(tuple(_run(r))), doc.Figure("release", shown, r.figure)
+    chain = [_chain(r.closed)] if r.closed is not None and r.is_envelope else []
+    blocks = *_table_release(r), *noted(chain), doc.Facts(tuple(_run(r))), doc.Figure("release", shown, r.figure)
     return page_about(r.scene, _answer(r), blocks, (_how_sure(r),), "Release test", r.asides())
 
 
@@ -134,10 +136,10 @@ def _rattle(r: Release) -> Phrase:
 def _run(r: Release) -> Iterator[tuple[str, Phrase]]:
     motion = r.scene.motion
     numbers = listed((f"{p.key} = ", near(p.value, unit=p.shown_unit(motion))) for p in r.hand.parameters)
-    yield "simulated", ", ".join(r.built)
     yield "hand", (f"{r.hand.name}: ", numbers)
     yield "displaced by", (near(r.displacement), f" {r.unit}, at rest, then let go")
     yield "time", ("0 to ", near(float(r.time[-1])), f" s{f' ({r.stopped})' if r.stopped else ''}")
+    yield "poles", "those of the sampled loop" if clocks(r.scene) else ("zeros of ", H_PERC, " + m s^2 + b s + k")
 
 
 def _table_release(r: Release) -> Iterator[Block]:
@@ -156,13 +158,6 @@ def _table_release(r: Release) -> Iterator[Block]:
             rows, caption, Field("slowest decay", lambda x: x[0]), number("rate (1/s)", lambda x: x[1]), hertz(lambda x: x[2]),
             Field("error", lambda x: x[3]),
         )  # fmt: skip
-
-
-def _remarks(r: Release) -> Iterator[Phrase]:
-    if r.closed is not None and r.is_envelope:
-        yield _chain(r.closed)
-    loop: Phrase = "the sampled loop" if clocks(r.scene) else (H_PERC, " + m s^2 + b s + k")
-    yield "Closed form: ", loop, "."
 
 
 def _held(r: Release) -> Phrase:

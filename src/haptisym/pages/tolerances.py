@@ -174,11 +174,11 @@ def _quantiles(a: Tolerances) -> Iterator[Block]:
     if not a.samples:
         return
     q = quantiles(a.samples)
-    rows = (("first crossing", q.first), ("bandwidth", q.bandwidth))
+    rows = [("first crossing", q.first), ("bandwidth", q.bandwidth)][q.first == q.bandwidth :]
     levels = (w.number(f"{p}\xa0%", lambda x, p=p: "none" if x[1][p] is None else w.cell(x[1][p])) for p in LEVELS)  # type: ignore[misc]
     shown = w.table(rows, "Quantiles, estimated.", w.Field(FREQUENCY_UNIT, lambda x: x[0]), *levels)
     title = f"Estimated: quantiles over {len(a.samples)} random sets of values (uniform, seed {a.seed})"
-    share = doc.Paragraph(f"Of these sets {q.transparent} are transparent on the whole band.")
+    share = doc.Paragraph(f"Transparent on the whole band: {q.transparent or 'none'} of these sets.")
     yield doc.Section(title, (shown, share))
 
 

@@ -127,7 +127,7 @@ def _ratio(m: Measured) -> Metric:
 
 def _beside_bandwidth(m: Measured, edges: list[Point]) -> str:
     """The first edge against the JND's."""
-    first, bandwidth = f"first edge at {short(edges[0].omega)} rad/s", m.evaluation.bandwidth
+    first, bandwidth = f"first 3 dB edge at {short(edges[0].omega)} rad/s", m.evaluation.bandwidth
     if bandwidth is None or float(bandwidth) == 0:
         return f"{first}; the JND test finds no transparent band that begins at the band's low end"
     if bandwidth is m.evaluation.chart.points[-1].omega:
