@@ -49,7 +49,9 @@ def _measured_on(machine: Mapping[str, str]) -> str:
 
 def _table(found: Cost, task: str) -> Block:
     size = found.condition.get(task)
-    condition = "" if size is None else f" (condition number {'infinite: a tangency' if isinf(size) else f'{size:.2g}'})"
+    condition = (
+        "" if size is None else f" (condition number {'infinite: a tangency' if isinf(size) else f'{size:.2g}'})"
+    )
     shown = table(
         found.task(task), (_TASKS[task], "."), Field("method", lambda x: x.method),
         number("correct digits", lambda x: Number(f"{x.digits:.{int(x.digits < 20)}f}", x.digits)),

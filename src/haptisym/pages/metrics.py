@@ -133,7 +133,7 @@ def _plain(x: RealNumber | int | None) -> Phrase:
 def jnd_verdict(m: Metrics | ControlLoading) -> Phrase:
     """What the JND evaluation says, in a line."""
     found = m.evaluation.transparent
-    return "transparent ", spans(found) if found else "nowhere on the band", "; JND ", limits(m.scene.threshold)
+    return "transparent ", spans(found) if found else "nowhere on the band", " (", limits(m.scene.threshold), ")"
 
 
 _DESCRIBED = "relative distortion", "impedance range", "sensitivity", "effective impedance"

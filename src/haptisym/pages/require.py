@@ -21,6 +21,7 @@ from haptisym.pages import words as w
 from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.feasible import IN_HANDS, STABLE, Binding, End, Kind, Span
 from haptisym.verbs.require.freeparameter import searched
+from haptisym.verbs.require.nearest import Nearest
 from haptisym.verbs.require.required import Requirement, is_quick, require
 from haptisym.writing import document as doc
 from haptisym.writing.document import Block, Document, Phrase, Strong, listed
@@ -68,8 +69,8 @@ def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
     )
     yield what[0].upper() + what[1:], (known, now)
     limits = list(dict.fromkeys(x for end in r.ends if end.value for x in _bindings(end, r)))
-    if limits:
-        yield "Limited by", listed(limits) if len(limits) <= _MOST_LIMITS else "see the table"
+    if limits and not _rows(r):
+        yield "Limited by", listed(limits)
     yield "Range searched", _range(r)
 
 
@@ -87,7 +88,7 @@ def _bare(x: doc.Real) -> doc.Real:
 
 def _bindings(end: End, r: Requirement) -> Iterator[Phrase]:
     for b in end.bindings:
-        yield _part(b), ", ", _where(b, r)
+        yield _part(b), ", " if b.kind is Kind.AXIS else " at ", _where(b, r)
 
 
 def sets(r: Requirement) -> Phrase:
@@ -120,34 +121,35 @@ def _below(end: End) -> str:
 
 
 def _nearest(r: Requirement) -> Iterator[Block]:
-    """Where no value satisfies it: the nearest one found, what limits it, and what was proven about all others."""
+    """Where no value satisfies it: the nearest one found, and what limits it."""
     if r.alone:
         others = ", some others undecided"
         alone = ((required(x.criteria), " for ", sets(x), others if x.undecided else "") for x in r.alone)
         yield doc.Paragraph(("Each by itself: ", listed(alone), "."))
-    x = next((y.nearest for y in r.alone if y.nearest), r.nearest)
+    x = _near(r)
     if x is None:
         return
-    least: Phrase = "How near other values come is not proven."
-    if x.at_least > 1:
-        words = "Proven: no value in the range keeps all ratios below {} times their thresholds."
-        least = w.phrased(words, w.at_least(x.at_least))
+    least = "" if x.at_least > 1 else " How near other values come is not proven."
     value, reached = w.value_of(r.free, float(x.value), Way.NEAREST), w.near(100 * float(x.ratio))
     yield doc.Paragraph(w.phrased(
-        "Nearest of those tried: {} = {}, where {} reaches {}\xa0% at {}, {} times its threshold. {}", named(r.free.symbol.name),
+        "Nearest of those tried: {} = {}, where {} reaches {}\xa0% at {}, {} times its threshold.{}", named(r.free.symbol.name),
         value, _part(x.binding), reached, _where(x.binding, r), w.near(x.times), least,
     ))  # fmt: skip
 
 
-def _ends(r: Requirement) -> Iterator[Block]:
+def _near(r: Requirement) -> Nearest | None:
+    return next((y.nearest for y in r.alone if y.nearest), r.nearest)
+
+
+def _rows(r: Requirement) -> list[tuple[Phrase, ...]]:
     """What limits at each end, where that is more than the answer has room for."""
-    rows = dict.fromkeys(
-        (w.value_of(r.free, x.value, Way.NEAREST), _part(b), _where(b, r))
-        for x in r.ends
-        for b in x.bindings
-        if x.value
-    )
-    if len(rows) > _MOST_LIMITS:
+    ends = ((x.value, b) for x in r.ends for b in x.bindings if x.value)
+    rows = dict.fromkeys((w.value_of(r.free, x, Way.NEAREST), _part(b), _where(b, r)) for x, b in ends)
+    return [*rows] if len(rows) > _MOST_LIMITS else []
+
+
+def _ends(r: Requirement) -> Iterator[Block]:
+    if rows := _rows(r):
         yield w.table(
             rows, "What limits the values at each end, proven.", w.number(named(r.free.symbol.name), lambda x: x[0]),
             w.Field("limited by", lambda x: x[1]), w.Field("at", lambda x: x[2]),
@@ -173,7 +175,10 @@ def _where(b: Binding, r: Requirement) -> Phrase:
     if b.kind is Kind.AXIS and b.criterion.name in IN_HANDS and clocks(r.scene):
         place = "poles on the unit circle"
     joined = " at " if b.kind is Kind.AXIS else ", "
-    return place, "" if b.omega is None else (joined, w.both(b.omega))
+    return place, "" if b.omega is None or (b.criterion.name == "passive" and not float(b.omega)) else (
+        joined,
+        w.both(b.omega),
+    )
 
 
 def _formulas(r: Requirement) -> Iterator[Block]:
@@ -204,7 +209,12 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
     if r.feasible:
         yield w.proof(r.scene, (what, " for every value in this set and for no other in the range", bounds))
     else:
-        yield w.proof(r.scene, ("no value in the range is ", what))
+        x = _near(r)
+        least = w.phrased(_LEAST, w.at_least(x.at_least)) if x and x.at_least > 1 else ""
+        yield w.proof(r.scene, ("no value in the range is ", what, least))
+
+
+_LEAST = ", and none keeps all ratios below {} times their thresholds"
 
 
 def _limit(r: Requirement, x: RealNumber | None, end: Expr, way: Way) -> Phrase:
