@@ -28,7 +28,7 @@ from haptisym.kernel.roots import chart, ordered, sign_of_number
 from haptisym.model.catalogue import BACK, CLOCKS, SAMPLED_LOOP, Device, Effect, controller, device
 from haptisym.model.scene import Scene
 
-_FORCE = "the sampled force is made in continuous time from more than the position at that instant"
+_FORCE = "the sampled force depends on more than the sampled position"
 _TEN = "something other than mass, spring and damper lies between sampler and hand"
 
 

@@ -198,7 +198,9 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
     what = required(r.criteria)
     if r.undecided:
         first, last = searched(r.free, r.domain)
-        where = listed((_bare(_limit(r, a, first, Way.DOWN)), " to ", _limit(r, b, last, Way.UP)) for a, b in r.undecided)
+        where = listed(
+            (_bare(_limit(r, a, first, Way.DOWN)), " to ", _limit(r, b, last, Way.UP)) for a, b in r.undecided
+        )
         why = f"; stopped after {r.limit:g} s" if r.limit is not None else ""
         yield w.undecided((named(r.free.symbol.name), " from ", where, why, f": {r.reason}" if r.reason else ""))
         if not _is_all(r):

@@ -311,7 +311,7 @@ def _alone(search: _Search, cells: Sequence[_Cell]) -> set[Rational]:
 
 
 _TOO_NEAR = "passivity: Im H_perc comes too near to 0 somewhere for cells to decide"
-_LEFT = "passivity: the sign of Im H_perc is not shown for values so near to each other, or so far from the scene's"
+_LEFT = "passivity: the sign of Im H_perc is not proven there"
 
 
 def _window(free: Knob, asked: Domain, openings: Sequence[RealNumber]) -> tuple[Rational, Rational]:

@@ -62,7 +62,7 @@ def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring, *, rests: bool = F
     ``rests`` : whether none but one at 0 can lie there.
     """
     if top.is_zero():
-        raise UndecidedError("the roots of what resists no motion at all")
+        raise UndecidedError("the roots of a loop whose force is zero for any motion")
     need_roots(top, ring)
     found = count_roots(top, ring, rests=rests)
     order = order_at_0(top, ring)
@@ -76,9 +76,7 @@ def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring, *, rests: bool = F
 def need_roots(top: Polynomial, ring: Ring) -> None:
     """UndecidedError for a function that is none of s alone: with j among its numbers."""
     if I in ring.generators and degree_in([top], len(ring.meanings) - 1):
-        raise UndecidedError(
-            "sliding friction stands as a describing function of one amplitude, which has no roots in s"
-        )
+        raise UndecidedError("sliding friction is a describing function of one amplitude, which has no roots in s")
 
 
 @dataclass(frozen=True, repr=False)

@@ -131,7 +131,7 @@ def plant_of(G: RationalFunction, ring: Ring) -> Plant:
         for turns, row in _by_delay(ring, G.numerator).items()
     ]
     if any(lag.could_extract_minus_sign() for lag, _ in terms):
-        raise UndecidedError("the roots of a loop that would need the future")
+        raise UndecidedError("the roots of a loop that is not causal")
     try:
         return Plant(bottom, tuple(terms))
     except SceneError as error:
