@@ -264,7 +264,7 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     else:
         function = e.scene.frame.distortion().env
         form, is_rounded = readable(function, s)
-        unit = f" {w.stiffness_unit(e.scene.frame)}"
+        unit = f"\xa0{w.stiffness_unit(e.scene.frame)}"
         yield "environment", (equation("H_env", form, relation="≈" if is_rounded else "="), unit)
     yield "perceived", measured_words(felt)
     if felt.understood:

@@ -127,7 +127,7 @@ def model_words(scene: Scene | SceneFamily | MeasuredScene) -> Iterator[Phrase]:
         form = equation("H_env", rounded_, relation="=" if rounded_ == environment.H else "≈")
         is_long = len(text(form)) > _LONGEST
         rendered = f"; rendered: {scene.rendered.model}" if scene.rendered else ""
-        yield (environment.model if is_long else (form, f" {stiffness_unit(scene)}")), f"{rendered}; ", _effects(scene)
+        yield (environment.model if is_long else (form, f"\xa0{stiffness_unit(scene)}")), f"{rendered}; ", _effects(scene)
 
 
 def _effects(scene: Scene) -> str:
