@@ -83,13 +83,8 @@ def worst_case(w: FamilyEvaluation) -> Figure:
     first, *others = (worst(w, i, shared=shared) for i in range(count))
     ends = dict.fromkeys(x.omega for x in w.binding)
     above = Above([(float(x), first.x.digits(x, 4)) for x in ends])
-    quiet = [_unnamed(chart) for chart in others]
+    quiet = [replace(chart, layers=[replace(x, label="") for x in chart.layers]) for chart in others]
     return sheet(Chart([*first.layers, above], first.x, first.y, first.height), *quiet)
-
-
-def _unnamed(chart: Chart) -> Chart:
-    """The same without entries of the legend."""
-    return replace(chart, layers=[replace(x, label="") for x in chart.layers])
 
 
 def regions(w: FamilyEvaluation) -> Chart:

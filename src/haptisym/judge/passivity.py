@@ -29,7 +29,7 @@ from haptisym.judge.crossings import PASSIVE
 from haptisym.judge.peaks import Greatest, greatest
 from haptisym.kernel.asymptoticsign import AsymptoticSign, Sense, asymptotic_sign
 from haptisym.kernel.budget import limited
-from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis
+from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, omega, s
@@ -135,19 +135,14 @@ def poles_allow(F: RationalFunction) -> bool | None:
 def has_no_pole_right(f: RationalFunction) -> bool | None:
     """Whether a function in lowest terms has no pole in Re s > 0; None where not decided."""
     try:
-        found = count_roots(f.denominator, _ring(f))
+        found = count_roots(f.denominator, ring_of(f))
     except UndecidedError:
         return None
     return None if found.right is None else found.right == 0
 
 
-def _ring(f: RationalFunction) -> Ring:
-    assert isinstance(f.ring, Ring)
-    return f.ring
-
-
 def _allowed(F: RationalFunction, response: Response) -> bool:
-    ring = _ring(F)
+    ring = ring_of(F)
     if order_at_0(F.denominator, ring) > order_at_0(F.numerator, ring) or not _allowed_far_out(response):
         return False
     found = count_roots(F.denominator, ring)

@@ -41,7 +41,7 @@ from sympy import (
 )
 
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
-from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis
+from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of
 from haptisym.kernel.errors import SceneError, quoted
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, omega, s
@@ -490,7 +490,7 @@ def asymptote(difference: RationalFunction, at: Any) -> Asymptote:
     """The leading terms at 0 or oo."""
     if at not in (0, oo):
         raise SceneError(f"at: {quoted(at)}: give 0 or oo")
-    if at == oo and _ring(difference).lags:
+    if at == oo and ring_of(difference).lags:
         raise SceneError("at = oo: with a delay there is no leading term")
     if difference.is_zero:
         return Asymptote(Integer(0), Integer(0), Integer(0))
@@ -529,7 +529,7 @@ def _expansion(dynamics: RationalFunction, at: Any) -> Iterator[tuple[int, Expr]
 
     SceneError for what is not rational in s but for delays.
     """
-    ring = _ring(dynamics)
+    ring = ring_of(dynamics)
     if ring.orders:
         raise SceneError("a display with fractional powers of s has no leading term")
     rows = [_Coefficients(p, ring, at == oo) for p in (dynamics.numerator, dynamics.denominator)]
@@ -598,8 +598,3 @@ class _Coefficients:
                 late = (-lag) ** (n - power) / factorial(n - power)
                 total.append(Mul(Rational(int(value.p), int(value.q)), pi ** own[1], *factors, late))
         return Add(*total).expand()
-
-
-def _ring(dynamics: RationalFunction) -> Ring:
-    assert isinstance(dynamics.ring, Ring)
-    return dynamics.ring

@@ -7,9 +7,8 @@ from collections.abc import Iterator
 from sympy import Expr
 
 from haptisym.kernel.reals import Printable, Way
-from haptisym.model.quantities import Unit
 from haptisym.model.scene import Knob
-from haptisym.pages.words import both, cell, page_about, proof, undecided, value_of
+from haptisym.pages.words import bare, both, cell, page_about, proof, undecided, value_of
 from haptisym.verbs.design.attained import PASSIVE
 from haptisym.verbs.design.entry import Design
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Column, Document, Figure, Phrase, Real, Table, listed
@@ -80,7 +79,7 @@ def _blocks(a: Design) -> Iterator[Block]:
         columns = (
             Column("All values off by at most"),
             Column(("Bandwidth, ", FREQUENCY_UNIT), number=True),
-            *_kept_column(a),
+            *[Column(("Kept: ", listed(a.keep)))] * bool(a.keep),
         )
         rows = [
             (_percent(x.relative), ("at least ", cell(x.bandwidth, Way.DOWN)), *((_KEPT[x.kept],) if a.keep else ()))
@@ -94,10 +93,6 @@ def _blocks(a: Design) -> Iterator[Block]:
             else "The bandwidth over both parameters."
         )
         yield Figure("design", words, a.figure)
-
-
-def _kept_column(a: Design) -> tuple[Column, ...]:
-    return (Column(("Kept: ", listed(a.keep))),) if a.keep else ()
 
 
 _KEPT = {True: "yes", False: "not by all", None: "not proven"}
@@ -135,5 +130,4 @@ def _why(a: Design) -> str:
 
 
 def _range(x: Knob, low: Printable, high: Printable, down: Way, up: Way) -> Phrase:
-    unit = x.shown_unit(x.motion)
-    return named(x.name), " from ", Real(low, down, unit=Unit("", unit.size)), " to ", Real(high, up, unit=unit)
+    return named(x.name), " from ", bare(value_of(x, low, down)), " to ", value_of(x, high, up)

@@ -13,7 +13,7 @@ from haptisym.judge.percepts import NOT_NAMED, felt_words
 from haptisym.kernel.objects import counted
 from haptisym.kernel.rings import s
 from haptisym.model.jnd import Part
-from haptisym.model.measured import Measurement, Slope, Welch, coherence_for
+from haptisym.model.measured import Measurement, Welch, coherence_for
 from haptisym.model.quantities import unit_text
 from haptisym.pages import words as w
 from haptisym.verbs.measured.entry import Between, MeasuredEvaluation, Share, Stretches
@@ -141,26 +141,17 @@ _LONGEST = 12
 _OF = {"perceived": "", "environment": " of the environment"}
 
 
-def slope_words(x: Slope) -> str:
-    """``|dH/dω| at most 40 N·s/m``."""
-    bound = f"{x.bound:.6g} {unit_text(x.unit)}"
-    return f"|dH/dω| at most {bound}{' times |H|' if x.relative else ''}"
-
-
 def stated(e: MeasuredEvaluation) -> str:
-    """All bounds that were stated."""
-    return "; ".join(f"{slope_words(x)}{_OF[key]}" for key, x in e.scene.slopes.items())
+    """All bounds that were stated: ``|dH/dω| at most 40 N·s/m``."""
+    bounds = (
+        (f"{x.bound:.6g} {unit_text(x.unit)}{' times |H|' * x.relative}", key) for key, x in e.scene.slopes.items()
+    )
+    return "; ".join(f"|dH/dω| at most {bound}{_OF[key]}" for bound, key in bounds)
 
 
-def between_section(e: MeasuredEvaluation) -> Iterator[doc.Section]:
-    """A section, where a bound was stated."""
-    if e.between is not None:
-        yield doc.Section(
-            "Between frequency points, by the bound on the slope", tuple(_blocks(e, e.between)), "between"
-        )
-
-
-def _blocks(e: MeasuredEvaluation, found: Between) -> Iterator[Block]:
+def _blocks(e: MeasuredEvaluation, found: Between | None) -> Iterator[Block]:
+    if found is None:
+        return
     words = (
         "With {} the disc of each point extends to its neighbours, larger by as much as the bound allows; half-way its radius is "
         "at most {}\xa0% of |H_env|."
@@ -225,7 +216,7 @@ def page(e: MeasuredEvaluation) -> Document:
     blocks: tuple[Block, ...] = (
         doc.Facts(tuple(_about(e))),
         doc.Section("Step 1: where a hand notices", tuple(_step_1(e)), "step-1"),
-        *between_section(e),
+        doc.Section("Between frequency points, by the bound on the slope", tuple(_blocks(e, e.between)), "between"),
         doc.Section("Step 2: perceived change", tuple(_step_2(e)), "step-2"),
     )
     return w.page_about(e.scene, _answer(e), blocks, _how_sure(e), "Two-step evaluation of a measured display")

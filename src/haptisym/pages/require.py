@@ -6,7 +6,6 @@ Of a map of two parameters: its exact slices, what is proven between them, and w
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from math import ceil
 
 from sympy import Expr
@@ -15,7 +14,6 @@ from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, Way, in_unit
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import Unit
 from haptisym.model.scene import THRESHOLD, Knob, clocks
 from haptisym.pages import words as w
 from haptisym.verbs.require.designmap import DesignMap
@@ -78,12 +76,7 @@ def _range(r: Requirement) -> Phrase:
     """From where to where values are searched, with 0 where the model allows it."""
     low, high = searched(r.free, r.domain)
     zero = "0 and " if r.domain.low == 0 and r.domain.holds_low else ""
-    return zero, _bare(w.value_of(r.free, low, Way.NEAREST)), " to ", w.value_of(r.free, high, Way.NEAREST)
-
-
-def _bare(x: doc.Real) -> doc.Real:
-    """A number without the name of its unit, which follows."""
-    return replace(x, unit=Unit("", x.unit.size))
+    return zero, w.bare(w.value_of(r.free, low, Way.NEAREST)), " to ", w.value_of(r.free, high, Way.NEAREST)
 
 
 def _bindings(end: End, r: Requirement) -> Iterator[Phrase]:
@@ -112,7 +105,7 @@ def _span(x: Span, free: Knob) -> Phrase:
     most = None if high is None else w.value_of(free, high, Way.DOWN)
     if least is not None and most is None:
         return name, " ≥ " if x.low.closed else " > ", least
-    left = () if least is None else (_bare(least), _below(x.low))
+    left = () if least is None else (w.bare(least), _below(x.low))
     return left, name, _below(x.high), most or ""
 
 
@@ -199,7 +192,7 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
     if r.undecided:
         first, last = searched(r.free, r.domain)
         where = listed(
-            (_bare(_limit(r, a, first, Way.DOWN)), " to ", _limit(r, b, last, Way.UP)) for a, b in r.undecided
+            (w.bare(_limit(r, a, first, Way.DOWN)), " to ", _limit(r, b, last, Way.UP)) for a, b in r.undecided
         )
         why = f"; stopped after {r.limit:g} s" if r.limit is not None else ""
         yield w.undecided((named(r.free.symbol.name), " from ", where, why, f": {r.reason}" if r.reason else ""))

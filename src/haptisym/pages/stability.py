@@ -10,7 +10,7 @@ from sympy import Expr, Integer, Rational, exp
 
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity
-from haptisym.kernel.reals import ExactNumber, Printable, Way, in_unit
+from haptisym.kernel.reals import ExactNumber, Way, in_unit
 from haptisym.kernel.rootcount import RootChain
 from haptisym.model.catalogue import Hand, hands
 from haptisym.model.jnd import Part
@@ -21,7 +21,7 @@ from haptisym.pages.evaluation import not_looked_at
 from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.entry import Stability, has_plane
 from haptisym.verbs.stability.held import Box, Held, Share
-from haptisym.verbs.stability.margins import Limit, Margins
+from haptisym.verbs.stability.margins import MOST_DELAY, MOST_GAIN, Limit, Margins
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
@@ -206,10 +206,7 @@ def _limits(found: Stability) -> Iterator[Block]:
         kept = "stable" if x.stable or x.shakes is False else "unstable"
         for rows, words in (
             ([row for row in none if not row.found], f"{kept} for all values searched of "),
-            (
-                [row for row in none if row.found],
-                "stays unstable past the nearest pole crossing of ",
-            ),
+            ([row for row in none if row.found], "stays unstable past the nearest pole crossing of "),
         ):
             names = listed(_name(found.scene.knobs[row.path]) for row in rows)
             notes += [(f"{x.hand.name}: {words}", names, _searched(found, rows), ".")] if rows else []
@@ -219,8 +216,8 @@ def _limits(found: Stability) -> Iterator[Block]:
     limits = w.table(
         lines, "The nearest values, either way, at which stability changes, and the frequency of the pole there.",
         w.Field("hand", lambda x: x[0]), w.Field("parameter", lambda x: _name_and_unit(x[1])),
-        w.Field("is", lambda x: _number(x[1], ExactNumber(x[1].value), Way.NEAREST)), w.Field("stable for", lambda x: x[2][0]),
-        w.Field(("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: x[2][1]),
+        w.Field("is", lambda x: w.bare(w.value_of(x[1], ExactNumber(x[1].value), Way.NEAREST))),
+        w.Field("stable for", lambda x: x[2][0]), w.Field(("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: x[2][1]),
     )  # fmt: skip
     if lines or notes:
         blocks = (limits,) if lines else ()
@@ -269,11 +266,12 @@ def _margins(found: Stability) -> Iterator[Block]:
                 w.Field("dB", sides(lambda x, way: doc.Real(20 * log10(float(x.value)), way, most=3))),
                 w.number("more delay (ms)", one("delay", lambda x: x.delay, Rational(1, 1000))), *phase,
             ),
-            *w.noted(map(w.undecided, _open_margins(rows))),
+            *w.noted([_SEARCHED, *map(w.undecided, _open_margins(rows))]),
         ),
     )  # fmt: skip
 
 
+_SEARCHED = f"Searched: factors from 0.001 to {MOST_GAIN}, delays up to {MOST_DELAY} s; any: no limit in that range."
 _MARGINS = {"gain": "factor", "delay": "more delay", "phase_deg": "phase"}
 
 
@@ -303,7 +301,7 @@ def _searched(found: Stability, rows: Sequence[Nearest]) -> Phrase:
 
 
 def _range(knob: Knob, low: Fraction | None, high: Fraction | None) -> Phrase:
-    first: Phrase = (" from ", w.value_of(knob, low, Way.UP)) if low else ""
+    first: Phrase = (" from ", w.bare(w.value_of(knob, low, Way.UP))) if low else ""
     return (first, " up to ", w.value_of(knob, high, Way.DOWN)) if high is not None else (first, "")
 
 
@@ -314,19 +312,14 @@ def _stable_for(found: Stability, row: Nearest) -> tuple[Phrase, Phrase] | None:
     low, high = sides.get("above"), sides.get("below")
     if low is None and high is None:
         return None
-    least = low and _number(knob, low.value, Way.UP)
-    most = high and _number(knob, high.value, Way.DOWN)
+    least = low and w.bare(w.value_of(knob, low.value, Way.UP))
+    most = high and w.bare(w.value_of(knob, high.value, Way.DOWN))
     places = listed(_place(y) for y in (low, high) if y)
     if low and high:
         if float(low.value) < float(high.value):
             return (least or "", " to ", most or ""), places
         return ("< ", most or "", " or > ", least or ""), listed((_place(high), _place(low)))
     return ("> ", least or "") if low else ("< ", most or ""), places
-
-
-def _number(knob: Knob, x: Printable, way: Way) -> doc.Real:
-    """A value without the name of its unit, which the heading has."""
-    return doc.Real(in_unit(x, knob.shown_unit(knob.motion).size), way)
 
 
 def _place(x: Critical) -> Phrase:

@@ -14,7 +14,7 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import reals
-from haptisym.kernel.reals import Printable, RealNumber, Way
+from haptisym.kernel.reals import Printable, RealNumber, Way, in_unit
 from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import Interval, Point
 from haptisym.model.jnd import Part, Shape, Threshold
@@ -127,7 +127,8 @@ def model_words(scene: Scene | SceneFamily | MeasuredScene) -> Iterator[Phrase]:
         form = equation("H_env", rounded_, relation="=" if rounded_ == environment.H else "≈")
         is_long = len(text(form)) > _LONGEST
         rendered = f"; rendered: {scene.rendered.model}" if scene.rendered else ""
-        yield (environment.model if is_long else (form, f"\xa0{stiffness_unit(scene)}")), f"{rendered}; ", _effects(scene)
+        shown: Phrase = environment.model if is_long else (form, f"\xa0{stiffness_unit(scene)}")
+        yield shown, f"{rendered}; ", _effects(scene)
 
 
 def _effects(scene: Scene) -> str:
@@ -221,6 +222,11 @@ def value_of(knob: Knob, x: Printable, way: Way) -> doc.Real:
     return doc.Real(x, way, unit=knob.shown_unit(knob.motion))
 
 
+def bare(x: doc.Real) -> doc.Real:
+    """A number without the name of its unit, which follows or stands in the heading."""
+    return doc.Real(in_unit(x.value, x.unit.size), x.way)
+
+
 _SYMBOLS = {"|G - 1|": Absolute(Sum(((1, named("G")), (-1, Numeral("1")))))}
 
 
@@ -307,13 +313,8 @@ def enough_damping(least: Phrase, scene: Scene) -> Phrase:
 
 def endless() -> Phrase:
     """That no damping of a hand compensates what a display generates."""
-    return (
-        "No damping of a hand is enough for all masses and stiffnesses: −",
-        Prefixed(OPERATORS[Part.IMAG], H_PERC),
-        "/",
-        OMEGA,
-        " is unbounded.",
-    )
+    words = "No damping of a hand is enough for all masses and stiffnesses: −{}/{} is unbounded."
+    return phrased(words, Prefixed(OPERATORS[Part.IMAG], H_PERC), OMEGA)
 
 
 def noted(remarks: Iterable[Phrase]) -> tuple[doc.Notes, ...]:

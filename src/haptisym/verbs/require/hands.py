@@ -492,7 +492,7 @@ class _Search:
 
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
     """All values with which every passive hand may hold a display without a clock; with delays, as far as cells tell."""
-    perceived = _perceived(scene, free)
+    perceived = Distortion.of(scene.chain.at(values(x for x in scene.parameters if x.path != free.path))).perc
     turns = list[Turn]()
     if free.symbol in perceived.expression().free_symbols:
         [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
@@ -553,10 +553,6 @@ def _end(polynomial: Polynomial, power: int) -> Polynomial:
 
 def _leading(polynomial: Polynomial) -> Polynomial:
     return _end(polynomial, int(polynomial.degrees()[0]))
-
-
-def _perceived(scene: Scene, free: Knob) -> RationalFunction:
-    return Distortion.of(scene.chain.at(values(x for x in scene.parameters if x.path != free.path))).perc
 
 
 def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[Turn]:

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 from haptisym.judge.answers import Answer
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.dynamics import ring_of
 from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import whole
@@ -28,7 +29,6 @@ from haptisym.verbs.stability.held import (
     every_passive_hand,
     held,
     imposed,
-    ring_of,
     whole_box,
 )
 from haptisym.verbs.stability.margins import Margins, margins

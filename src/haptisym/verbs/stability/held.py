@@ -18,7 +18,7 @@ from sympy import Expr, I, Integer, prime
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity, environment_alone, force_is_stable, passivity, rests
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
-from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, ring_of
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import RealNumber
@@ -48,12 +48,6 @@ def roots_in_hand(perceived: RationalFunction, hand: Hand, *, at_rest: bool = Fa
 def characteristic(perceived: RationalFunction, Z: RationalFunction) -> Polynomial:
     """The numerator of H_perc + Z. H_perc being in lowest terms, so is this over its denominator, but at s = 0."""
     return perceived.numerator * Z.denominator + Z.numerator * perceived.denominator
-
-
-def ring_of(dynamics: RationalFunction) -> Ring:
-    """The ring of a dynamics."""
-    assert isinstance(dynamics.ring, Ring)
-    return dynamics.ring
 
 
 def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring, *, rests: bool = False) -> Roots:

@@ -40,7 +40,7 @@ from haptisym.verbs.stability.critical import critical
 from haptisym.verbs.stability.loops import Loop, minus
 from haptisym.verbs.stability.sampled import Opened, Walk, loop_of, series_alone
 
-_MOST_GAIN, _MOST_DELAY = 1000, 1000
+MOST_GAIN, MOST_DELAY = 1000, 1000
 _NONE = "no limit found within it"
 _FACTOR = series("g_margin", parameters={"g_margin": 1}, name="margin-of-gain")
 _LATE = delayed(0, name="margin-of-delay")
@@ -144,12 +144,12 @@ def _gain(scene: Scene, hand: Hand) -> tuple[Limit | None, Limit | None]:
 
 
 def _within(found: list[Limit]) -> Limit | None:
-    return next((x for x in found if 1 / _MOST_GAIN <= float(x.value) <= _MOST_GAIN), None)
+    return next((x for x in found if 1 / MOST_GAIN <= float(x.value) <= MOST_GAIN), None)
 
 
 def _delay(scene: Scene, hand: Hand) -> Limit | None:
     found = _critical(scene, hand, _LATE)
-    return next((x for x in found if 0 <= float(x.value) <= _MOST_DELAY), None)
+    return next((x for x in found if 0 <= float(x.value) <= MOST_DELAY), None)
 
 
 def _phase(scene: Scene, hand: Hand) -> Limit | None:
@@ -205,7 +205,7 @@ def _gain_by_clock(scene: Scene, hand: Hand) -> tuple[Limit | None, Limit | None
     g = Symbol("g_margin", positive=True)
     opened = Opened(replace(loop, above=tuple(g * x for x in loop.above)), g)
     home = opened.count(Integer(1))[0]
-    ends = Fraction(1, _MOST_GAIN), Fraction(_MOST_GAIN)
+    ends = Fraction(1, MOST_GAIN), Fraction(MOST_GAIN)
     walk = Walk(opened, Fraction(1), home, Rule.POSITIVE, ends)
     below, above = (_passed(walk, side) for side in (-1, 1))
     return below, above
@@ -245,7 +245,7 @@ class _Later:
 
     def first(self) -> Limit | None:
         """The least delay at which a root comes to the circle; None where none does, up to a thousand seconds."""
-        most = int(_MOST_DELAY / self.T)
+        most = int(MOST_DELAY / self.T)
         pieces = [*self._pieces()]
         parts = [
             (x, a + (b - a) * i / _PARTS, a + (b - a) * (i + 1) / _PARTS) for x, a, b in pieces for i in range(_PARTS)
