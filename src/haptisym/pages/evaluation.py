@@ -662,11 +662,9 @@ def _any_environment(e: Evaluation) -> Iterator[Phrase]:
     if below == end:
         yield "For any environment: unnoticed on this band."
         return
-    low: Phrase = (
-        "noticed with some at the low end of the band"
-        if below is None
-        else ("unnoticed up to ", w.both(below, Way.DOWN))
-    )
+    low: Phrase = "noticed with some at the low end of the band"
+    if below is not None:
+        low = "unnoticed up to ", w.both(below, Way.DOWN)
     yield "For any environment: ", low, () if above is None else (", noticed above ", w.both(above, Way.UP)), "."
 
 
@@ -868,11 +866,8 @@ def _remarks_peaks(found: Peaks) -> Iterator[Phrase]:
         yield "The value is how many times the ", region.kind, " must be enlarged to hold the distortion."
     for x in found:
         if x.jump:
-            yield (
-                "At ",
-                w.both(x.omega),
-                " the limit changes: the ratio comes arbitrarily near to the value, and drops.",
-            )
+            words = "At {} the limit changes: the ratio comes arbitrarily near to the value, and drops."
+            yield w.phrased(words, w.both(x.omega))
 
 
 def _proven_peaks(found: Peaks) -> Iterator[Phrase]:

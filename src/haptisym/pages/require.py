@@ -280,8 +280,9 @@ def _answer_map(m: DesignMap) -> Iterator[tuple[Phrase, Phrase]]:
     what = required(m.criteria)
     on: Phrase = (f"on {len(some)} of {len(m.slices)} slices along ", named(a.symbol.name))
     if some:
-        ends = [w.value_of(a, float(x.at), Way.NEAREST) for x in (some[0], some[-1])]
-        on = w.phrased("{}, from {} to {}; for {} see the table and --figure", on, *ends, named(b.symbol.name))
+        low, high = (w.value_of(a, float(x.at), Way.NEAREST) for x in (some[0], some[-1]))
+        words = "{}, from {} to {}; for {} see the table and --figure"
+        on = w.phrased(words, on, w.bare(low), high, named(b.symbol.name))
     yield what[0].upper() + what[1:], on
     kinds = sorted({_KINDS.get(y.kind, y.kind.value) for x in some for e in x.requirement.ends for y in e.bindings})
     if kinds:
@@ -306,7 +307,7 @@ def _slices_proven(m: DesignMap) -> Iterator[Phrase]:
 
 def _between(m: DesignMap) -> Iterator[Block]:
     """What is estimated between slices."""
-    if m.deviation is None:
+    if not m.deviation:
         return
     share: Phrase = (" (", w.at_most(100 * m.deviation / m.height), "\xa0% of the range)")
     apart = sum(1 for x in m.gaps if x.deviation is None)
@@ -328,8 +329,9 @@ def _proven_map(m: DesignMap) -> Iterator[Phrase]:
         if most:
             part: Phrase = (" (", w.at_most(100 * most / m.height), "\xa0% of the range)")
             near = "; where lines join slices, within ", w.value_of(m.free[1], most, Way.UP), part, " of them"
-        words = "Proven between slices: what is {}{}, and what is not, but for {}, along the boundary{}."
-        yield w.phrased(words, what, threshold, share, near)
+        words = "Proven between slices: what is {}{}, and what is not{}."
+        left: Phrase = (", but for ", share, ", along the boundary", near) if x.rectangles.share_left else ""
+        yield w.phrased(words, what, threshold, left)
 
 
 def _stiffest(m: DesignMap) -> Iterator[Block]:

@@ -48,13 +48,8 @@ def _bandwidth(a: Tolerances) -> Phrase:
     if low == high:
         return w.both(low), " for all values in the ranges"
     shown: Phrase = (" (nominal ", w.cell(nominal), ")") if nominal is not None else ""
-    return w.phrased(
-        "{} to {}\xa0{} for all values in the ranges{}",
-        w.cell(low, Way.DOWN),
-        w.cell(high, Way.UP),
-        FREQUENCY_UNIT,
-        shown,
-    )
+    ends = w.cell(low, Way.DOWN), w.cell(high, Way.UP), FREQUENCY_UNIT
+    return w.phrased("{} to {}\xa0{} for all values in the ranges{}", *ends, shown)
 
 
 def _verdict(a: Tolerances) -> Phrase:
