@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from sympy import Add, Expr, Rational, Symbol
 
@@ -467,7 +467,7 @@ def regions(e: Evaluation) -> Iterator[Block]:
     if not e.regions:
         return
     rows = w.table(
-        e.regions, "Bandwidth and first crossing by region, proven.", *_REGION,
+        _different(e.regions), "Bandwidth and first crossing by region, proven.", *_REGION,
         w.hertz(lambda x: _width(e.chart, x.bandwidth), "bandwidth"),
         w.hertz(lambda x: w.cell(x.crossing.omega) if x.crossing else "none", "first crossing"),
         w.Field("what happens there", lambda x: event(x.crossing, _KINDS.get(x.name)) if x.crossing else ""),
@@ -519,10 +519,14 @@ def _region_name(x: Compared | FamilyCompared) -> str:
     return "of the scene" if x.name == OWN else x.name
 
 
-_REGION = (
-    w.Field("region", _region_name),
-    w.Field("what it is", lambda x: w.limits(x.threshold), full=True),
-)
+_REGION = w.Field("region", _region_name), w.Field("what it is", lambda x: w.limits(x.threshold), full=True)
+_T = TypeVar("_T", "Compared", "FamilyCompared")
+
+
+def _different(found: Sequence[_T]) -> list[_T]:
+    """Without the scene's region where that is one of the others."""
+    others = [x.threshold for x in found if x.name != OWN]
+    return [x for x in found if x.name != OWN or x.threshold not in others]
 
 
 def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
@@ -530,7 +534,7 @@ def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
     if not many.regions:
         return
     worst = w.table(
-        many.regions, "Common bandwidth by region, and what limits it, proven.", *_REGION,
+        _different(many.regions), "Common bandwidth by region, and what limits it, proven.", *_REGION,
         w.hertz(lambda x: _width(many.chart, x.bandwidth), "bandwidth"),
         w.Field("limited by", lambda x: listed(f"{y.environment} ({y.criterion.name})" for y in x.first)),
     )  # fmt: skip
@@ -541,7 +545,7 @@ def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
 
     each = w.table(
         [*many.family, together], ("Bandwidth of each environment by region, ", FREQUENCY_UNIT, ", proven."),
-        w.Field("environment", str), *(w.number(_region_name(x), partial(width, x=x)) for x in many.regions),
+        w.Field("environment", str), *(w.number(_region_name(x), partial(width, x=x)) for x in _different(many.regions)),
     )  # fmt: skip
     figure = w.drawing("regions", _WIDTHS, "files:draw_figure", many, "regions")
     yield doc.Section(
@@ -711,7 +715,7 @@ def _proven(e: Evaluation) -> Iterator[Phrase]:
         yield "Proven: everything else."
         return
     passive = ", passivity" if e.passivity is not None and e.passivity.holds is not None else ""
-    but = " but of what is computed" if e.discrimination else ""
+    but = ", except computed ones" if e.discrimination else ""
     yield w.proof(e.scene, f"all crossings on the band{passive}, and all digits printed{but}")
     if e.bandwidths is not None and e.bandwidths.undecided:
         yield w.undecided(e.bandwidths.undecided)

@@ -179,7 +179,7 @@ def _value(x: Value) -> Phrase:
 def _number(x: RealNumber | int | str, unit: str) -> Phrase:
     if isinstance(x, RealNumber) and unit == "rad/s":
         return w.both(x)
-    return (w.near(x) if isinstance(x, RealNumber) else str(x)), f" {unit_text(unit)}" if unit else ""
+    return (w.near(x) if isinstance(x, RealNumber) else str(x)), f"\xa0{unit_text(unit)}" if unit else ""
 
 
 _SYMBOL = re.compile(r"\b((?:H|Z|r|P|A)_(?:env|perc|min|max|width|r|i|d|\d+))\b")

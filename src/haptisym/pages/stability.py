@@ -254,9 +254,7 @@ def _margins(found: Stability) -> Iterator[Block]:
 
         return cell
 
-    phase = (
-        (w.number("phase (deg)", one("phase_deg", lambda x: x.phase, Integer(1))),) if not clocks(found.scene) else ()
-    )
+    phase = [w.number("phase (deg)", one("phase_deg", lambda x: x.phase, Integer(1)))] * (not clocks(found.scene))
     yield doc.Section(
         "Margins: how much the rendered force may change",
         (
@@ -355,10 +353,8 @@ def _passivity(found: Stability) -> Iterator[Phrase]:
     if p is None:
         return
     if p.holds is False and p.poles_allow is False:
-        words = (
-            "A pole of {}/s to the right, on the axis, at 0 or at ∞ prevents passivity, for any damping of the hand."
-        )
-        yield w.phrased(words, w.H_PERC)
+        where = "/s to the right, on the axis, at 0 or at ∞"
+        yield "A pole of ", w.H_PERC, where, " prevents passivity, for any damping of the hand."
     if p.is_unbounded:
         yield w.endless()
     elif p.is_active and p.damping:
