@@ -37,21 +37,19 @@ def measured_words(m: Measurement) -> Phrase:
     if m.coherence is None:
         return lines, "; ", certainty(m)
     seen = f"{float(m.coherence.min()):.4g} to {float(m.coherence.max()):.4g}"
-    return lines, f"; coherence {seen}, {m.averages:g} averages"
+    return lines, f"; coherence {seen}, {m.averages:.4g} averages"
 
 
 def linearity(found: Welch) -> Phrase | None:
     """How far the force follows the cube of what the response predicts; None where that was not asked."""
     if found.cube is None or found.cube_chance is None:
         return None
-    told: Phrase = (
-        "the force follows the cube of the predicted one by ", w.near(found.cube), " standard errors; as many or more have a ",
-        "probability of ", w.near(found.cube_chance), " if the display is linear",
-    )  # fmt: skip
+    words = "the force has a cubic part of {} standard errors (probability if the display is linear: {})"
+    told = w.phrased(words, w.near(found.cube, most=3), w.near(found.cube_chance, most=2))
     if found.cube_chance >= _UNLIKELY:
         return told
     as_if = "saturating" if found.cube < 0 else "hardening, or with play"
-    words = f"{{}} ({as_if}): {{}}. The response is that of a motion of this size; another gives another"
+    words = f"{{}} ({as_if}): {{}}. The response holds for motions of this size alone"
     return w.phrased(words, Strong("not linear"), told)
 
 
@@ -232,7 +230,7 @@ def _answer(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
         yield "Noticed", (Strong("first at "), w.both(float(e.lines.omega[at])), f", by {name}")
     else:
         open_ = any((codes == 0).any() for _, codes in verdicts)
-        yield "Noticed", "at no point resolved; some are unresolved" if open_ else "at no measured point"
+        yield "Noticed", "resolved at no point; some are unresolved" if open_ else "at no measured point"
     felt: dict[Phrase, Phrase] = {}
     for ends_, _, part, words in _felt(e):
         felt.setdefault((words, f" ({part})"), ends_)
@@ -271,7 +269,7 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     if felt.coherence is not None and felt.averages is not None:
         c = min(float(x.min()) for x in limits_of(e.scene, e.lines.omega).values())
         least = float(coherence_for(c, felt.averages, felt.confidence))
-        told = f"with {felt.averages:g} averages a radius of {_share(c)} needs a coherence of at least "
+        told = f"with {felt.averages:.4g} averages a radius of {_share(c)} needs a coherence of at least "
         yield "discs", (_discs(e), "; ", told, w.at_least(least))
     else:
         yield "discs", _discs(e)
@@ -339,7 +337,7 @@ def _resolving(e: MeasuredEvaluation) -> Iterator[Phrase]:
     )  # fmt: skip
     if found.coherence and found.averages:
         yield (
-            f"With {felt.averages:g} averages that is a coherence of at least ", _half_and_all(found.coherence,
+            f"With {felt.averages:.4g} averages that is a coherence of at least ", _half_and_all(found.coherence,
             lambda x: f"{x:.7g}"),
             "; with the measured coherence, ", _half_and_all(found.averages, lambda x: f"{x:.0f}"), " averages.",
         )  # fmt: skip
