@@ -64,7 +64,7 @@ def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any
 
 
 def stability(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]:
-    """Poles under imposed motion, and roots in hands, in Re s >= 0."""
+    """Poles under prescribed motion, and roots in hands, in Re s >= 0."""
     poles, held = keyed(proof, "imposed", "held")
     rows, found = listed(claim.get("held"), 100), []
     count = zeros(poles, lambda point: scene.at(point)[1][::-1], scene.length, 1 + len(rows))

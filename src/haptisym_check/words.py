@@ -18,12 +18,12 @@ def of_band(claim: dict[str, Any]) -> list[str]:
     lines += [f"transparent from {at[x]} to {at[y]} rad/s" for x, y in claim["transparent"]]
     for x in claim["percepts"]:
         lines += [f"{x['change']} {x['property']} ({x['part']} part) from {at[x['from']]} to {at[x['to']]} rad/s"]
-    return [*lines, f"imposed motion: {POLES[claim['stable']]} poles of H_perc in Re s >= 0"]
+    return [*lines, f"prescribed motion: {POLES[claim['stable']]} poles of H_perc in Re s >= 0"]
 
 
 def of_roots(claim: dict[str, Any]) -> list[str]:
     """Of stability."""
-    lines = [f"Proven: {claim['imposed']} poles of H_perc in Re s >= 0 (imposed motion)."]
+    lines = [f"Proven: {claim['imposed']} poles of H_perc in Re s >= 0 (prescribed motion)."]
     for hand, roots in ((x["hand"], x["unstable"]) for x in claim["held"]):
         name = ascii(hand) if isinstance(hand, str) else ", ".join(f"{key} = {hand[key]}" for key in "mbk")
         lines += [f"held in the hand {name}: {roots} roots in Re s >= 0"]

@@ -1,4 +1,4 @@
-"""Whether every passive hand may hold a sampled loop: Colgate and Schenkel's condition, one polynomial sign in tan(theta/2).
+"""Whether a sampled loop is passive: Colgate and Schenkel's condition, one polynomial sign in tan(theta/2).
 
 A device m s^2 + b s + k, its position sampled every T, a controller C(z), the force held: passive where, for 0 < theta <= pi,
     b > T/2 Re((1 - exp(-j theta)) C(exp(j theta)))/(1 - cos theta),
@@ -90,7 +90,7 @@ class SampledPassivity:
 
     @cached_property
     def passive(self) -> bool | None:
-        """Whether the device's damping exceeds that, and nothing is pushed away: then every passive hand may hold the display.
+        """Whether the device's damping exceeds that, and nothing is pushed away: then the display is passive.
 
         None where not decided.
         """

@@ -1,4 +1,4 @@
-"""Whether every passive hand may hold a display, and whether the force under imposed motion is stable.
+"""Whether a display is passive, and whether the force under prescribed motion is stable.
 
 Every passive hand may hold it where H_perc/s is positive real: Im H_perc(j omega) >= 0 on [0, infinity), with a clock up to pi/T;
 no poles in Re s > 0; those on the axis, at 0 and at infinity simple, with positive residues. The force is stable where all poles
@@ -220,7 +220,7 @@ _BEYOND = {
 
 @dataclass(frozen=True)
 class Passivity:
-    """Where a display gives energy away, and whether every passive hand may hold it. All of it certified.
+    """Where a display generates energy, and whether it is passive: proven.
 
     ``chart`` : of Im H_perc, from 0 to ``high``. ``beyond`` : what it does above that. ``settled`` : far out.
     """
@@ -255,7 +255,7 @@ class Passivity:
 
     @cached_property
     def holds(self) -> bool | None:
-        """Whether every passive hand may hold the display, with a clock by ``sampled``; None where not decided."""
+        """Whether the display is passive, with a clock by ``sampled``; None where not decided."""
         if self.is_active and not sampled_loop(self.scene):  # where the closed form is no approximation
             return False
         if self.sampled is not None:
@@ -285,7 +285,7 @@ class Passivity:
 
     @property
     def takes_energy(self) -> bool:
-        """Whether every passive hand may hold the display, and Im H_perc > 0 at every frequency: for rational dynamics."""
+        """Whether the display is passive, and Im H_perc > 0 at every frequency: for rational dynamics."""
         if not self.holds or _ring_in_passivity(self.distortion).lags:
             return False
         points = [x for x in self.chart.points if float(x.omega) > 0]
@@ -301,7 +301,7 @@ class Passivity:
     def damping(self) -> Greatest | None:
         """b* = sup(-Im H_perc/omega), at least 0: with it a hand is held whatever its mass and stiffness.
 
-        That, where the force under imposed motion is stable. Its frequency is None where it is only approached, far out.
+        That, where the force under prescribed motion is stable. Its frequency is None where it is only approached, far out.
         None where nothing bounds it, and where that is not decided: ``is_unbounded`` tells. Found in ten seconds or not at all.
         """
         if not self.is_active:

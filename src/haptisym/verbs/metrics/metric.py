@@ -2,7 +2,7 @@
 
 A chain of effects is one two-port: what it does to every environment, and to none in particular. Beside it stand the criteria
 of the field: the 3 dB edges, relative distortion, and Llewellyn's criterion, whose conditions on the axis are asked at all
-frequencies, with those on the poles. Whether every passive hand may hold a display is ``haptisym.judge.passivity``'s to say.
+frequencies, with those on the poles. Passivity of a display is in ``haptisym.judge.passivity``.
 Derivation: 15_metrics.
 """
 

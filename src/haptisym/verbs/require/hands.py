@@ -1,4 +1,4 @@
-"""For which values of one parameter a display is stable in a hand, and for which every passive hand may hold it.
+"""For which values of one parameter a display is stable in a hand, and for which it is passive.
 
 *In a hand*: exact counts of unstable roots between the values at which roots reach the imaginary axis, or the unit circle.
 
@@ -248,7 +248,7 @@ class _Cell:
 
 
 def solve_by_cells(scene: Scene, free: Knob, asked: Domain) -> Solved:
-    """All values with which every passive hand may hold the display, as far as cells tell."""
+    """All values for which a display is passive, where cells prove it."""
     search = _Search(scene, free)
     start, end = _window(free, asked, search.openings)
     if not any(search.is_told(x) for x in (_near(free.value), start + (end - start) / 3, end)):
@@ -491,7 +491,7 @@ class _Search:
 
 
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
-    """All values with which every passive hand may hold a display without a clock; with delays, as far as cells tell."""
+    """All values for which a continuous-time display is passive; with delays, those that subdivision proves."""
     perceived = Distortion.of(scene.chain.at(values(x for x in scene.parameters if x.path != free.path))).perc
     turns = list[Turn]()
     if free.symbol in perceived.expression().free_symbols:
@@ -580,7 +580,7 @@ _PIECES, _MOST_PIECES = 16, 2000
 
 
 def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> Solved:
-    """All values with which every passive hand may hold it. UndecidedError where the condition does not apply."""
+    """All values for which it is passive. UndecidedError where the condition does not apply."""
     if free.is_of_hand or free.parts:
         return Question([], lambda _: sampled_verdict(scene), asked, closed=True).solve()
     loop = loop_of(scene.with_values({free.path: free.symbol}))

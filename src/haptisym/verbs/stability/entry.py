@@ -1,4 +1,4 @@
-"""Does it shake: whether a display is stable under imposed motion, in a hand, and in every passive hand; certificates of that."""
+"""Does it shake: whether a display is stable under prescribed motion, in a hand, and with any passive operator; certificates."""
 
 from __future__ import annotations
 
@@ -163,7 +163,7 @@ def stability(
     digits: int = 15,
     limit: float | None = SECONDS,
 ) -> Stability:
-    """Whether a display is stable under imposed motion, in each hand, and in every passive hand: certified.
+    """Whether a display is stable under prescribed motion, in each hand, and with any passive operator: proven.
 
     ``hand`` : the hands to ask about: the scene's, or those that the package ships (``hs.hands``), by name, or each a ``Hand``;
     those of the scene if not given. ``free`` : numbers by path or symbol; for each, and for the hand's own, the nearest

@@ -1,4 +1,4 @@
-"""Held in a hand, in a box of hands, in every passive hand: how many roots H_perc + m s^2 + b s + k has in Re s >= 0.
+"""Coupled to a hand, to hands in ranges, to any passive operator: how many roots H_perc + m s^2 + b s + k has in Re s >= 0.
 
 Of a hand given by ranges: roots lie on the axis, at omega, for some hand of the box where four functions of omega are not
 negative: -Im H_perc/omega lies in the range of b, and -Re H_perc is some k - m omega^2 of the box. Where that is nowhere so,
@@ -170,7 +170,7 @@ def _otherwise(scene: Scene, hand: Hand) -> tuple[Scene, Hand]:
 
 @dataclass(frozen=True)
 class Imposed:
-    """Whether the force under imposed motion is stable, and the number of poles of H_perc in Re s >= 0; None: not decided.
+    """Whether the force under prescribed motion is stable, and the number of poles of H_perc in Re s >= 0; None: not decided.
 
     ``chain`` : of infinitely many poles; of a stable force it may come as near to the axis as one likes.
     """
@@ -197,7 +197,7 @@ def imposed(scene: Scene) -> Imposed:
 
 @dataclass(frozen=True)
 class EveryPassiveHand:
-    """Whether every passive hand holds the display, by its ``passivity``; None where that stayed open, for the ``reason``.
+    """Whether the display is passive, by its ``passivity``; None where that stayed open, for the ``reason``.
 
     ``sampled`` : with a clock Colgate and Schenkel's condition, which then decides, but where Im H_perc < 0 tells already.
     """
@@ -237,7 +237,7 @@ class EveryPassiveHand:
         return own | again | why
 
     def _sampled(self, x: SampledPassivity, digits: int) -> dict[str, Any]:
-        """With a clock: ``active`` below its Nyquist frequency, for imposed motion."""
+        """With a clock: ``active`` below its Nyquist frequency, for prescribed motion."""
         theta = x.needed.omega if x.needed else None
         omega = None if theta is None or x.hand_needed is None or self.holds else float(theta) / float(x.T)
         active = self.passivity.row()["active"] if self.passivity else []
@@ -249,7 +249,7 @@ def _number(x: RealNumber | None, digits: int) -> dict[str, Any]:
 
 
 def every_passive_hand(scene: Scene) -> EveryPassiveHand:
-    """Whether a display is stable in every passive hand: the one place where that is decided."""
+    """Whether a display is stable with any passive operator: the one place where that is decided."""
     try:
         found = passivity(scene)
         sampled = found.sampled
