@@ -18,8 +18,8 @@ from timing import machine
 import haptisym as hs
 from haptisym.verbs.sweep.axes import axes
 from haptisym.verbs.sweep.batch import Array
+from haptisym.verbs.sweep.delayterms import ulp_errors
 from haptisym.verbs.sweep.passes import Kernel, exact_answers
-from haptisym.verbs.sweep.waves import ulp_errors
 
 SWEPT = {
     "satellite-contact": {"effects.loop-delay.tau": (1e-3, 0.3), "environment.k": (2e3, 4e4)},

@@ -47,7 +47,7 @@ from sympy import (
 )
 
 import haptisym as hs
-from haptisym.kernel.pulse import Plant, SampledLoop
+from haptisym.kernel.sampledloop import Plant, SampledLoop
 from haptisym.verbs.stability.held import held
 
 m, b, T, t = symbols("m b T t", positive=True)

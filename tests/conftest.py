@@ -44,7 +44,7 @@ settings.load_profile("drawn" if EXAMPLES else "repeatable")
 
 DEAR = frozenset(
     line
-    for line in (Path(__file__).parent / "dear.txt").read_text(encoding="utf-8").splitlines()
+    for line in (Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").splitlines()
     if line and not line.startswith("#")
 )
 """Tests, and families of cases by the name before the bracket, that are slow by their measured times alone."""
@@ -79,7 +79,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if not config.option.file_or_dir and (
         gone := DEAR - {y for x in items for y in (x.nodeid, x.nodeid.partition("[")[0])}
     ):
-        raise pytest.UsageError(f"tests/dear.txt names what is no test any more: {sorted(gone)[:3]}")
+        raise pytest.UsageError(f"tests/slow.txt names what is no test any more: {sorted(gone)[:3]}")
     families: dict[str, list[pytest.Item]] = {}
     for item in items:
         if not DEAR.isdisjoint((item.nodeid, item.nodeid.partition("[")[0])):

@@ -41,7 +41,7 @@ from sympy import I  # noqa: E402
 from windings import winding  # noqa: E402
 
 import haptisym as hs  # noqa: E402
-from haptisym.verbs.cost.contenders import DOUBLE, RatioQuestion  # noqa: E402
+from haptisym.verbs.cost.methods import DOUBLE, RatioQuestion  # noqa: E402
 from haptisym_check import check as check_certificate  # noqa: E402
 
 PARTS = ("real", "imag")

@@ -11,7 +11,7 @@ import generated
 from generated import Page
 
 import haptisym as hs
-from haptisym.figures.sheet import draw_figure, save_as
+from haptisym.figures.files import draw_figure, save_as
 from haptisym.writing.html import fragment
 
 FIGURES = {

@@ -39,7 +39,7 @@ from haptisym.verbs.derive.verify import Verification as Verification, verify as
 from haptisym.verbs.design.entry import Design as Design, design as design
 from haptisym.verbs.effects.relevance import Relevance as Relevance, relevance as relevance
 from haptisym.verbs.evaluate.entry import evaluate as evaluate
-from haptisym.verbs.family.each import FamilyAnswers as FamilyAnswers, answer_each as answer_each
+from haptisym.verbs.family.answers import FamilyAnswers as FamilyAnswers, answer_each as answer_each
 from haptisym.verbs.family.entry import FamilyEvaluation as FamilyEvaluation, evaluate_all as evaluate_all
 from haptisym.verbs.identify.entry import Identification as Identification, identify as identify
 from haptisym.verbs.jnd.entry import (

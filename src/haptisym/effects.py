@@ -125,7 +125,7 @@ def sampled_loop(T: PositiveTime, method: Method = "", delay: Samples = 0) -> Ma
     "backward-difference" (1 - 1/z)/T, "tustin" (2/T)(1 - 1/z)/(1 + 1/z) or "forward-difference" (z - 1)/T; absent where a
     difference-equation is rendered, which is D(z) itself.
     The first effect of a scene, and its only clock. Below pi/T it makes H_perc = D(exp(s T)) exp(-s T delay)
-    (1 - exp(-s T))/(s T), exact for imposed motion; its matrix by itself has delay and hold, in a scene D - H beside them, too.
+    (1 - exp(-s T))/(s T), exact for prescribed motion; its matrix alone has delay and hold, in a scene D - H beside them, too.
 
     >>> from haptisym.environments import kelvin_voigt
     >>> from haptisym.model.distortion import distort

@@ -6,10 +6,10 @@ from functools import partial
 from typing import Any
 
 from haptisym_check.chart import CURVES, Chart, Curve, claimed, zeros
+from haptisym_check.delayterms import factor_of
 from haptisym_check.requirement import requirement
 from haptisym_check.scene import PARTS, Element, Scene, functions, link
 from haptisym_check.values import UnreadableError, combined, keyed, listed, need, number, numbers, others
-from haptisym_check.waves import factor_of
 
 # A certificate against a scene file: proven, or refused.
 
@@ -62,7 +62,7 @@ def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any
 
 
 def stability(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]:
-    """Poles under imposed motion, and roots in hands, in Re s >= 0."""
+    """Poles under prescribed motion, and roots in hands, in Re s >= 0."""
     poles, held = keyed(proof, "imposed", "held")
     rows, found = listed(claim.get("held"), 100), []
     count = zeros(poles, lambda point: scene.at(point)[1][::-1], scene.length, 1 + len(rows))
@@ -103,12 +103,12 @@ def of_band(claim: dict[str, Any]) -> list[str]:
     lines += [f"transparent from {at[x]} to {at[y]} rad/s" for x, y in claim["transparent"]]
     for x in claim["percepts"]:
         lines += [f"{x['change']} {x['property']} ({x['part']} part) from {at[x['from']]} to {at[x['to']]} rad/s"]
-    return [*lines, f"imposed motion: {POLES[claim['stable']]} poles of H_perc in Re s >= 0"]
+    return [*lines, f"prescribed motion: {POLES[claim['stable']]} poles of H_perc in Re s >= 0"]
 
 
 def of_roots(claim: dict[str, Any]) -> list[str]:
     """Of stability."""
-    lines = [f"Proven: {claim['imposed']} poles of H_perc in Re s >= 0 (imposed motion)."]
+    lines = [f"Proven: {claim['imposed']} poles of H_perc in Re s >= 0 (prescribed motion)."]
     for hand, roots in ((x["hand"], x["unstable"]) for x in claim["held"]):
         name = ascii(hand) if isinstance(hand, str) else ", ".join(f"{key} = {hand[key]}" for key in "mbk")
         lines += [f"held in the hand {name}: {roots} roots in Re s >= 0"]

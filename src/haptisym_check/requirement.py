@@ -7,10 +7,10 @@ from itertools import pairwise
 from typing import Any
 
 from haptisym_check.chart import ends_of_band
+from haptisym_check.delayterms import WaveFactor, factor_of
 from haptisym_check.polynomials import Factor, Point, affordable, moved, sliced
 from haptisym_check.scene import PARTS, Product, Scene, functions, link
 from haptisym_check.values import keyed, listed, need, number, numbers, others
-from haptisym_check.waves import WaveFactor, factor_of
 
 # Rule 6: over a slab of values a factor is a sum, with positive weights, of slices, which are functions of omega alone.
 

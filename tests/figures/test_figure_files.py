@@ -21,9 +21,9 @@ from matplotlib.text import Annotation
 import haptisym as hs
 from haptisym.figures import evaluation as evaluation_charts
 from haptisym.figures import pen
+from haptisym.figures.files import draw_figure, save_as, save_figures, sheet
 from haptisym.figures.layers import Axis, Chart, Curve, draw
 from haptisym.figures.pen import checked_report
-from haptisym.figures.sheet import draw_figure, save_as, save_figures, sheet
 from haptisym.verbs.jnd.tables import Answers, Row
 from haptisym.verbs.sweep.entry import Swept
 

@@ -15,7 +15,7 @@ from matplotlib.colors import to_hex
 
 import haptisym as hs
 from haptisym.figures import pen
-from haptisym.figures.sheet import drawings_of
+from haptisym.figures.files import drawings_of
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.cost.hardcosts import HardCosts, HardRow
 from haptisym.verbs.jnd.tables import Answers, Row

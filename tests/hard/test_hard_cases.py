@@ -15,7 +15,8 @@ from marks import examples
 from sympy import Rational
 
 import haptisym as hs
-from haptisym.verbs.cost.contenders import (
+from haptisym.verbs.cost.hardcosts import FAMILIES, HardCase, hard_cases, put
+from haptisym.verbs.cost.methods import (
     CROSSINGS,
     DOUBLE,
     NAIVE,
@@ -24,7 +25,6 @@ from haptisym.verbs.cost.contenders import (
     RatioQuestion,
     right_digits,
 )
-from haptisym.verbs.cost.hardcosts import FAMILIES, HardCase, hard_cases, put
 
 MP = mpmath.mp.clone()
 MP.dps = 1500

@@ -26,7 +26,7 @@ import haptisym as hs
 import haptisym_check
 from haptisym import figures
 from haptisym.cli import VERBS, app
-from haptisym.figures.sheet import Drawings
+from haptisym.figures.files import Drawings
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Model
 
 ROOT = Path(__file__).parents[2]

@@ -17,8 +17,8 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.colgate import SampledPassivity, sampled_passivity
 from haptisym.judge.passivity import Beyond, has_no_pole_right, passivity, poles_allow, takes_energy
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import Ring, on_axis
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain
@@ -217,7 +217,7 @@ def test_signs_beyond_the_radius_are_those_of_values(
     k, b, m, own, tau = (Rational(x.numerator, x.denominator) for x in (k, b, m, own, tau))
     H = (m * s**2 + b * s + k) * exp(-s * tau) + own * s
     ring = Ring.of([H])
-    found = far(on_axis(ring.convert(H)).raw_imag)
+    found = asymptotic_sign(on_axis(ring.convert(H)).raw_imag)
     start = float(found.radius)
     omega = np.linspace(start, start + 40 * np.pi / float(tau), 2001)[1:] + (
         1e5 / float(tau) if found.sense is Sense.BOTH else 0

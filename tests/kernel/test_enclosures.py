@@ -19,10 +19,7 @@ from hypothesis import strategies as st
 from marks import examples
 from sympy import Integer, Rational, pi
 
-from haptisym.kernel.enclosures import Sheet, Stretch, over_circle, range_of
-from haptisym.kernel.factors import AnalyticFactor
-from haptisym.kernel.reals import bounds, dyadic, expression_ball
-from haptisym.kernel.waves import (
+from haptisym.kernel.delayterms import (
     WaveSum,
     WaveTerm,
     clear_of_zero,
@@ -31,7 +28,10 @@ from haptisym.kernel.waves import (
     order_at_0,
     taylor_coefficients,
 )
-from haptisym.kernel.waves import power_series as power_coefficients
+from haptisym.kernel.delayterms import power_series as power_coefficients
+from haptisym.kernel.enclosures import Sheet, Stretch, over_circle, range_of
+from haptisym.kernel.factors import AnalyticFactor
+from haptisym.kernel.reals import bounds, dyadic, expression_ball
 
 small = st.integers(-5, 5)
 

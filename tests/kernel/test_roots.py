@@ -25,14 +25,14 @@ from sympy import Expr, Integer, Poly, Rational, Symbol, acos, asin, exp, expand
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.crossings import noticed, opened
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
+from haptisym.kernel.delayterms import WaveTerm
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.factors import AnalyticFactor, PolynomialFactor
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import ExactNumber, bounds, dyadic
 from haptisym.kernel.rings import c, omega, s
 from haptisym.kernel.roots import Chart, Lattice, chart, in_order
 from haptisym.kernel.solutions import solve
-from haptisym.kernel.waves import WaveTerm
 from haptisym.kernel.zeros import Undecided, Zero, clear_of, is_clear, isolated, sign_of, tightened
 from haptisym.model import catalogue
 from haptisym.model.distortion import Distortion
@@ -715,7 +715,7 @@ def test_signs_far_out_are_those_of_samples(seed: int) -> None:
         assert x.has(s)
         value, response = lambdify(s, x), on_axis(Ring.of([x]).convert(x))
         for raw, part in ((response.raw_real, np.real), (response.raw_imag, np.imag)):
-            found = far(raw)
+            found = asymptotic_sign(raw)
             begin = max(1e9, float(found.radius))
             grid = np.linspace(begin, begin + 4000, 8001)
             own = part(value(1j * grid))
@@ -747,7 +747,7 @@ def test_what_stands_still_prevails_over_what_is_less_than_it_exceeds_its_waves_
     whole = ring.convert(lead.expand())
     for n in range(8):
         k = Rational(round(2**10 * 2 ** (n / 4)), 2**6)
-        found = far(on_axis(-whole - ring.convert(k)).raw_real)
+        found = asymptotic_sign(on_axis(-whole - ring.convert(k)).raw_real)
         assert found.sense is Sense.POSITIVE
         assert k < 2 * found.radius**2 <= 4 * k
 
@@ -767,7 +767,7 @@ def raw_degree(x: Expr) -> Rational:
 def test_where_the_highest_waves_touch_0_nothing_is_said() -> None:
     """omega^3 (1 + cos 2 omega) + omega cos 2 omega: 2 omega^3 + omega at n pi, -omega between."""
     x = -(s**3) * (1 + exp(-2 * s)) + s * exp(-2 * s)
-    assert far(on_axis(Ring.of([x]).convert(x.expand())).raw_imag).sense is Sense.UNKNOWN
+    assert asymptotic_sign(on_axis(Ring.of([x]).convert(x.expand())).raw_imag).sense is Sense.UNKNOWN
 
 
 # What is positive where all pieces of some term are

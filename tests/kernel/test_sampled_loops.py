@@ -21,7 +21,7 @@ from sympy import Expr, Integer, Rational, Symbol, pi
 
 from haptisym.kernel.enclosures import Line
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.pulse import (
+from haptisym.kernel.sampledloop import (
     Plant,
     SampledLoop,
     States,

@@ -33,10 +33,10 @@ from haptisym.model.distortion import Distortion
 from haptisym.programs import certified as doubled
 from haptisym.programs.balls import FUNCTIONS, BallPoint, nearest_double
 from haptisym.programs.certified import BLOCK, Doubled, Doubles, add, div, fast_two_sum, of_ball, two_product, two_sum
+from haptisym.programs.distortion import closed_program
 from haptisym.programs.floats import Floats, judge
 from haptisym.programs.links import BALL_SERIES, CHANGE, FELT, FLOATS, InSteps, along_axis, links, series_arithmetic
 from haptisym.programs.program import Operation, Program, Writer, sincm1
-from haptisym.programs.stable import closed_program
 from haptisym.programs.steps import Steps, page_steps
 from haptisym.programs.values import Values
 from haptisym.writing.code import DIALECTS, CodeReader, Language, closed

@@ -227,7 +227,7 @@ def test_one_of_several_environments_is_checked_by_its_name() -> None:
         (
             ("stability", "fu2019", "--hand", "firm-grip"),
             [
-                "Proven: 0 poles of H_perc in Re s >= 0 (imposed motion).",
+                "Proven: 0 poles of H_perc in Re s >= 0 (prescribed motion).",
                 "held in the hand m = 0, b = 8, k = 400: 0 roots in Re s >= 0",
             ],
         ),

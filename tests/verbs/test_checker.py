@@ -17,12 +17,12 @@ from marks import often
 from sympy import pi
 
 from haptisym.model.quantities import read_unit
-from haptisym_check import RefusedError, chart, requirement, waves
+from haptisym_check import RefusedError, chart, delayterms, requirement
 from haptisym_check import scene as scenes
+from haptisym_check.delayterms import ORDER, SCALE
 from haptisym_check.polynomials import PI, Factor
 from haptisym_check.scene import CATALOGUE, FREE, PARTS, Number, Product, Scene
 from haptisym_check.values import ONE, Point, Ratio, Value, combined, degree
-from haptisym_check.waves import ORDER, SCALE
 
 MP = mpmath.mp.clone()
 MP.prec = 600
@@ -492,7 +492,7 @@ def test_functions_with_tangents_and_powers_are_told_from_others(seed: int) -> N
 
     def accepted(own: dict[tuple[int, int, int], int]) -> bool:
         told = {"waves": [2], "terms": [[list(key), [[str(c)]]] for key, c in own.items() if c]}
-        factor = waves.WaveFactor(told, (Fraction(1, 3),), (Fraction(1, 2),))
+        factor = delayterms.WaveFactor(told, (Fraction(1, 3),), (Fraction(1, 2),))
         return not refused(scenes.link, {"it": {"number": "1", "powers": [[0, 1]]}}, ["it"], [factor], scene, 5, (1, 1))
 
     assert accepted(rows)
@@ -511,7 +511,7 @@ def test_a_product_has_each_factor_once_and_turns_the_circle_whole() -> None:
     ):  # fmt: skip
         with pytest.raises(RefusedError, match=why):
             Product(told, factors)
-    turned = [waves.WaveFactor({"waves": [n], "terms": [[[0], [["1"]]]]}, (Fraction(1),)) for n in (1, 2)]
+    turned = [delayterms.WaveFactor({"waves": [n], "terms": [[[0], [["1"]]]]}, (Fraction(1),)) for n in (1, 2)]
     with pytest.raises(RefusedError, match="changes its sign in a turn"):
         Product({"number": "1", "powers": [[0, 1]]}, turned)
     top, bottom = Product({"number": "1", "powers": [[0, 2], [1, -3]]}, turned).at([Value(5), Value(7)], [Value(10)])
@@ -947,7 +947,7 @@ def wave_factor(
 
     if not delays and not orders:
         return Factor(rows[()]), value
-    return waves.WaveFactor(told, delays, orders), value
+    return delayterms.WaveFactor(told, delays, orders), value
 
 
 def drawn_waves(draw: random.Random, least: int = 0) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
@@ -1000,7 +1000,7 @@ def test_factors_with_waves_begin_at_0_with_the_power_that_mpmath_sees(seed: int
             assert all(sign(value(MP.mpf(n) / 200)) == found[0] for n in range(1, 11))
 
 
-def beginning(draw: random.Random, tau: Fraction) -> tuple[waves.WaveFactor, Any]:
+def beginning(draw: random.Random, tau: Fraction) -> tuple[delayterms.WaveFactor, Any]:
     """pi (sin x - x cos x) + c omega^n cos x, x = omega tau/2: it begins with x^3 or with omega^n."""
     c, n, (p, q) = draw.choice([-2, 3]), draw.choice([2, 3, 5]), tau.as_integer_ratio()
     cosine = [["0"], ["0", str(-p)], *([["0"]] * (n - 2)), [str(c)]]
@@ -1010,15 +1010,17 @@ def beginning(draw: random.Random, tau: Fraction) -> tuple[waves.WaveFactor, Any
         x = w * p / (2 * q)
         return 2 * q * MP.pi * (MP.sin(x) - x * MP.cos(x)) + c * w**n * MP.cos(x)
 
-    return waves.WaveFactor(told, (tau,)), value
+    return delayterms.WaveFactor(told, (tau,)), value
 
 
 def test_cells_that_may_hold_more_than_one_zero_of_a_wave_are_refused() -> None:
-    def times_cosine(*p: int) -> waves.WaveFactor:
-        return waves.WaveFactor({"waves": [1], "terms": [[[0], [[str(c)] for c in p]]]}, (Fraction(2),))
+    def times_cosine(*p: int) -> delayterms.WaveFactor:
+        return delayterms.WaveFactor({"waves": [1], "terms": [[[0], [[str(c)] for c in p]]]}, (Fraction(2),))
 
-    sine = waves.WaveFactor({"waves": [1], "terms": [[[1], [["1"]]]]}, (Fraction(2),))  # sin omega
-    raised = waves.WaveFactor({"waves": [], "terms": [[[1, 0], [["1"]]], [[0, 0], [["-1"]]]]}, (), (Fraction(1, 2),))
+    sine = delayterms.WaveFactor({"waves": [1], "terms": [[[1], [["1"]]]]}, (Fraction(2),))  # sin omega
+    raised = delayterms.WaveFactor(
+        {"waves": [], "terms": [[[1, 0], [["1"]]], [[0, 0], [["-1"]]]]}, (), (Fraction(1, 2),)
+    )
     for factor, a, b, found in (
         (sine, "3", "33/10", (0, [1, -1])), (sine, "4", "5", (0, [-1])), (sine, "3", "19/2", None), (sine, "0", "7/2", None), (sine, "0", "1", (1, [1])),
         (times_cosine(-5, 1), "49/10", "51/10", (0, [-1, 1])), (times_cosine(-5, 1), "49/10", "5", None), (times_cosine(-5, 1), "5", "51/10", None),
@@ -1031,20 +1033,20 @@ def test_cells_that_may_hold_more_than_one_zero_of_a_wave_are_refused() -> None:
 
 
 def test_sides_are_those_of_bernsteins_coefficients_beyond_what_is_lost() -> None:
-    assert (waves.strict(5, 4), waves.strict(-5, 4)) == (1, -1)
-    assert refused(waves.strict, 5, 5)
-    assert refused(waves.strict, -5, 5)
+    assert (delayterms.strict(5, 4), delayterms.strict(-5, 4)) == (1, -1)
+    assert refused(delayterms.strict, 5, 5)
+    assert refused(delayterms.strict, -5, 5)
     for row, lost, found in (
         ([5, 0], 4, 1), ([9, 4], 4, 1), ([1], 0, 1), ([-5, 0], 4, -1), ([-9, 4], 4, -1), ([8, 4], 4, 0), ([8, -4], 4, 0), ([-8, 4], 4, 0), ([1], 1, 0),
         ([2, 0, -1], 0, 1), ([5, 0, 2], 2, 1), ([5, 0, 2], 3, 0), ([0, 0, 1], 0, 0), ([1, 0, -1], 0, 0), ([1, 0, 2], 0, 0),
     ):  # fmt: skip
-        assert waves.side(row, lost) == found, row
+        assert delayterms.side(row, lost) == found, row
 
 
 def test_what_a_model_is_off_by_is_bounded_where_hardly_anything_is_given_away() -> None:
     """A cosine from 0 on, whose sizes are those at 0 and not at the end; a power at the low end of its cell."""
-    cosine = waves.WaveFactor({"waves": [1], "terms": [[[0], [["1"]]]]}, (Fraction(1),))
-    power = waves.WaveFactor({"waves": [], "terms": [[[1, 0], [["1"]]]]}, (), (Fraction(1, 2),))
+    cosine = delayterms.WaveFactor({"waves": [1], "terms": [[[0], [["1"]]]]}, (Fraction(1),))
+    power = delayterms.WaveFactor({"waves": [], "terms": [[[1, 0], [["1"]]]]}, (), (Fraction(1, 2),))
     for factor, a, b, v, true in (
         (cosine, Fraction(0), Fraction(3), 1, MP.cos(MP.mpf(3) / 2)), (power, Fraction(1), Fraction(3, 2), -1, MP.cos(MP.pi / 4)),
     ):  # fmt: skip
@@ -1055,14 +1057,14 @@ def test_what_a_model_is_off_by_is_bounded_where_hardly_anything_is_given_away()
 
 def test_a_factor_with_waves_has_its_size_and_every_term_once() -> None:
     delays, orders, term = (Fraction(1, 3),), (Fraction(1, 2),), [[1, 0, 2], [["1", "2"], ["-3"]]]
-    assert waves.WaveFactor({"waves": [1], "terms": [term]}, delays, orders).degrees == (1, 1, 1, 2, 0, 0)
-    assert not refused(waves.WaveFactor, {"waves": [40], "terms": [[[40, 0, 40], [["1"]]]]}, delays, orders)
+    assert delayterms.WaveFactor({"waves": [1], "terms": [term]}, delays, orders).degrees == (1, 1, 1, 2, 0, 0)
+    assert not refused(delayterms.WaveFactor, {"waves": [40], "terms": [[[40, 0, 40], [["1"]]]]}, delays, orders)
     many = [[list(x), [["1"]]] for x in product(range(8), repeat=3)]
-    assert not refused(waves.WaveFactor, {"waves": [7], "terms": many[:300]}, delays, orders)
+    assert not refused(delayterms.WaveFactor, {"waves": [7], "terms": many[:300]}, delays, orders)
     for wrong in ({"waves": [41], "terms": [term]}, {"waves": [1], "terms": [term, term]}, {"waves": [0], "terms": [term]}, {"waves": [1], "terms": []},
                   {"waves": [], "terms": [term]}, {"waves": [1], "terms": [[[1, 0], [["1"]]]]}, {"waves": [1], "terms": [[[1, 0, 41], [["1"]]]]},
                   {"waves": [1], "terms": [[[1, 0, -1], [["1"]]]]}, {"waves": [7], "terms": many[:301]}):  # fmt: skip
-        assert refused(waves.WaveFactor, wrong, delays, orders)
+        assert refused(delayterms.WaveFactor, wrong, delays, orders)
 
 
 @pytest.mark.few(3)
@@ -1077,7 +1079,7 @@ def test_sines_and_powers_are_those_of_mpmath_and_of_arb(seed: int) -> None:
         *(Fraction(draw.randint(0, 999), draw.choice([1, 7, 360])) for _ in range(12)),
     ):
         c, s = MP.cos(exact(x)), MP.sin(exact(x))
-        assert all(abs(true * SCALE - own) < 2 for own, true in zip(waves.circle(x), (c, -s, -c, s), strict=True))
+        assert all(abs(true * SCALE - own) < 2 for own, true in zip(delayterms.circle(x), (c, -s, -c, s), strict=True))
     for x in (
         Fraction(1),
         Fraction(2),
@@ -1086,7 +1088,7 @@ def test_sines_and_powers_are_those_of_mpmath_and_of_arb(seed: int) -> None:
         *(Fraction(draw.randint(1, 10**9), draw.randint(1, 10**9)) for _ in range(12)),
     ):
         alpha = draw.choice([Fraction(draw.randint(1, 29), 30), Fraction(1, 2**99 + 1)])
-        m, r = waves.power(x, alpha)
+        m, r = delayterms.power(x, alpha)
         with flint.ctx.workprec(3000):
             true = flint.arb(flint.fmpq(x.numerator, x.denominator)) ** flint.arb(
                 flint.fmpq(alpha.numerator, alpha.denominator)
@@ -1094,7 +1096,7 @@ def test_sines_and_powers_are_those_of_mpmath_and_of_arb(seed: int) -> None:
             assert abs(true * SCALE - m) <= r
             assert r <= 2 + 2 * true
     half, most = Fraction(1, 2), Fraction(2) ** 99_999
-    assert [refused(waves.circle, x) for x in (Fraction(2**48), Fraction(2**48 - 1))] == [True, False]
+    assert [refused(delayterms.circle, x) for x in (Fraction(2**48), Fraction(2**48 - 1))] == [True, False]
     for x, too_large in (
         (Fraction(0), True),
         (Fraction(-1), True),
@@ -1103,4 +1105,4 @@ def test_sines_and_powers_are_those_of_mpmath_and_of_arb(seed: int) -> None:
         (2 * most, True),
         (1 / (2 * most), True),
     ):
-        assert refused(waves.power, x, half) == too_large
+        assert refused(delayterms.power, x, half) == too_large

@@ -28,7 +28,9 @@ import haptisym as hs
 from haptisym.cli import app
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.errors import SceneError
-from haptisym.verbs.cost.contenders import (
+from haptisym.verbs.cost.entry import Cost, Measurement, approximated, interleaved, without
+from haptisym.verbs.cost.hardcosts import hard_cases
+from haptisym.verbs.cost.methods import (
     CROSSINGS,
     DOUBLE,
     RATIO_METHODS,
@@ -44,8 +46,6 @@ from haptisym.verbs.cost.contenders import (
     right_digits,
     scipy_way,
 )
-from haptisym.verbs.cost.entry import Cost, Measurement, approximated, interleaved, without
-from haptisym.verbs.cost.hardcosts import hard_cases
 
 SPRING = hs.environments.mass_spring_damper(k=100)
 

@@ -127,11 +127,11 @@ def test_what_leaps_below_90_per_cent_creeps_from_there(k0: int, more: int) -> N
     ("scene", "why"),
     [
         (stick(1, 1, 0, hs.effects.shunt(m=1)), "no steady force"),
-        (stick(1, 2, 100, hs.effects.delay("0.05"), hs.effects.shunt(m=1)), "not finitely many"),
+        (stick(1, 2, 100, hs.effects.delay("0.05"), hs.effects.shunt(m=1)), "infinitely many"),
         (stick(1, 2, 100, hs.effects.shunt(b=-3)), "does not die out"),
         (
             hs.Scene(hs.environments.zener(80, 9, 3), [hs.effects.series("(1 + s/30)/(1 + s/20)")], (0, 15)),
-            "leaps past",
+            "passes its rest",
         ),
         (stick(1, 2, 100, *(hs.effects.first_order_lag(x) for x in (30, 40, 50))), "impulse"),
     ],

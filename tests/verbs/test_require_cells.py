@@ -28,7 +28,7 @@ from haptisym.verbs.require.feasible import Binding, Domain, End, Kind, Question
 from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import allowed, critical, edge_polynomial, missing, touch_polynomial
 from haptisym.verbs.require.freeparameter import real_roots as roots_in_parameter
-from haptisym.verbs.require.places import CellVerdict
+from haptisym.verbs.require.limitingpoints import CellVerdict
 from haptisym.verbs.require.solving import Leaf, ValueSearch
 from haptisym.verbs.stability.loops import Gap
 

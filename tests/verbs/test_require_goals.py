@@ -188,8 +188,8 @@ def test_what_time_does_not_last_for_is_undecided(that: list[str], k: int) -> No
 def test_what_is_undecided_for_a_reason_says_it(name: str) -> None:
     rough = hs.Scene(environments.mass_spring_damper(k=100, b=1), (effects.coulomb_friction("1 N", "1 cm"),), (1, 99))
     told, asked, why = {
-        "sliding": (rough, {"that": "stable", "hand": POSTURAL}, "sliding friction stands as a describing"),
-        "sampled-wall": (hs.load_scene("sampled-wall"), {"that": "passive"}, "the clock samples a force"),
+        "sliding": (rough, {"that": "stable", "hand": POSTURAL}, "sliding friction is a describing function"),
+        "sampled-wall": (hs.load_scene("sampled-wall"), {"that": "passive"}, "the sampled force depends on"),
     }[name]
     found = hs.require(told, "environment.k", (10, 1000), **asked)
     assert (found.feasible, undecided(found)) == ((), [(10, 1000)])

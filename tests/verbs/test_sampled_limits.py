@@ -22,9 +22,9 @@ import haptisym as hs
 from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.errors import UndecidedError
-from haptisym.verbs.stability.clocked import is_held, passages
 from haptisym.verbs.stability.critical import Nearest, critical
 from haptisym.verbs.stability.held import held
+from haptisym.verbs.stability.sampled import is_held, passages
 from haptisym_check import RefusedError, check
 
 E, F = hs.environments, hs.effects

@@ -47,9 +47,9 @@ from haptisym.verbs.sweep.batch import (
     nearest,
     within_reach,
 )
+from haptisym.verbs.sweep.delayterms import Family, Variables
 from haptisym.verbs.sweep.entry import SweepGrid, Swept, compute
 from haptisym.verbs.sweep.passes import Band, FamilyLattice, Found, SignedProduct, changes
-from haptisym.verbs.sweep.waves import Family, Variables
 
 PAPER = hs.load_scene("fu2019")
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"

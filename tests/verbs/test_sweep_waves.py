@@ -18,11 +18,10 @@ from scan import FAMILIES, Draw
 from sympy import Rational
 
 import haptisym as hs
-from haptisym.verbs.sweep import waves as libm
+from haptisym.verbs.sweep import delayterms as libm
 from haptisym.verbs.sweep.axes import axes
 from haptisym.verbs.sweep.batch import Array, Batch, Monomial, Powers
-from haptisym.verbs.sweep.passes import ThresholdPolynomial, curves_of
-from haptisym.verbs.sweep.waves import (
+from haptisym.verbs.sweep.delayterms import (
     Factor,
     Family,
     Function,
@@ -35,6 +34,7 @@ from haptisym.verbs.sweep.waves import (
     nodes,
     refine,
 )
+from haptisym.verbs.sweep.passes import ThresholdPolynomial, curves_of
 
 SWEPT = {
     "satellite-contact": {"effects.loop-delay.tau": (1e-3, 0.3), "environment.k": (2e3, 4e4)},

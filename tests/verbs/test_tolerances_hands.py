@@ -21,9 +21,9 @@ from sympy import Rational, Symbol
 import haptisym as hs
 from haptisym.kernel.budget import timed_by
 from haptisym.kernel.rings import s
-from haptisym.verbs.stability.clocked import OnCircle
 from haptisym.verbs.stability.held import held
-from haptisym.verbs.tolerances.heldbox import ClockPlane, HeldInBox, held_in_box, quotient
+from haptisym.verbs.stability.sampled import OnCircle
+from haptisym.verbs.tolerances.stability import ClockPlane, HeldInBox, held_in_box, quotient
 
 E, F = hs.environments, hs.effects
 

@@ -10,7 +10,7 @@ from sympy import Expr, Rational, Symbol
 
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.rings import s
-from haptisym.verbs.require.places import Shape, Strip, Strips
+from haptisym.verbs.require.limitingpoints import Shape, Strip, Strips
 
 q = Symbol("q", positive=True)
 """The parameter of all of them."""

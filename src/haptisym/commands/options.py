@@ -215,7 +215,7 @@ class Verb(click.Command):
     def _answer(self, ask: Ask) -> Any:
         if not self.each or not hasattr(ask.scene, "scenes"):
             return self.question(ask)
-        from haptisym.verbs.family.each import answer_each
+        from haptisym.verbs.family.answers import answer_each
 
         return answer_each(ask.scene, lambda scene: self.question(SimpleNamespace(**{**vars(ask), "scene": scene})))
 

@@ -23,8 +23,8 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from haptisym.figures import pen
+from haptisym.figures.files import Drawings
 from haptisym.figures.layers import Chart, Layer, On, Room, dots, number, raised, thin
-from haptisym.figures.sheet import Drawings
 from haptisym.verbs.cost.entry import Cost, Measurement, duration, front
 from haptisym.verbs.cost.hardcosts import HardCosts, HardRow, worst_verdict
 
@@ -176,7 +176,7 @@ def _handles(rows: Sequence[Measurement]) -> list[Any]:
         Line2D([], [], markerfacecolor="white", **mark, label="not proven"),
         *([Line2D([], [], color=pen.INK, linewidth=1.2, label="best of the proven")] if proven else []),
         Line2D([], [], color=pen.GREY, linewidth=0.9, linestyle=_DASHED, label="best of all"),
-        Patch(facecolor=pen.SHADE, label="no digit right, or a wrong count"),
+        Patch(facecolor=pen.SHADE, label="no correct digit, or a wrong count"),
     ]
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from matplotlib.artist import Artist
 
 from haptisym.figures import pen
+from haptisym.figures.files import Drawings
 from haptisym.figures.layers import Axis, Chart, Curve, Ground, Layer, Mark, On, frequency, handle, parameter
-from haptisym.figures.sheet import Drawings
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
 from haptisym.programs.values import Array

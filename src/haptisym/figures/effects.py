@@ -24,8 +24,8 @@ from sympy import Symbol
 from haptisym.figures import pen
 from haptisym.figures.curves import ends_of, is_share, limit_of, sampled, written
 from haptisym.figures.evaluation import along
+from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import Axis, Chart, Curve, Layer, Limit, On, draw, frequency, number, spread, text_width
-from haptisym.figures.sheet import Drawings, sheet
 from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Unit

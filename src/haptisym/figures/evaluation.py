@@ -38,6 +38,7 @@ from haptisym.figures.curves import (
     sampled,
     top_of,
 )
+from haptisym.figures.files import Drawings
 from haptisym.figures.layers import (
     Above,
     Axis,
@@ -62,7 +63,6 @@ from haptisym.figures.layers import (
     spread,
     text_width,
 )
-from haptisym.figures.sheet import Drawings
 from haptisym.judge.bandwidths import Bandwidths
 from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.crossings import Curve as Dynamics
@@ -424,8 +424,7 @@ def _felt(e: Evaluation, part: Part) -> list[Felt]:
     together = [Felt(*ends_of(x.band), felt_of(x, part)) for x in e.percepts if x.part is None]
     own = [Felt(*ends_of(x.band), x.words) for x in e.felt if x.part is part]
     nameless = [Felt(*ends_of(x), NOT_NAMED) for x in _nameless(e, part)]
-    short = (x._replace(words="noticed (active)") if x.words == NOT_NAMED else x for x in together + own + nameless)
-    return sorted(short, key=lambda x: x.low)
+    return sorted(together + own + nameless, key=lambda x: x.low)
 
 
 def _nameless(e: Evaluation, part: Part) -> tuple[Interval, ...]:

@@ -14,12 +14,12 @@ from matplotlib.figure import Figure
 from haptisym.figures import pen
 from haptisym.figures.curves import broken, columns, ends_of, limit_of, name_of, sampled
 from haptisym.figures.evaluation import REGIONS
+from haptisym.figures.files import Drawings, drawings_of, sheet
 from haptisym.figures.layers import Above, Axis, Band, Chart, Curve, Layer, Limit, Mark, On, Words, frequency
-from haptisym.figures.sheet import Drawings, drawings_of, sheet
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.programs.values import Array
-from haptisym.verbs.family.each import FamilyAnswers
+from haptisym.verbs.family.answers import FamilyAnswers
 from haptisym.verbs.family.entry import FamilyEvaluation
 
 _LIMITING = ((pen.BLUE, pen.SOLID), (pen.RED, pen.DASHED), ("#7cc0c8", pen.SOLID), ("#d0701f", pen.DASHED))
@@ -83,13 +83,8 @@ def worst_case(w: FamilyEvaluation) -> Figure:
     first, *others = (worst(w, i, shared=shared) for i in range(count))
     ends = dict.fromkeys(x.omega for x in w.binding)
     above = Above([(float(x), first.x.digits(x, 4)) for x in ends])
-    quiet = [_unnamed(chart) for chart in others]
+    quiet = [replace(chart, layers=[replace(x, label="") for x in chart.layers]) for chart in others]
     return sheet(Chart([*first.layers, above], first.x, first.y, first.height), *quiet)
-
-
-def _unnamed(chart: Chart) -> Chart:
-    """The same without entries of the legend."""
-    return replace(chart, layers=[replace(x, label="") for x in chart.layers])
 
 
 def regions(w: FamilyEvaluation) -> Chart:

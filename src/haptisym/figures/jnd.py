@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.artist import Artist
 
 from haptisym.figures import pen
+from haptisym.figures.files import Drawings
 from haptisym.figures.layers import Axis, Chart, Curve, Layer, Mark, Note, On, Words, dots
-from haptisym.figures.sheet import Drawings
 from haptisym.verbs.jnd.entry import Psychometric, PublishedThresholds
 
 _LEAST, _MOST = 3.0, 7.0

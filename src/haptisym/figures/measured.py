@@ -16,6 +16,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from haptisym.figures import pen
 from haptisym.figures.evaluation import Matched, changes, plane, short_thirds
+from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import (
     Axis,
     Chart,
@@ -32,7 +33,6 @@ from haptisym.figures.layers import (
     frequency,
     handle,
 )
-from haptisym.figures.sheet import Drawings, sheet
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import SQUARE, Part
 from haptisym.model.measured import Measurement

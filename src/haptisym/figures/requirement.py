@@ -21,6 +21,7 @@ from sympy import Float, Rational, S
 
 from haptisym.figures import pen
 from haptisym.figures.curves import judged, limit_of
+from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import (
     UNDECIDED,
     Axis,
@@ -37,7 +38,6 @@ from haptisym.figures.layers import (
     handle,
     parameter,
 )
-from haptisym.figures.sheet import Drawings, sheet
 from haptisym.judge.crossings import Criterion
 from haptisym.kernel.errors import SceneError
 from haptisym.model.chain import Chain

@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.artist import Artist
 
 from haptisym.figures import pen
+from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import Axis, Chart, Curve, Layer, Limit, Mark, On, Origin, force_per_position, frequency
-from haptisym.figures.sheet import Drawings, sheet
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, MotionKind, Unit, quantity

@@ -20,6 +20,7 @@ from sympy import Expr, Rational, Symbol
 
 from haptisym.figures import pen
 from haptisym.figures.curves import threshold_symbol, written
+from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import (
     Axis,
     Chart,
@@ -38,7 +39,6 @@ from haptisym.figures.layers import (
     number,
     parameter,
 )
-from haptisym.figures.sheet import Drawings, sheet
 from haptisym.kernel.errors import NothingToDrawError, UndecidedError
 from haptisym.model.catalogue import NOBODY, Hand
 from haptisym.model.catalogue import hands as published
@@ -47,8 +47,8 @@ from haptisym.model.scene import clocks
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.stability.entry import WALL, Stability, has_plane
 from haptisym.verbs.stability.plane import Plane, Window, boundary, plane, wall_plane
-from haptisym.verbs.tolerances.heldbox import HeldPlane, held_plane
 from haptisym.verbs.tolerances.proofs import Tolerances
+from haptisym.verbs.tolerances.stability import HeldPlane, held_plane
 
 _SMALLER = pen.SMALL - 0.5
 _ROOM = 1.25  # of the largest number that is shown

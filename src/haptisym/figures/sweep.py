@@ -20,10 +20,10 @@ from matplotlib.ticker import MaxNLocator
 from sympy import Symbol
 
 from haptisym.figures import pen
+from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import Axis, Chart, Curve, Layer, Limit, Mark, On, Words, dots, frequency, handle, number
 from haptisym.figures.measured import unit_of
 from haptisym.figures.requirement import boundary
-from haptisym.figures.sheet import Drawings, sheet
 from haptisym.kernel.errors import SceneError
 from haptisym.model.quantities import Unit
 from haptisym.model.scene import Scene

@@ -47,7 +47,7 @@ class Answer(Shown):
     """What a verb answers: ``print`` shows the command line's page, a notebook likewise, ``to_json`` gives the document.
 
     A class says what is its own: ``_about``, ``_body`` and, as data, ``_schema`` and what writes its ``_page``, draws its
-    ``_figure`` (``figures.sheet.Drawings``) and proves it (``_certificate``): as ``"package.module:name"``, so that nothing
+    ``_figure`` (``figures.files.Drawings``) and proves it (``_certificate``): as ``"package.module:name"``, so that nothing
     of the kind is loaded before it is asked for.
     """
 
@@ -106,16 +106,16 @@ class Answer(Shown):
 
     def figure(self) -> Any:
         """The figure, of matplotlib. NothingToDrawError where there is nothing in the answer to draw."""
-        return resolve_name("haptisym.figures.sheet:draw_figure")(self)
+        return resolve_name("haptisym.figures.files:draw_figure")(self)
 
     def save_figure(self, path: str | Path) -> Path:
         """Write the figure, as the name ends: .svg, .pdf or .png; the same file for the same answer."""
-        target: Path = resolve_name("haptisym.figures.sheet:save_as")(self.figure(), path)
+        target: Path = resolve_name("haptisym.figures.files:save_as")(self.figure(), path)
         return target
 
     def save_figures(self, folder: str | Path) -> list[Path]:
         """Write all figures to a folder, each as SVG, PDF and PNG. NothingToDrawError where there is nothing to draw."""
-        files: list[Path] = resolve_name("haptisym.figures.sheet:save_figures")(self, folder)
+        files: list[Path] = resolve_name("haptisym.figures.files:save_figures")(self, folder)
         return files
 
     def plot(self, ax: Any = None, *, kind: str = "", color: str | None = None, label: str = "", **style: Any) -> Any:
@@ -130,7 +130,7 @@ class Answer(Shown):
         >>> evaluate("helicopter-cyclic").plot(ax, label="stick").get_xlabel()
         '$\\\\omega$ (rad/s)'
         """
-        return resolve_name("haptisym.figures.sheet:plot")(self, ax, kind, color, label, style)
+        return resolve_name("haptisym.figures.files:plot")(self, ax, kind, color, label, style)
 
     def certificate(self) -> str:
         """The answer with a proof that ``python -m haptisym_check`` checks, as JSON. SceneError where there is none."""

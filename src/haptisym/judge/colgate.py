@@ -1,4 +1,4 @@
-"""Whether every passive hand may hold a sampled loop: Colgate and Schenkel's condition, one polynomial sign in tan(theta/2).
+"""Whether a sampled loop is passive: Colgate and Schenkel's condition, one polynomial sign in tan(theta/2).
 
 A device m s^2 + b s + k, its position sampled every T, a controller C(z), the force held: passive where, for 0 < theta <= pi,
     b > T/2 Re((1 - exp(-j theta)) C(exp(j theta)))/(1 - cos theta),
@@ -28,7 +28,7 @@ from haptisym.kernel.roots import chart, ordered, sign_of_number
 from haptisym.model.catalogue import BACK, CLOCKS, SAMPLED_LOOP, Device, Effect, controller, device
 from haptisym.model.scene import Scene
 
-_FORCE = "the sampled force is made in continuous time from more than the position at that instant"
+_FORCE = "the sampled force depends on more than the sampled position"
 _TEN = "something other than mass, spring and damper lies between sampler and hand"
 
 
@@ -90,7 +90,7 @@ class SampledPassivity:
 
     @cached_property
     def passive(self) -> bool | None:
-        """Whether the device's damping exceeds that, and nothing is pushed away: then every passive hand may hold the display.
+        """Whether the device's damping exceeds that, and nothing is pushed away: then the display is passive.
 
         None where not decided.
         """

@@ -211,7 +211,7 @@ class Evaluation(Answer):
     ``percepts`` : what is felt where a ratio exceeds; ``felt`` : the same in words, with what has no name.
     ``outside_model`` : intervals with Im H_perc < 0, where the display is active; ``unnamed`` : those where the imaginary part
     is noticed. ``unbounded`` : frequencies at which a ratio is infinite, as H_env is 0 there.
-    ``stable`` : whether the force under imposed motion is stable: all poles of H_perc in Re s < 0. None where that is undecided
+    ``stable`` : whether it is stable under prescribed motion: all poles of H_perc in Re s < 0. None where that is undecided
     or poles do not show it (a sampled loop). It says nothing about a display in a hand; ``hs.stability`` does.
     ``undecided`` : where something stayed open at the precision limit, such as a tangency of a scene with delays; empty of each
     rational scene. ``certified`` : nothing is.
@@ -347,7 +347,7 @@ class Evaluation(Answer):
 
     @cached_property
     def passivity(self) -> Passivity | None:
-        """Whether every passive hand may hold the display, judged at all frequencies; None where not even signs are decided."""
+        """Whether the display is passive, judged at all frequencies; None where not even signs are decided."""
         try:
             return passivity(self.scene, self.distortion)
         except UndecidedError:

@@ -1,4 +1,4 @@
-"""Whether every passive hand may hold a display, and whether the force under imposed motion is stable.
+"""Whether a display is passive, and whether the force under prescribed motion is stable.
 
 Every passive hand may hold it where H_perc/s is positive real: Im H_perc(j omega) >= 0 on [0, infinity), with a clock up to pi/T;
 no poles in Re s > 0; those on the axis, at 0 and at infinity simple, with positive residues. The force is stable where all poles
@@ -27,10 +27,10 @@ from sympy import Expr, Integer, Poly, Rational, pi
 from haptisym.judge.colgate import SampledPassivity, sampled_passivity
 from haptisym.judge.crossings import PASSIVE
 from haptisym.judge.peaks import Greatest, greatest
+from haptisym.kernel.asymptoticsign import AsymptoticSign, Sense, asymptotic_sign
 from haptisym.kernel.budget import limited
-from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis
+from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.far import AsymptoticSign, Sense, far
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, omega, s
 from haptisym.kernel.rootcount import count_roots, is_stable, order_at_0
@@ -135,19 +135,14 @@ def poles_allow(F: RationalFunction) -> bool | None:
 def has_no_pole_right(f: RationalFunction) -> bool | None:
     """Whether a function in lowest terms has no pole in Re s > 0; None where not decided."""
     try:
-        found = count_roots(f.denominator, _ring(f))
+        found = count_roots(f.denominator, ring_of(f))
     except UndecidedError:
         return None
     return None if found.right is None else found.right == 0
 
 
-def _ring(f: RationalFunction) -> Ring:
-    assert isinstance(f.ring, Ring)
-    return f.ring
-
-
 def _allowed(F: RationalFunction, response: Response) -> bool:
-    ring = _ring(F)
+    ring = ring_of(F)
     if order_at_0(F.denominator, ring) > order_at_0(F.numerator, ring) or not _allowed_far_out(response):
         return False
     found = count_roots(F.denominator, ring)
@@ -183,7 +178,7 @@ def _allowed_far_out(response: Response) -> bool:
     faster = sign_of_number(grown - 2)
     if faster:
         return faster < 0
-    found = far(raw).sense
+    found = asymptotic_sign(raw).sense
     if found in (Sense.BOTH, Sense.UNKNOWN):
         raise UndecidedError("whether a display is a positive mass at high frequency")
     return found is Sense.NEGATIVE
@@ -225,7 +220,7 @@ _BEYOND = {
 
 @dataclass(frozen=True)
 class Passivity:
-    """Where a display gives energy away, and whether every passive hand may hold it. All of it certified.
+    """Where a display generates energy, and whether it is passive: proven.
 
     ``chart`` : of Im H_perc, from 0 to ``high``. ``beyond`` : what it does above that. ``settled`` : far out.
     """
@@ -260,7 +255,7 @@ class Passivity:
 
     @cached_property
     def holds(self) -> bool | None:
-        """Whether every passive hand may hold the display, with a clock by ``sampled``; None where not decided."""
+        """Whether the display is passive, with a clock by ``sampled``; None where not decided."""
         if self.is_active and not sampled_loop(self.scene):  # where the closed form is no approximation
             return False
         if self.sampled is not None:
@@ -290,7 +285,7 @@ class Passivity:
 
     @property
     def takes_energy(self) -> bool:
-        """Whether every passive hand may hold the display, and Im H_perc > 0 at every frequency: for rational dynamics."""
+        """Whether the display is passive, and Im H_perc > 0 at every frequency: for rational dynamics."""
         if not self.holds or _ring_in_passivity(self.distortion).lags:
             return False
         points = [x for x in self.chart.points if float(x.omega) > 0]
@@ -306,7 +301,7 @@ class Passivity:
     def damping(self) -> Greatest | None:
         """b* = sup(-Im H_perc/omega), at least 0: with it a hand is held whatever its mass and stiffness.
 
-        That, where the force under imposed motion is stable. Its frequency is None where it is only approached, far out.
+        That, where the force under prescribed motion is stable. Its frequency is None where it is only approached, far out.
         None where nothing bounds it, and where that is not decided: ``is_unbounded`` tells. Found in ten seconds or not at all.
         """
         if not self.is_active:
@@ -354,7 +349,7 @@ def passivity(scene: Scene, distortion: Distortion | None = None) -> Passivity:
     """
     d = distortion or scene.closed
     periods = clocks(scene)
-    settled = AsymptoticSign(Sense.POSITIVE) if periods else far(d.perc_response.raw_imag)
+    settled = AsymptoticSign(Sense.POSITIVE) if periods else asymptotic_sign(d.perc_response.raw_imag)
     high, is_late = (pi / max(periods, key=float), False) if periods else _reach(scene, d, settled)
     beyond = Beyond.CLOCK if periods else Beyond.LATE if is_late else _BEYOND[settled.sense]
     return Passivity(scene, d, chart({PASSIVE: PASSIVE.function(d)}, Integer(0), high), high, beyond, settled)
@@ -400,7 +395,7 @@ def _damping(d: Distortion, high: Expr) -> Greatest | None:
     if not needed.function.numerator.degrees()[0] and len(axis.angles) == 1 and not axis.orders:
         return greatest(needed, Integer(0), 2 * pi / axis.angles[0].rate)  # a wave, which repeats
     for value in _tried(needed, high):
-        left = far(axis.convert(value * omega) + raw)
+        left = asymptotic_sign(axis.convert(value * omega) + raw)
         if left.sense is Sense.POSITIVE:
             reach = left.radius if sign_of_number(left.radius - high) > 0 else high
             found = greatest(needed, Integer(0), reach)

@@ -138,9 +138,11 @@ class ValueAt(RealNumber):
 
 @dataclass(frozen=True, repr=False)
 class Peak(Judged, Shown):
-    """A frequency inside the band, rad/s, at which a ratio has a local maximum; ``ratio``: how large it is. Certified.
+    """A local maximum of a ratio: at ``omega``, rad/s, inside the band, with ``ratio`` as its value, dimensionless.
 
-    ``jump`` : whether the limit changes there: the ratio then comes as near to this as one likes on one side, and drops.
+    Proven: d(r^2)/d omega changes from + to - there, or another limit takes over; both numbers to any number of digits.
+    ``jump`` : whether the limit changes there: the ratio then comes arbitrarily near to this on one side, and drops.
+    ``threshold`` : the ratio as the exact number to which a ``Threshold`` is tangent here. Made by ``peaks``.
     """
 
     criterion: Criterion

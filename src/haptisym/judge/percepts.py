@@ -17,7 +17,8 @@ from haptisym.model.scene import Scene
 
 
 class Property(Enum):
-    """What the distorted part of the dynamics feels like (section 2.3)."""
+    """What the distorted part of the dynamics feels like (section 2.3): Im H is damping, or friction; Re H stiffness where it
+    is positive and mass where it is negative, from one to the other where its sign is not the environment's."""
 
     STIFFNESS = "stiffness"
     MASS = "mass"
@@ -28,7 +29,7 @@ class Property(Enum):
 
 
 class Change(Enum):
-    """How the magnitude felt compares with the environment's."""
+    """How the magnitude felt compares with the environment's: that of Re H_perc with Re H_env, or of the imaginary parts."""
 
     HIGHER = "higher"
     LOWER = "lower"
@@ -72,7 +73,7 @@ class Felt(NamedTuple):
     words: str
 
 
-NOT_NAMED = "noticed (active: no property applies)"
+NOT_NAMED = "noticed (active)"
 """What is said where the imaginary part is noticed while Im H_perc < 0: the paper's model has no property for that."""
 
 _OF_IMAG = (Property.DAMPING, Property.FRICTION)

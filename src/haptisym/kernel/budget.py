@@ -75,7 +75,7 @@ class Budget:
             self.reached = True
             own = "" if self.whole is None else f"{self.seconds:.2g} s, its share of "
             raise LimitError(
-                f"not decided within {own}the limit of {self.whole or self.seconds:g} s; a longer limit may decide it"
+                f"stopped at {own}the limit of {self.whole or self.seconds:g} s; a longer limit may decide it"
             )
         if done is not None and (what or not self._last[2]):  # an inner loop without a name leaves the outer one's word
             self._last = done, total, what

@@ -185,6 +185,12 @@ class Response:
         return RealFunction(_lowest(self.raw_imag))
 
 
+def ring_of(dynamics: RationalFunction) -> Ring:
+    """The ring of a dynamics."""
+    assert isinstance(dynamics.ring, Ring)
+    return dynamics.ring
+
+
 def on_axis(dynamics: RationalFunction) -> Response:
     """The values of a dynamics on ``s = j omega``, as real functions of omega.
 

@@ -21,11 +21,11 @@ from sympy import Expr, Integer
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
+from haptisym.kernel.delayterms import WaveTerm, vanishes
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.factors import AnalyticFactor, PolynomialFactor, polynomial_factors
 from haptisym.kernel.rings import Polynomial, monomials
-from haptisym.kernel.waves import WaveTerm, vanishes
 from haptisym.kernel.zeros import Factor, is_clear
 
 Pieces: TypeAlias = list[tuple[Polynomial, int]]

@@ -18,17 +18,7 @@ from flint import acb_poly, arb, arb_poly, fmpq, fmpq_poly, fmpz, fmpz_poly
 from sympy import Expr, pi
 
 from haptisym.kernel.budget import Waiting, tick
-from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import (
-    MOST_BITS,
-    SURE_BITS,
-    Ball,
-    RealNumber,
-    at_rising_precision,
-    expression_ball,
-)
-from haptisym.kernel.rings import PolynomialRing, omega
-from haptisym.kernel.waves import (
+from haptisym.kernel.delayterms import (
     NEARER,
     Wave,
     WaveSum,
@@ -39,6 +29,16 @@ from haptisym.kernel.waves import (
     order_at_0,
     taylor_coefficients,
 )
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import (
+    MOST_BITS,
+    SURE_BITS,
+    Ball,
+    RealNumber,
+    at_rising_precision,
+    expression_ball,
+)
+from haptisym.kernel.rings import PolynomialRing, omega
 from haptisym.kernel.zeros import (
     SeriesFactor,
     SmoothFactor,

@@ -18,8 +18,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache, wraps
 from pathlib import Path
 from pkgutil import resolve_name
-from types import MappingProxyType
-from typing import Any, NamedTuple, TypeAlias, get_args, get_type_hints
+from typing import Any, NamedTuple, TypeAlias, TypeVar, get_args, get_type_hints
 
 from sympy import Expr, Integer, Poly, Pow, Symbol, exp, nan, pi, zoo
 
@@ -60,9 +59,14 @@ class Model:
 
 @dataclass(frozen=True, repr=False)
 class Environment(Shown):
-    """What should be felt: H_env(s), force per position.
+    """What should be felt: the dynamic stiffness ``H_env(s) = F(s)/X(s)``, N/m or N m/rad, exact.
 
-    ``dynamics`` is written in the parameters' symbols, ``H`` with their values in place.
+    ``dynamics`` : in s and the symbols of ``parameters``; ``H`` : with their values, SI.
+    Made by the functions of ``haptisym.environments``; SceneError for a value that breaks the rule of its parameter.
+
+    >>> from haptisym import environments
+    >>> environments.kelvin_voigt("100 N/m", "2 N*s/m").H
+    2*s + 100
     """
 
     model: str
@@ -123,7 +127,16 @@ class Environment(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Effect(Shown):
-    """What stands between environment and hand: a chain matrix, ``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]``."""
+    """What stands between environment and hand, as a chain matrix: ``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]``.
+
+    F is force, N or N m, X position, m or rad: of an H behind it the hand feels ``(A H + B)/(C H + D)``. Exact.
+    ``dynamics`` : A, B, C, D in s and the symbols of ``parameters``; ``matrix`` : with their values, SI.
+    Made by the functions of ``haptisym.effects``; SceneError for a value that breaks the rule of its parameter.
+
+    >>> from haptisym import effects
+    >>> effects.first_order_lag("80 rad/s").matrix
+    (80/(s + 80), 0, 0, 1)
+    """
 
     model: str
     parameters: tuple[Parameter, ...]
@@ -609,40 +622,45 @@ def read_hand(name: str, given: Mapping[str, Any]) -> Hand:
     return Hand(name, **given)
 
 
-class _Shipped(Mapping[str, Hand]):
-    """The hands that the package ships, by name."""
+def _hands() -> Mapping[str, Hand]:
+    tables = tomllib.loads((Path(__file__).parents[1] / "hands.toml").read_text(encoding="utf-8"))
+    return {name: read_hand(name, table) for name, table in tables.items()}
 
-    def __getitem__(self, name: str) -> Hand:
-        if name not in _hand_tables():
-            raise SceneError(
-                f'unknown hand "{str(name)[:60]}": {meant(str(name), self)}the package ships {", ".join(self)}'
-            )
-        return read_hand(name, _hand_tables()[name])
+
+_T = TypeVar("_T")
+
+
+class Named(Mapping[str, _T]):
+    """What the package ships of a ``kind``, by name, read when it is asked for. SceneError for a name that there is not."""
+
+    def __init__(self, kind: str, read: Callable[[], Mapping[str, _T]]) -> None:
+        self.kind, self._read = kind, cache(read)
+
+    def __getitem__(self, name: str) -> _T:
+        if name not in self:
+            unknown = f'unknown {self.kind} "{str(name)[:60]}"'
+            raise SceneError(f"{unknown}: {meant(str(name), self)}the package ships {', '.join(self)}")
+        return self._read()[name]
 
     def __contains__(self, name: object) -> bool:
-        return name in _hand_tables()
+        return isinstance(name, str) and name in self._read()
 
     def __iter__(self) -> Iterator[str]:
-        return iter(_hand_tables())
+        return iter(self._read())
 
     def __len__(self) -> int:
-        return len(_hand_tables())
+        return len(self._read())
 
     def __repr__(self) -> str:
-        return f"<hands {', '.join(self)}>"
+        return f"<{self.kind}s {', '.join(self)}>"
 
 
-hands: Mapping[str, Hand] = _Shipped()
+hands: Mapping[str, Hand] = Named("hand", _hands)
 """The published hands that the package ships, each with its source.
 
 >>> hands["postural-arm"].b.value
 129/20
 """
-
-
-@cache
-def _hand_tables() -> Mapping[str, Mapping[str, Any]]:
-    return MappingProxyType(tomllib.loads((Path(__file__).parents[1] / "hands.toml").read_text(encoding="utf-8")))
 
 
 NOBODY = "none"

@@ -40,9 +40,9 @@ from sympy import (
     sqrt,
 )
 
-from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
+from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of
 from haptisym.kernel.errors import SceneError, quoted
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, omega, s
 from haptisym.kernel.rings import c as symbol_c
@@ -207,7 +207,7 @@ def _writer(
     environment: Expr, rendered: Expr, matrices: tuple[Matrix, ...], inputs: tuple[Symbol, ...]
 ) -> Callable[[Sequence[str], Collection[str]], Program]:
     """What writes the programs of a chain, all from the same steps."""
-    from haptisym.programs.stable import stable_program
+    from haptisym.programs.distortion import stable_program
 
     return stable_program(environment, rendered, matrices, inputs)
 
@@ -456,7 +456,7 @@ def _far(f: RealFunction) -> Expr:
         return Integer(1)
     if any(not angle.constant for angle in f.axis.angles):
         raise SceneError("with a delay there may be infinitely many crossings: give a band, as band=(0, 100)")
-    found = far(f.function)
+    found = asymptotic_sign(f.function)
     if found.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
         raise SceneError("the highest crossing is not known: give a band, as band=(0, 100)")
     return max(found.radius, Integer(1))
@@ -490,7 +490,7 @@ def asymptote(difference: RationalFunction, at: Any) -> Asymptote:
     """The leading terms at 0 or oo."""
     if at not in (0, oo):
         raise SceneError(f"at: {quoted(at)}: give 0 or oo")
-    if at == oo and _ring(difference).lags:
+    if at == oo and ring_of(difference).lags:
         raise SceneError("at = oo: with a delay there is no leading term")
     if difference.is_zero:
         return Asymptote(Integer(0), Integer(0), Integer(0))
@@ -529,7 +529,7 @@ def _expansion(dynamics: RationalFunction, at: Any) -> Iterator[tuple[int, Expr]
 
     SceneError for what is not rational in s but for delays.
     """
-    ring = _ring(dynamics)
+    ring = ring_of(dynamics)
     if ring.orders:
         raise SceneError("a display with fractional powers of s has no leading term")
     rows = [_Coefficients(p, ring, at == oo) for p in (dynamics.numerator, dynamics.denominator)]
@@ -598,8 +598,3 @@ class _Coefficients:
                 late = (-lag) ** (n - power) / factorial(n - power)
                 total.append(Mul(Rational(int(value.p), int(value.q)), pi ** own[1], *factors, late))
         return Add(*total).expand()
-
-
-def _ring(dynamics: RationalFunction) -> Ring:
-    assert isinstance(dynamics.ring, Ring)
-    return dynamics.ring

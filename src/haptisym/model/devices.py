@@ -16,7 +16,6 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from importlib.resources import files
 from typing import Any, NamedTuple
 
@@ -25,7 +24,7 @@ from sympy import Expr
 from haptisym.effects import coulomb_friction, shunt
 from haptisym.kernel.errors import SceneError, meant, within
 from haptisym.kernel.objects import Shown
-from haptisym.model.catalogue import Effect
+from haptisym.model.catalogue import Effect, Named
 from haptisym.model.quantities import Dimension, quantity
 
 NUMBERS = {
@@ -103,41 +102,17 @@ class Device(Shown, Mapping[str, Sourced]):
 _CARRIED = "m", "b", "friction"
 
 
-class _Shipped(Mapping[str, Device]):
-    """The devices that the package knows, by name."""
-
-    def __getitem__(self, name: str) -> Device:
-        known = _known()
-        if not isinstance(name, str) or name not in known:
-            shown = str(name)[:60]
-            raise SceneError(f'unknown device "{shown}": {meant(shown, known)}known are {", ".join(known)}')
-        return known[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in _known()
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(_known())
-
-    def __len__(self) -> int:
-        return len(_known())
-
-    def __repr__(self) -> str:
-        return f"<devices {', '.join(self)}>"
+def _known() -> Mapping[str, Device]:
+    tables = tomllib.loads((files("haptisym") / "data" / "devices.toml").read_text(encoding="utf-8"))
+    return {name: Device(name, dict(_numbers(table))) for name, table in tables.items()}
 
 
-devices: Mapping[str, Device] = _Shipped()
+devices: Mapping[str, Device] = Named("device", _known)
 """The devices that the package knows: mass, damping, friction, resolution, clock, and the most that each renders.
 
 >>> devices["touch"]["force"].written, devices["touch"]["force"].read
 ('3.3 N', 'the file')
 """
-
-
-@cache
-def _known() -> Mapping[str, Device]:
-    tables = tomllib.loads((files("haptisym") / "data" / "devices.toml").read_text(encoding="utf-8"))
-    return {name: Device(name, dict(_numbers(table))) for name, table in tables.items()}
 
 
 def _numbers(table: Mapping[str, Any]) -> Iterator[tuple[str, Sourced]]:

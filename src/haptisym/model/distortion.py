@@ -96,11 +96,18 @@ def _chain_of(environment: Environment, effects: tuple[Effect, ...], rendered: E
 
 @dataclass(frozen=True, repr=False)
 class Distortion(Shown):
-    """The environment H_env, the perceived dynamics H_perc and their difference dH = H_perc - H_env (eq. 9), exact.
+    """The environment H_env, the perceived dynamics H_perc and their difference ``dH = H_perc - H_env`` (eq. 9), exact.
 
-    Closed forms are SymPy expressions in ``s`` or ``omega``, in lowest terms, with numerators and denominators in factors.
-    ``real``, ``imag``: Re dH and Im dH. ``ratio_real``, ``ratio_imag``: r_r and r_i (eq. 10), what the JND judges.
-    ``relative_real``, ``relative_imag``: Re(dH/H_env) and Im(dH/H_env), which are *not* the ratios.
+    Closed forms are SymPy expressions in ``s`` or ``omega`` (rad/s), factored, with common factors cancelled.
+    ``real``, ``imag`` : Re dH and Im dH, N/m or N m/rad. ``ratio_real``, ``ratio_imag`` : ``r_r = |Re dH|/|H_env|`` and
+    ``r_i = |Im dH|/|H_env|`` (eq. 10), which the JND judges. ``relative_real``, ``relative_imag`` : Re and Im of dH/H_env, which
+    are *not* the ratios. ``compile`` makes NumPy functions of them. Made by ``distort``, which raises SceneError.
+    Source: Fu, van Paassen and Mulder (2019); derivation 01_paper_example.
+
+    >>> from haptisym import effects, environments, symbols
+    >>> k, w = symbols("k w")
+    >>> distort(environments.mass_spring_damper(k=k), effects.first_order_lag(w)).ratio_real
+    omega**2/(omega**2 + w**2)
     """
 
     env: RationalFunction = field(repr=False)

@@ -37,10 +37,14 @@ from haptisym.model.quantities import Dimension, MotionKind, Number, decimal, ev
 
 @dataclass(frozen=True, repr=False)
 class Published(Shown):
-    """A just-noticeable difference as its source gives it: a fraction, or from the least to the most.
+    """A just-noticeable difference as its source gives it: a fraction from ``low`` to ``high``, dimensionless (1/10 is 10 %).
 
-    ``criterion`` : the share of answers at which it was taken, None where that is not known. ``read`` : how far the source was
-    read. ``apart`` : why it is no threshold for a scene; empty where it may be one.
+    ``criterion`` : the proportion of correct answers at which it was taken, None where that is not known. ``quantity`` : of
+    what; ``reference`` : at which levels, with whom. ``read`` : how much of ``source`` was read. ``apart`` : why it is no
+    threshold for a scene; empty where it may be one. Measured by its authors, not proven.
+
+    >>> like("weight").written, like("weight").low
+    ('22 to 44 %', 11/50)
     """
 
     name: str
@@ -297,10 +301,10 @@ class Part(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Threshold(Viewed):
-    """The JND c of eq. (4): a change of Re H or Im H is noticed when it exceeds that fraction of ``|H|``.
+    """The JND c of eq. (4): a change is noticed where ``|Re dH| > real |H_env|`` or ``|Im dH| > imag |H_env|``.
 
-    Each a number > 0, rational or rational in pi, or a rational formula in omega, as a string. ``region`` : what it is besides,
-    where it is not the paper's square.
+    Each a number > 0, dimensionless: rational or rational in pi; a range (``"0.1 +- 20 %"`` or a pair); or a rational formula in
+    omega, as a string. ``region`` : what it is besides, where it is not the paper's square. SceneError for anything else.
     Source: Fu, van Paassen and Mulder (2019), eq. (4); 10 % for the impedances of manual control.
 
     >>> Threshold.of(0.1)

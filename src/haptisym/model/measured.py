@@ -176,12 +176,12 @@ class Welch:
     @property
     def words(self) -> str:
         """All settings in a sentence."""
-        kept = "every line" if self.every == 1 else f"one line of {self.every}"
+        kept = "every frequency" if self.every == 1 else f"one frequency of {self.every}"
         overlap = f"{100 * (1 - self.shift / self.length):.3g} %"
         return (
             f"{self.estimator.value} by Welch's method: {self.samples} samples at {self.rate:.6g} Hz, {self.segments} "
             f"segments of {self.length} samples ({self.length / self.rate:.4g} s), window {self.window}, overlap "
-            f"{overlap}, mean taken off; as good as {self.averages:.4g} independent averages; {kept}"
+            f"{overlap}, mean removed; {self.averages:.4g} effective averages; {kept}"
         )
 
     def row(self) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from typing import TypeAlias
 import numpy as np
 
 from haptisym.kernel.errors import SceneError, need, several, within
-from haptisym.model.quantities import Dimension, Number, number, quantity
+from haptisym.model.quantities import Dimension, Number, is_number, number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
 
@@ -383,8 +383,8 @@ def recording(path: str | Path, *, lowpass: Number | None = None, order: int = 4
 
 def _read(path: str | Path) -> Recording:
     rows = _rows(Path(path))
-    units = [_unit(path, header) for header in rows[0]] if not _is_number(rows[0][0]) else ["", ""]
-    body = rows[1:] if not _is_number(rows[0][0]) else rows
+    units = [_unit(path, header) for header in rows[0]] if not is_number(rows[0][0]) else ["", ""]
+    body = rows[1:] if not is_number(rows[0][0]) else rows
     first = 2 if body is not rows else 1
     if len(body) < 6:
         raise SceneError(f"{path}: {len(body)} samples; a recorded motion needs at least 6")
@@ -412,14 +412,6 @@ def _rows(path: Path) -> list[list[str]]:
     return rows
 
 
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
 def _unit(path: str | Path, header: str) -> str:
     if "[" not in header:
         return ""
@@ -438,7 +430,7 @@ def _scale(path: str | Path, unit: str, dimension: Dimension) -> tuple[float, Ki
 
 def _column(path: str | Path, rows: list[list[str]], index: int, first: int) -> Array:
     for line, row in enumerate(rows, first):
-        if not _is_number(row[index]) or not np.isfinite(float(row[index])):
+        if not is_number(row[index]) or not np.isfinite(float(row[index])):
             raise SceneError(f'{path}: line {line}: "{row[index][:40]}" is not a finite number')
     return np.array([float(row[index]) for row in rows])
 

@@ -721,3 +721,12 @@ def expected(dimension: Dimension) -> str:
     (' Times: s, ms, us.', '')
     """
     return f" {_UNITS[dimension]}." if dimension in _UNITS else ""
+
+
+def is_number(text: str) -> bool:
+    """Whether a cell of a file is a number."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

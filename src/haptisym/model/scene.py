@@ -681,8 +681,9 @@ def _hand(scene: Scene) -> list[str]:
     clocks = [x.name for x in scene.effects if x.model in CLOCKS]
     if not clocks:
         return []
-    words = "this is for prescribed motion; a hand closes the sampled loop, which haptisym stability decides."
-    return [f"with sampling ({', '.join(clocks)}) {words}"]
+    return [
+        f"sampled ({', '.join(clocks)}): this is for prescribed motion; a hand closes the loop: haptisym stability."
+    ]
 
 
 def _bands(scene: Scene) -> list[str]:

@@ -522,7 +522,14 @@ def parse_scene(text: str, name: str = "scene", environment: str | None = None) 
 
 
 def parse_scenes(text: str, name: str = "scene") -> SceneFamily:
-    """The scenes that a TOML text describes, one for each of its environments; ``name`` is what error messages call it."""
+    """The scenes that a TOML text describes, one for each of its environments, by their names; exact numbers.
+
+    ``name`` : what error messages call the text. SceneError names table, key, value and rule of what is wrong.
+
+    >>> text = 'environments = [{ name = "soft", model = "kelvin-voigt", k = "1 N/mm", b = 2 }]'
+    >>> parse_scenes(text)["soft"].environment.H
+    2*s + 1000
+    """
     return _parsed(name, lambda: read_scenes(text))
 
 

@@ -24,9 +24,9 @@ _PROOF = (
     "repeats in turns, with half their interquartile range. Ratios of times carry over to other machines, times do not."
 )
 _LEGEND = (
-    "Right: to the digits that the numbers of the method hold but for one, and no crossing missed or invented. Digits are "
-    "those of the worst case, times medians over the cases. The condition number: by how much a result changes, "
-    "relatively, with the frequency or the threshold; what a method loses beyond its logarithm is its fault."
+    "Correct: to the digits that the numbers of the method hold but for one, and no crossing missed or invented. Digits are "
+    "those of the worst case, times medians over the cases. Condition number: the relative change of a result with the "
+    "frequency or the threshold; what a method loses beyond its logarithm is due to the method."
 )
 
 
@@ -49,7 +49,9 @@ def _measured_on(machine: Mapping[str, str]) -> str:
 
 def _table(found: Cost, task: str) -> Block:
     size = found.condition.get(task)
-    condition = "" if size is None else f" (condition number {'infinite: a touch' if isinf(size) else f'{size:.2g}'})"
+    condition = (
+        "" if size is None else f" (condition number {'infinite: a tangency' if isinf(size) else f'{size:.2g}'})"
+    )
     shown = table(
         found.task(task), (_TASKS[task], "."), Field("method", lambda x: x.method),
         number("correct digits", lambda x: Number(f"{x.digits:.{int(x.digits < 20)}f}", x.digits)),
@@ -76,7 +78,7 @@ def _family(family: str, rows: Sequence[HardRow]) -> Block:
     condition = "infinity" if isinf(hardest) else f"{hardest:.2g}"
     asks = "values of r_r and r_i" if rows[0].task == "evaluate" else "crossings"
     counted = f"{len(cases)} question{'s' * (len(cases) > 1)} about {asks}, condition number up to {condition}"
-    names = ("method", "right", "digits", "time", "proven", "")
+    names = ("method", "correct", "digits", "time", "proven", "")
     each = [_hard_row([x for x in rows if x.method == method]) for method in dict.fromkeys(row.method for row in rows)]
     fields = (Field(x, lambda row, i=i: row[i], number=x == "digits") for i, x in enumerate(names))  # type: ignore[misc]
     return Section(f"{family}: {FAMILIES[family]}", (Paragraph(f"{counted}."), table(each, f"{family}.", *fields)))

@@ -25,7 +25,7 @@ from haptisym.kernel.solutions import Solution, solve
 from haptisym.model.jnd import Part, Shape
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
-from haptisym.pages.words import H_ENV, OMEGA, noted, page_about, region
+from haptisym.pages.words import H_ENV, OMEGA, Field, noted, page_about, region, table
 from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, Groups, bare, listed_name
 from haptisym.writing import document as doc
@@ -450,11 +450,14 @@ _HOW_SURE = "Proven: all equations, by exact algebra; haptisym.verify compares t
 
 def page(d: Derivation) -> Document:
     """The parameters, and the sections."""
-    rows = tuple((named(p.symbol.name), _meaning(p, d.scene.motion), _state(d, p)) for p in d.scene.parameters)
-    table = doc.Table(
-        (doc.Column("symbol"), doc.Column("quantity"), doc.Column("value")), rows, "The parameters, in SI units."
-    )
-    return page_about(d.scene, (), ((table,) if rows else ()) + sections(d), (_HOW_SURE,), "Derivation", _asides(d))
+    mixed = 0 < len(d.kept) < len(d.scene.parameters)
+    shown = table(
+        d.scene.parameters, "The parameters, in SI units.", Field("symbol", lambda p: named(p.symbol.name)),
+        Field("quantity", lambda p: _meaning(p, d.scene.motion)), Field("in the scene", lambda p: layout(p.value)),
+        Field("", lambda p: ("kept" if p.symbol in d.kept else "inserted") * mixed),
+    )  # fmt: skip
+    blocks = *((shown,) if shown.rows else ()), *sections(d)
+    return page_about(d.scene, (), blocks, (_HOW_SURE,), "Derivation", _asides(d))
 
 
 def latex(d: Derivation) -> str:
@@ -472,10 +475,6 @@ def _meaning(p: Parameter, motion: MotionKind | None) -> str:
     plain, unit = p.dimension in (Dimension.ANY, Dimension.RATIO), p.unit_in(motion)
     kind = "number" if plain else p.dimension.name.lower()
     return f"{kind}, {unit_text(unit)}" if unit not in ("", "1") else kind
-
-
-def _state(d: Derivation, p: Parameter) -> Phrase:
-    return ("a symbol; ", layout(p.value), " in the scene") if p.symbol in d.kept else layout(p.value)
 
 
 def body(d: Derivation) -> dict[str, Any]:

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from sympy import Expr
 
-from haptisym.kernel.reals import Way
+from haptisym.kernel.reals import Printable, Way
 from haptisym.model.scene import Knob
-from haptisym.pages.words import both, cell, near, page_about, proof, undecided, value_of
+from haptisym.pages.words import bare, both, cell, page_about, proof, undecided, value_of
 from haptisym.verbs.design.attained import PASSIVE
 from haptisym.verbs.design.entry import Design
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Column, Document, Figure, Phrase, Real, Table, listed
@@ -39,7 +39,7 @@ def _answer(a: Design) -> Iterator[tuple[Phrase, Phrase]]:
         yield "Bandwidth", "none" if a.certified else ("at most ", both(a.bandwidth[1], Way.UP))
         return
     values = zip(a.free, a.best.values, strict=True)
-    yield "Best values", listed((named(x.name), " = ", _written(x, v), _now(x)) for x, v in values)
+    yield "Best values", listed((named(x.name), " = ", _written(x, v), _now(x, v)) for x, v in values)
     yield "Bandwidth", _bandwidth(a)
     if not a.is_whole:
         yield "Limited by", _limits(a)
@@ -51,13 +51,13 @@ def _written(x: Knob, value: Expr) -> Real:
     return Real(value, Way.NEAREST, _DIGITS, x.shown_unit(x.motion))
 
 
-def _now(x: Knob) -> Phrase:
-    return " (is ", value_of(x, x.value, Way.NEAREST), ")"
+def _now(x: Knob, best: Expr) -> Phrase:
+    return " (as in the scene)" if best == x.value else (" (is ", value_of(x, x.value, Way.NEAREST), ")")
 
 
 def _bandwidth(a: Design) -> Phrase:
     low, high = a.bandwidth
-    now: Phrase = () if a.given is None else ("; is ", cell(a.given.bandwidth, Way.DOWN))
+    now: Phrase = () if a.given in (None, a.best) else ("; is ", cell(a.given.bandwidth))
     off: Phrase = (" or more if all values are off by ", _percent(a.robust), " at most") if a.robust else ()
     if a.is_whole:
         return both(low, Way.DOWN), ", the whole band", off, now
@@ -75,11 +75,11 @@ def _limits(a: Design) -> Phrase:
 
 
 def _blocks(a: Design) -> Iterator[Block]:
-    if a.loss:
+    if a.loss and a.best and a.best.bandwidth:
         columns = (
             Column("All values off by at most"),
             Column(("Bandwidth, ", FREQUENCY_UNIT), number=True),
-            *_kept_column(a),
+            *[Column(("Kept: ", listed(a.keep)))] * bool(a.keep),
         )
         rows = [
             (_percent(x.relative), ("at least ", cell(x.bandwidth, Way.DOWN)), *((_KEPT[x.kept],) if a.keep else ()))
@@ -95,10 +95,6 @@ def _blocks(a: Design) -> Iterator[Block]:
         yield Figure("design", words, a.figure)
 
 
-def _kept_column(a: Design) -> tuple[Column, ...]:
-    return (Column(("Kept: ", listed(a.keep))),) if a.keep else ()
-
-
 _KEPT = {True: "yes", False: "not by all", None: "not proven"}
 
 
@@ -107,11 +103,14 @@ def _percent(x: Expr) -> str:
 
 
 def _proven(a: Design) -> Iterator[Phrase]:
-    spans = (_range(x, float(low), float(high)) for x, (low, high) in zip(a.free, a.ranges, strict=True))
+    spans = (_range(x, *ends, Way.UP, Way.DOWN) for x, ends in zip(a.free, a.ranges, strict=True))
     low, high = (cell(float(x), Way.NEAREST) for x in a.family.band)
     yield "Range searched: ", listed(spans), "; band: ", low, " to ", high, "\xa0", FREQUENCY_UNIT, "."
     if a.best is not None and len(a.clusters):
-        boxes = [listed(_range(x, *ends) for x, ends in zip(a.free, box, strict=True)) for box in a.clusters[:4]]
+        boxes = [
+            listed(_range(x, *ends, Way.DOWN, Way.UP) for x, ends in zip(a.free, box, strict=True))
+            for box in a.clusters[:4]
+        ]
         more = f" and {len(a.clusters) - 4} more" if len(a.clusters) > 4 else ""
         yield "Nothing better lies outside of ", listed(boxes, "or"), f"{more}."
     if a.certified and a.best is None:
@@ -130,6 +129,5 @@ def _why(a: Design) -> str:
     return f": cells became too narrow{exact}; narrower ranges help"
 
 
-def _range(x: Knob, low: float, high: float) -> Phrase:
-    unit = x.shown_unit(x.motion)
-    return named(x.name), " from ", near(low, unit=unit), " to ", near(high, unit=unit)
+def _range(x: Knob, low: Printable, high: Printable, down: Way, up: Way) -> Phrase:
+    return named(x.name), " from ", bare(value_of(x, low, down)), " to ", value_of(x, high, up)

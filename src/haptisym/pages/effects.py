@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from haptisym.kernel.objects import counted
 from haptisym.kernel.reals import Way
 from haptisym.model.jnd import Part
 from haptisym.pages import words as w
@@ -19,12 +20,12 @@ def page(r: Relevance) -> Document:
 
 def _answer(r: Relevance) -> Iterator[tuple[Phrase, Phrase]]:
     kept, dropped = ([e.name for e in effects] for effects in (r.pruned.effects, r.dropped))
-    yield "Matter", (listed(kept) if kept else "none", f" ({len(kept)} of {len(r.scene.effects)} effects)")
+    yield "Matter", (listed(kept) if kept else "none", f" ({len(kept)} of {counted(len(r.scene.effects), 'effect')})")
     if dropped:
         full, few = r.operations
         changes = w.phrased("changes {} on the band (tolerance {})", w.bounds(r.bound), w.near(float(r.tolerance)))
         yield "Left out", (listed(dropped), ": ", changes)
-        yield "Operations", f"{few} in the distortion, written in steps, in place of {full}"
+        yield "Operations", f"{few} for the distortion in intermediate steps, instead of {full}"
 
 
 def _effects(r: Relevance) -> Iterator[Block]:
@@ -34,7 +35,7 @@ def _effects(r: Relevance) -> Iterator[Block]:
     ranked = sorted(r.effects, key=lambda x: -max(change.most for change in x.change.values()))
     changes = (w.number(w.RATIOS[part], lambda x, part=part: w.at_most(x.change[part].most)) for part in Part)  # type: ignore[misc]
     names = w.Field("effect", lambda x: x.effect.name), w.Field("model", lambda x: x.effect.model)
-    kept = w.Field("", lambda x: "kept" if x.kept else "")
+    kept = w.Field("", lambda x: "kept" if x.kept and r.dropped else "")
     blocks: list[Block] = [w.table(ranked, "Upper bounds, proven.", *names, *changes, kept)]
     if any(not change.is_finite for x in r.effects for change in x.change.values()):
         why = "Unbounded: near a frequency where {} or a dynamics is infinite, no bound exists."
@@ -53,14 +54,15 @@ def _dominance(r: Relevance) -> Iterator[Block]:
 
 
 def _crossings(r: Relevance) -> Block:
+    scene = "full scene" if r.dropped else "scene"
     if not r.crossings:
-        return Paragraph("The full scene has no crossing on the band.")
+        return Paragraph(f"The {scene} has no crossing on the band.")
+    count = w.Field("crossings", lambda x: "at least one" if x.certain else "none, one or several")
     shown = w.table(
-        r.crossings, "Where crossings of the full scene are; outside of these intervals it has none.",
-        w.Field("part", lambda x: x.criterion.name), w.Field(w.IN_UNIT, _interval),
-        w.Field("crossings", lambda x: "at least one" if x.certain else "none, one or several"),
+        r.crossings, f"Where crossings of the {scene} are; outside of these intervals it has none.",
+        w.Field("part", lambda x: x.criterion.name), w.Field(w.IN_UNIT, _interval), *[count] * bool(r.dropped),
     )  # fmt: skip
-    return Section("Where the full scene's crossings are", (shown,))
+    return Section(f"Where the {scene}'s crossings are", (shown,))
 
 
 def _interval(x: CrossingEnclosure) -> Phrase:
@@ -69,10 +71,9 @@ def _interval(x: CrossingEnclosure) -> Phrase:
 
 
 def _proven(r: Relevance) -> Iterator[Phrase]:
-    yield w.proof(
-        r.scene, "bounds on the whole band, for all effects left out together; no crossing of the full scene elsewhere"
-    )
-    if r.smallest:
-        yield "Proven: no smaller set of effects stays within the tolerance."
-    else:
-        yield "This is the smallest set found; that no smaller one exists is not proven."
+    what = "bounds on the whole band"
+    if r.dropped:
+        what += ", for all effects left out together; no crossing of the full scene elsewhere"
+    yield w.proof(r.scene, what + "; no smaller set of effects stays within the tolerance" * r.smallest)
+    if not r.smallest:
+        yield "Not proven: that no smaller set of effects exists."

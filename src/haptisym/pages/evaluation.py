@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from sympy import Add, Expr, Rational, Symbol
 
@@ -348,7 +348,7 @@ def bandwidths(e: Evaluation) -> Iterator[Block]:
     yield doc.Paragraph(("For ", _range(threshold), ": ", _between(found, threshold), _blocked(found, threshold)))
     if found.is_one_curve:
         caption = "The bandwidth over the range; a dot is attained, a ring is not."
-        yield w.drawing("bandwidths", caption, "sheet:draw_figure", e, "bandwidths")
+        yield w.drawing("bandwidths", caption, "files:draw_figure", e, "bandwidths")
 
 
 def _range(threshold: Threshold) -> Phrase:
@@ -467,12 +467,12 @@ def regions(e: Evaluation) -> Iterator[Block]:
     if not e.regions:
         return
     rows = w.table(
-        e.regions, "Bandwidth and first crossing by region, proven.", *_REGION,
+        _different(e.regions), "Bandwidth and first crossing by region, proven.", *_REGION,
         w.hertz(lambda x: _width(e.chart, x.bandwidth), "bandwidth"),
         w.hertz(lambda x: w.cell(x.crossing.omega) if x.crossing else "none", "first crossing"),
         w.Field("what happens there", lambda x: event(x.crossing, _KINDS.get(x.name)) if x.crossing else ""),
     )  # fmt: skip
-    figure = w.drawing("regions", _PLANE, "sheet:draw_figure", e, "regions")
+    figure = w.drawing("regions", _PLANE, "files:draw_figure", e, "regions")
     yield doc.Section(_SURVIVES, (doc.Paragraph(_spread(e.regions)), rows, figure), "regions")
 
 
@@ -504,7 +504,7 @@ def deciding(e: Evaluation) -> Iterator[Block]:
     )
     near = listed(map(w.both, found.undecided))
     said = [words, *([w.undecided(("whether a region is reached near ", near))] if near else [])]
-    figure = w.drawing("discriminate", _DECIDING, "sheet:draw_figure", e, "discriminate")
+    figure = w.drawing("discriminate", _DECIDING, "files:draw_figure", e, "discriminate")
     yield doc.Section("Which changes would decide between the models?", (rows, *w.noted(said), figure), "discriminate")
     display: Block = doc.Paragraph("All models judge the display equally on the whole band.")
     if found.display:
@@ -519,10 +519,14 @@ def _region_name(x: Compared | FamilyCompared) -> str:
     return "of the scene" if x.name == OWN else x.name
 
 
-_REGION = (
-    w.Field("region", _region_name),
-    w.Field("what it is", lambda x: w.limits(x.threshold), full=True),
-)
+_REGION = w.Field("region", _region_name), w.Field("what it is", lambda x: w.limits(x.threshold), full=True)
+_T = TypeVar("_T", "Compared", "FamilyCompared")
+
+
+def _different(found: Sequence[_T]) -> list[_T]:
+    """Without the scene's region where that is one of the others."""
+    others = [x.threshold for x in found if x.name != OWN]
+    return [x for x in found if x.name != OWN or x.threshold not in others]
 
 
 def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
@@ -530,7 +534,7 @@ def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
     if not many.regions:
         return
     worst = w.table(
-        many.regions, "Common bandwidth by region, and what limits it, proven.", *_REGION,
+        _different(many.regions), "Common bandwidth by region, and what limits it, proven.", *_REGION,
         w.hertz(lambda x: _width(many.chart, x.bandwidth), "bandwidth"),
         w.Field("limited by", lambda x: listed(f"{y.environment} ({y.criterion.name})" for y in x.first)),
     )  # fmt: skip
@@ -541,9 +545,9 @@ def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
 
     each = w.table(
         [*many.family, together], ("Bandwidth of each environment by region, ", FREQUENCY_UNIT, ", proven."),
-        w.Field("environment", str), *(w.number(_region_name(x), partial(width, x=x)) for x in many.regions),
+        w.Field("environment", str), *(w.number(_region_name(x), partial(width, x=x)) for x in _different(many.regions)),
     )  # fmt: skip
-    figure = w.drawing("regions", _WIDTHS, "sheet:draw_figure", many, "regions")
+    figure = w.drawing("regions", _WIDTHS, "files:draw_figure", many, "regions")
     yield doc.Section(
         _SURVIVES, (doc.Paragraph(_spread(many.regions, "common bandwidth")), worst, each, figure), "regions"
     )
@@ -621,7 +625,7 @@ def _step_2(e: Evaluation) -> Iterator[Block]:
 
 
 def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
-    return w.drawing(name, caption, "sheet:draw_figure", e, name, wide=wide)
+    return w.drawing(name, caption, "files:draw_figure", e, name, wide=wide)
 
 
 def percepts(e: Evaluation) -> Block:
@@ -662,11 +666,9 @@ def _any_environment(e: Evaluation) -> Iterator[Phrase]:
     if below == end:
         yield "For any environment: unnoticed on this band."
         return
-    low: Phrase = (
-        "noticed with some at the low end of the band"
-        if below is None
-        else ("unnoticed up to ", w.both(below, Way.DOWN))
-    )
+    low: Phrase = "noticed with some at the low end of the band"
+    if below is not None:
+        low = "unnoticed up to ", w.both(below, Way.DOWN)
     yield "For any environment: ", low, () if above is None else (", noticed above ", w.both(above, Way.UP)), "."
 
 
@@ -677,7 +679,7 @@ def _friction(e: Evaluation) -> Iterator[Phrase]:
     force, source = w.near(float(x.force)), "(Veldhuis, Mulder and van Paassen, 2024: a Weber fraction and a floor)"
     if x.noticed is None or x.least is None:
         words = (
-            f"Friction of {{}} {newton} in the display has a threshold of its own {source}, which the scene does not give: "
+            f"Friction of {{}} {newton} in the display has a separate threshold {source}, which the scene does not give: "
             "{} in {}."
         )
         yield w.phrased(words, force, doc.Code('friction = { weber = ..., floor = "... N" }'), doc.Code("[evaluation]"))
@@ -698,7 +700,7 @@ def _energy(e: Evaluation) -> Iterator[Phrase]:
     if found.damping is not None and found.poles_allow:
         yield w.enough_damping(w.at_most(found.damping.value), e.scene)
     elif found.is_unbounded:
-        yield "No damping of a hand compensates this activity at all frequencies: it increases faster than frequency."
+        yield w.endless()
 
 
 # What is proven.
@@ -713,7 +715,7 @@ def _proven(e: Evaluation) -> Iterator[Phrase]:
         yield "Proven: everything else."
         return
     passive = ", passivity" if e.passivity is not None and e.passivity.holds is not None else ""
-    but = " but of what is computed" if e.discrimination else ""
+    but = ", except computed ones" if e.discrimination else ""
     yield w.proof(e.scene, f"all crossings on the band{passive}, and all digits printed{but}")
     if e.bandwidths is not None and e.bandwidths.undecided:
         yield w.undecided(e.bandwidths.undecided)
@@ -868,11 +870,8 @@ def _remarks_peaks(found: Peaks) -> Iterator[Phrase]:
         yield "The value is how many times the ", region.kind, " must be enlarged to hold the distortion."
     for x in found:
         if x.jump:
-            yield (
-                "At ",
-                w.both(x.omega),
-                " the limit changes: the ratio comes arbitrarily near to the value, and drops.",
-            )
+            words = "At {} the limit changes: the ratio comes arbitrarily near to the value, and drops."
+            yield w.phrased(words, w.both(x.omega))
 
 
 def _proven_peaks(found: Peaks) -> Iterator[Phrase]:

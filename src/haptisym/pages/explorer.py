@@ -18,6 +18,7 @@ from sympy import Expr, Poly, Symbol, fraction, together
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.dynamics import ring_of
 from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.rings import omega
 from haptisym.model.jnd import Part, Shape, Threshold
@@ -27,7 +28,6 @@ from haptisym.model.scene import Scene
 from haptisym.pages.scene import SceneForms
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, PART_NAMES, RATIOS, unit
 from haptisym.verbs.evaluate.certificate import has_broken_powers, name_in_file
-from haptisym.verbs.stability.held import ring_of
 from haptisym.writing.code import Language, nearest_double, scene_program
 from haptisym.writing.document import Phrase
 from haptisym.writing.html import Html, data, element, inline, joined, phrase, script

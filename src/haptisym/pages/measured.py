@@ -13,7 +13,7 @@ from haptisym.judge.percepts import NOT_NAMED, felt_words
 from haptisym.kernel.objects import counted
 from haptisym.kernel.rings import s
 from haptisym.model.jnd import Part
-from haptisym.model.measured import Measurement, Slope, Welch, coherence_for
+from haptisym.model.measured import Measurement, Welch, coherence_for
 from haptisym.model.quantities import unit_text
 from haptisym.pages import words as w
 from haptisym.verbs.measured.entry import Between, MeasuredEvaluation, Share, Stretches
@@ -37,21 +37,19 @@ def measured_words(m: Measurement) -> Phrase:
     if m.coherence is None:
         return lines, "; ", certainty(m)
     seen = f"{float(m.coherence.min()):.4g} to {float(m.coherence.max()):.4g}"
-    return lines, f"; coherence {seen}, {m.averages:g} averages"
+    return lines, f"; coherence {seen}, {m.averages:.4g} averages"
 
 
 def linearity(found: Welch) -> Phrase | None:
     """How far the force follows the cube of what the response predicts; None where that was not asked."""
     if found.cube is None or found.cube_chance is None:
         return None
-    told: Phrase = (
-        "the force follows the cube of the predicted one by ", w.near(found.cube), " standard errors; as many or more have a ",
-        "probability of ", w.near(found.cube_chance), " if the display is linear",
-    )  # fmt: skip
+    words = "the force has a cubic part of {} standard errors (probability if the display is linear: {})"
+    told = w.phrased(words, w.near(found.cube, most=3), w.near(found.cube_chance, most=2))
     if found.cube_chance >= _UNLIKELY:
         return told
     as_if = "saturating" if found.cube < 0 else "hardening, or with play"
-    words = f"{{}} ({as_if}): {{}}. The response is that of a motion of this size; another gives another"
+    words = f"{{}} ({as_if}): {{}}. The response holds for motions of this size alone"
     return w.phrased(words, Strong("not linear"), told)
 
 
@@ -141,26 +139,17 @@ _LONGEST = 12
 _OF = {"perceived": "", "environment": " of the environment"}
 
 
-def slope_words(x: Slope) -> str:
-    """``|dH/dω| at most 40 N·s/m``."""
-    bound = f"{x.bound:.6g} {unit_text(x.unit)}"
-    return f"|dH/dω| at most {bound}{' times |H|' if x.relative else ''}"
-
-
 def stated(e: MeasuredEvaluation) -> str:
-    """All bounds that were stated."""
-    return "; ".join(f"{slope_words(x)}{_OF[key]}" for key, x in e.scene.slopes.items())
+    """All bounds that were stated: ``|dH/dω| at most 40 N·s/m``."""
+    bounds = (
+        (f"{x.bound:.6g} {unit_text(x.unit)}{' times |H|' * x.relative}", key) for key, x in e.scene.slopes.items()
+    )
+    return "; ".join(f"|dH/dω| at most {bound}{_OF[key]}" for bound, key in bounds)
 
 
-def between_section(e: MeasuredEvaluation) -> Iterator[doc.Section]:
-    """A section, where a bound was stated."""
-    if e.between is not None:
-        yield doc.Section(
-            "Between frequency points, by the bound on the slope", tuple(_blocks(e, e.between)), "between"
-        )
-
-
-def _blocks(e: MeasuredEvaluation, found: Between) -> Iterator[Block]:
+def _blocks(e: MeasuredEvaluation, found: Between | None) -> Iterator[Block]:
+    if found is None:
+        return
     words = (
         "With {} the disc of each point extends to its neighbours, larger by as much as the bound allows; half-way its radius is "
         "at most {}\xa0% of |H_env|."
@@ -225,7 +214,7 @@ def page(e: MeasuredEvaluation) -> Document:
     blocks: tuple[Block, ...] = (
         doc.Facts(tuple(_about(e))),
         doc.Section("Step 1: where a hand notices", tuple(_step_1(e)), "step-1"),
-        *between_section(e),
+        doc.Section("Between frequency points, by the bound on the slope", tuple(_blocks(e, e.between)), "between"),
         doc.Section("Step 2: perceived change", tuple(_step_2(e)), "step-2"),
     )
     return w.page_about(e.scene, _answer(e), blocks, _how_sure(e), "Two-step evaluation of a measured display")
@@ -241,13 +230,13 @@ def _answer(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
         yield "Noticed", (Strong("first at "), w.both(float(e.lines.omega[at])), f", by {name}")
     else:
         open_ = any((codes == 0).any() for _, codes in verdicts)
-        yield "Noticed", "at no point resolved; some are unresolved" if open_ else "at no measured point"
+        yield "Noticed", "resolved at no point; some are unresolved" if open_ else "at no measured point"
     felt: dict[Phrase, Phrase] = {}
     for ends_, _, part, words in _felt(e):
         felt.setdefault((words, f" ({part})"), ends_)
     few = [(words, " at ", at, "\xa0", FREQUENCY_UNIT) for words, at in islice(felt.items(), 2)]
     yield "Felt as", listed(few) if few else "not resolved"
-    yield "Stability", "not tested: measured points do not show it"
+    yield "Stability", "not tested: it needs a model (haptisym identify fits one)"
 
 
 def _share(x: float, digits: int = 4) -> str:
@@ -264,7 +253,7 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     else:
         function = e.scene.frame.distortion().env
         form, is_rounded = readable(function, s)
-        unit = f"  {w.stiffness_unit(e.scene.frame)}"
+        unit = f"\xa0{w.stiffness_unit(e.scene.frame)}"
         yield "environment", (equation("H_env", form, relation="≈" if is_rounded else "="), unit)
     yield "perceived", measured_words(felt)
     if felt.understood:
@@ -280,7 +269,7 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     if felt.coherence is not None and felt.averages is not None:
         c = min(float(x.min()) for x in limits_of(e.scene, e.lines.omega).values())
         least = float(coherence_for(c, felt.averages, felt.confidence))
-        told = f"with {felt.averages:g} averages a radius of {_share(c)} needs a coherence of at least "
+        told = f"with {felt.averages:.4g} averages a radius of {_share(c)} needs a coherence of at least "
         yield "discs", (_discs(e), "; ", told, w.at_least(least))
     else:
         yield "discs", _discs(e)
@@ -348,7 +337,7 @@ def _resolving(e: MeasuredEvaluation) -> Iterator[Phrase]:
     )  # fmt: skip
     if found.coherence and found.averages:
         yield (
-            f"With {felt.averages:g} averages that is a coherence of at least ", _half_and_all(found.coherence,
+            f"With {felt.averages:.4g} averages that is a coherence of at least ", _half_and_all(found.coherence,
             lambda x: f"{x:.7g}"),
             "; with the measured coherence, ", _half_and_all(found.averages, lambda x: f"{x:.0f}"), " averages.",
         )  # fmt: skip
@@ -370,10 +359,9 @@ def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
     if rows:
         caption = "What is felt at the points that exceed, where their discs show it."
         yield w.table(rows[:MOST_ROWS], caption, *_each(w.IN_UNIT, "points", "part", "felt as"))
-    if len(rows) > MOST_ROWS:
-        yield doc.Notes(
-            (f"The first {MOST_ROWS} groups of points that are felt in the same way; --json has every point.",)
-        )
+    more = f"The first {MOST_ROWS} groups of points that are felt in the same way; --json has every point."
+    active = "Active: Im H_perc < 0, where no property applies to the imaginary part."
+    yield from w.noted([*[more] * (len(rows) > MOST_ROWS), *[active] * (NOT_NAMED in (x[-1] for x in rows))])
     if not rows:
         yield doc.Paragraph("At no point do the discs show that something is noticed, and in which part.")
     yield _figure(
@@ -400,7 +388,7 @@ def _felt_words(e: MeasuredEvaluation, part: Part | None, line: int) -> str:
 
 
 def _figure(e: MeasuredEvaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
-    return w.drawing(name, caption, "sheet:draw_figure", e, name, wide=wide)
+    return w.drawing(name, caption, "files:draw_figure", e, name, wide=wide)
 
 
 def _how_sure(e: MeasuredEvaluation) -> Iterator[Phrase]:
@@ -416,5 +404,5 @@ def _how_sure(e: MeasuredEvaluation) -> Iterator[Phrase]:
     missed = min(1.0, share * (2 if both_ else 1)) * len(e)
     yield (
         f"Estimated: each disc misses the true value with a probability of {_share(share)}, if the noise is as assumed; that is ",
-        w.near(missed), f" of {counted(len(e), 'point')}.",
+        w.near(missed, most=2), f" of {counted(len(e), 'point')}.",
     )  # fmt: skip

@@ -10,21 +10,7 @@ from haptisym.kernel.objects import counted
 from haptisym.kernel.reals import RealNumber, short
 from haptisym.kernel.rings import RationalFunction, omega, s
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import (
-    Field,
-    both,
-    caveats,
-    near,
-    noted,
-    number,
-    page_about,
-    percent,
-    proof,
-    region,
-    spans,
-    table,
-    undecided,
-)
+from haptisym.pages import words as w
 from haptisym.verbs.metrics.controlloading import ControlLoading, Trial
 from haptisym.verbs.metrics.freeresponse import Rule
 from haptisym.verbs.metrics.metric import Form, Metric, Metrics, Value
@@ -43,12 +29,12 @@ def page(m: Metrics) -> Document:
     """The whole page."""
     shown = "Distance of each measure from transparency over the band, and below where each measure is satisfied."
     told = (x for x in m.notes if m.tell_absolute or "absolutely stable" not in x)
-    notes = doc.Section("Where they disagree", noted(map(formulated, told)))
+    notes = doc.Section("Where they disagree", w.noted(map(formulated, told)))
     blocks: tuple[Block, ...] = (
         _overview(m), notes, doc.Formulas(lambda: map(_measure, m.told)), doc.Figure("metrics", shown, m.figure),
-        *caveats(m.evaluation.caveats),
+        *w.caveats(m.evaluation.caveats),
     )  # fmt: skip
-    return page_about(
+    return w.page_about(
         m.scene, (("JND", jnd_verdict(m)),), blocks, _proven(m), "Measures of transparency", m.asides(), ("--all",)
     )
 
@@ -62,21 +48,22 @@ def control_page(found: ControlLoading) -> Document:
         if failed
         else f"passes {counted(len(tested), 'test')}"
     )
+    travel: Phrase = "" if found.travel is None else ("; travel ", w.near(found.travel), " m")
     answer = (
         ("Result", (result, f"; {left} not tested" if left else "")),
-        ("Rule", (f"14 CFR Part 60, table {found.rule.value}, {found.control}", *_travel(found))),
+        ("Rule", (f"14 CFR Part 60, table {found.rule.value}, {found.control}", travel)),
         ("JND", jnd_verdict(found)),
     )
     caption = "The tests: the environment is the aircraft's control, the display is the device's."
     judged = {True: "yes", False: "no", None: ""}
-    shown = table(
+    shown = w.table(
         [x for x in found.trials if x.environment is not None], caption,
-        Field("entry", lambda x: x.entry, full=True), Field("test", _test), Field("tolerance", _tolerance),
-        number("aircraft", lambda x: _plain(x.environment)), number("display", lambda x: _plain(x.display)),
-        number("margin", lambda x: "" if x.margin is None else f"{100 * x.margin:.1f}\xa0%"),
-        Field("result", lambda x: _RESULT[x.passes]), Field("noticed", lambda x: judged[x.noticed]),
+        w.Field("entry", lambda x: x.entry, full=True), w.Field("test", _test), w.Field("tolerance", _tolerance),
+        w.number("aircraft", lambda x: _plain(x.environment)), w.number("display", lambda x: _plain(x.display)),
+        w.number("margin", lambda x: "" if x.margin is None else f"{100 * x.margin:.1f}\xa0%"),
+        w.Field("result", lambda x: _RESULT[x.passes]), w.Field("noticed", lambda x: judged[x.noticed]),
     )  # fmt: skip
-    untested = doc.Section("Not tested", noted((f"{x.entry} {x.name}", f": {x.why}") for x in found.untested))
+    untested = doc.Section("Not tested", w.noted((f"{x.entry} {x.name}", f": {x.why}") for x in found.untested))
     figure = doc.Figure(
         "free-response",
         "Free response of the aircraft's control and of the display; dotted: 5 % of the displacement.",
@@ -84,20 +71,16 @@ def control_page(found: ControlLoading) -> Document:
     )
     released = doc.Versions((), lambda: [figure])
     meanings = doc.Notes(tuple(map(formulated, _meanings(found))))
-    blocks: tuple[Block, ...] = shown, meanings, released, untested, *caveats(found.evaluation.caveats)
+    blocks: tuple[Block, ...] = shown, meanings, released, untested, *w.caveats(found.evaluation.caveats)
     proven = (
-        (undecided("a test"),)
+        (w.undecided("a test"),)
         if not found.certified
-        else (proof(found.scene, "results, and all digits printed but margins"),)
+        else (w.proof(found.scene, "results, and all digits printed but margins"),)
     )
-    return page_about(found.scene, answer, blocks, proven, "Control-loading report", found.asides(), ())
+    return w.page_about(found.scene, answer, blocks, proven, "Control-loading report", found.asides(), ())
 
 
 _RESULT: dict[bool | None, Phrase] = {True: "passes", False: Strong("fails"), None: "not tested"}
-
-
-def _travel(found: ControlLoading) -> tuple[Phrase, ...]:
-    return () if found.travel is None else ("; travel ", near(found.travel), " m")
 
 
 def _meanings(found: ControlLoading) -> Iterator[str]:
@@ -128,17 +111,13 @@ def _tolerance(x: Trial) -> Phrase:
 
 
 def _plain(x: RealNumber | int | None) -> Phrase:
-    return "none" if x is None else near(x) if isinstance(x, RealNumber) else str(x)
+    return "none" if x is None else w.near(x) if isinstance(x, RealNumber) else str(x)
 
 
 def jnd_verdict(m: Metrics | ControlLoading) -> Phrase:
     """What the JND evaluation says, in a line."""
-    c, found = m.scene.threshold, m.evaluation.transparent
-    if not c.is_plain:
-        return "transparent ", spans(found) if found else "nowhere on the band", " (", region(c), ")"
-    limits = percent(c.real) if c.real == c.imag else f"{percent(c.real)} and {percent(c.imag)}"
-    where: Phrase = spans(found) if found else "nowhere on the band"
-    return "transparent ", where, " (", named("c"), f" = {limits})"
+    found = m.evaluation.transparent
+    return "transparent ", w.spans(found) if found else "nowhere on the band", " (", w.limits(m.scene.threshold), ")"
 
 
 _DESCRIBED = "relative distortion", "impedance range", "sensitivity", "effective impedance"
@@ -159,7 +138,7 @@ def _at(words: str, omega: RealNumber | None) -> Phrase:
     if omega is None:
         return formulated(words)
     before, found, after = words.partition(f"{short(omega)} rad/s")
-    return (formulated(before), both(omega), formulated(after)) if found else formulated(words)
+    return (formulated(before), w.both(omega), formulated(after)) if found else formulated(words)
 
 
 def _measure(x: Metric) -> doc.Section:
@@ -188,7 +167,7 @@ def _value(x: Value) -> Phrase:
     if x.value is None:
         return "infinite"
     if isinstance(x.value, tuple):
-        return spans(x.value) if x.value else "nowhere"
+        return w.spans(x.value) if x.value else "nowhere"
     if x.reference is None:
         return _number(x.value, x.unit)
     verdict: Phrase = "satisfied" if x.kept else Strong("not satisfied")
@@ -199,8 +178,8 @@ def _value(x: Value) -> Phrase:
 
 def _number(x: RealNumber | int | str, unit: str) -> Phrase:
     if isinstance(x, RealNumber) and unit == "rad/s":
-        return both(x)
-    return (near(x) if isinstance(x, RealNumber) else str(x)), f" {unit_text(unit)}" if unit else ""
+        return w.both(x)
+    return (w.near(x) if isinstance(x, RealNumber) else str(x)), f"\xa0{unit_text(unit)}" if unit else ""
 
 
 _SYMBOL = re.compile(r"\b((?:H|Z|r|P|A)_(?:env|perc|min|max|width|r|i|d|\d+))\b")
@@ -213,12 +192,12 @@ def formulated(words: str) -> Phrase:
 
 def _proven(m: Metrics) -> Iterator[Phrase]:
     if not m.certified:
-        yield undecided(
+        yield w.undecided(
             "whether some function is tangent to its limit, crosses it twice or stays clear of it, at the precision limit"
         )
         yield "Proven: all else."
     else:
-        yield proof(m.scene, "every limit, band and number")
+        yield w.proof(m.scene, "every limit, band and number")
 
 
 # Formulas.

@@ -205,17 +205,9 @@ _LATEX: Mapping[type, Callable[[Any], str]] = {
 # HTML, for what is a table or a sentence.
 
 
-def _scene_html(x: Scene) -> str:
-    return fragment(scene_page.page(x))
-
-
 def _answer_html(x: Answer) -> str:
     page = x.document()
     return f'<pre class="haptisym">{escape(page)}</pre>' if isinstance(page, str) else fragment(page)
-
-
-def _distortion_html(x: Distortion) -> str:
-    return str(element("div", display(_rows(x)), given={"class": "haptisym"}))
 
 
 def _crossing_html(x: Crossing) -> str:
@@ -237,6 +229,6 @@ def _percept_html(x: Percept) -> str:
 
 
 _HTML: Mapping[type, Callable[[Any], str]] = {
-    Answer: _answer_html, Scene: _scene_html, Distortion: _distortion_html, Crossing: _crossing_html,
-    Peak: _peak_html, Percept: _percept_html,
+    Answer: _answer_html, Scene: lambda x: fragment(scene_page.page(x)), Crossing: _crossing_html, Peak: _peak_html,
+    Distortion: lambda x: str(element("div", display(_rows(x)), given={"class": "haptisym"})), Percept: _percept_html,
 }  # fmt: skip

@@ -17,8 +17,8 @@ from matplotlib.figure import Figure as Canvas
 
 from haptisym import __version__
 from haptisym.figures import pen
+from haptisym.figures.files import save_as
 from haptisym.figures.pen import checked_report
-from haptisym.figures.sheet import save_as
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.writing.document import Document, Figure

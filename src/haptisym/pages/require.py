@@ -6,7 +6,6 @@ Of a map of two parameters: its exact slices, what is proven between them, and w
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from math import ceil
 
 from sympy import Expr
@@ -15,12 +14,12 @@ from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, Way, in_unit
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import Unit
 from haptisym.model.scene import THRESHOLD, Knob, clocks
 from haptisym.pages import words as w
 from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.feasible import IN_HANDS, STABLE, Binding, End, Kind, Span
 from haptisym.verbs.require.freeparameter import searched
+from haptisym.verbs.require.nearest import Nearest
 from haptisym.verbs.require.required import Requirement, is_quick, require
 from haptisym.writing import document as doc
 from haptisym.writing.document import Block, Document, Phrase, Strong, listed
@@ -57,7 +56,7 @@ def required(criteria: tuple[Criterion, ...]) -> str:
 
 def kept(x: Criterion) -> str:
     """What a display is that satisfies a criterion."""
-    return "passive" if x.name == "passive" else x.kept.replace(" on the whole band", "")
+    return x.kept.replace(" on the whole band", "")
 
 
 def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
@@ -68,8 +67,8 @@ def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
     )
     yield what[0].upper() + what[1:], (known, now)
     limits = list(dict.fromkeys(x for end in r.ends if end.value for x in _bindings(end, r)))
-    if limits:
-        yield "Limited by", listed(limits) if len(limits) <= _MOST_LIMITS else "see the table"
+    if limits and not _rows(r):
+        yield "Limited by", listed(limits)
     yield "Range searched", _range(r)
 
 
@@ -77,17 +76,12 @@ def _range(r: Requirement) -> Phrase:
     """From where to where values are searched, with 0 where the model allows it."""
     low, high = searched(r.free, r.domain)
     zero = "0 and " if r.domain.low == 0 and r.domain.holds_low else ""
-    return zero, _bare(w.value_of(r.free, low, Way.NEAREST)), " to ", w.value_of(r.free, high, Way.NEAREST)
-
-
-def _bare(x: doc.Real) -> doc.Real:
-    """A number without the name of its unit, which follows."""
-    return replace(x, unit=Unit("", x.unit.size))
+    return zero, w.bare(w.value_of(r.free, low, Way.NEAREST)), " to ", w.value_of(r.free, high, Way.NEAREST)
 
 
 def _bindings(end: End, r: Requirement) -> Iterator[Phrase]:
     for b in end.bindings:
-        yield _part(b), ", ", _where(b, r)
+        yield _part(b), ", " if b.kind is Kind.AXIS else " at ", _where(b, r)
 
 
 def sets(r: Requirement) -> Phrase:
@@ -111,7 +105,7 @@ def _span(x: Span, free: Knob) -> Phrase:
     most = None if high is None else w.value_of(free, high, Way.DOWN)
     if least is not None and most is None:
         return name, " ≥ " if x.low.closed else " > ", least
-    left = () if least is None else (_bare(least), _below(x.low))
+    left = () if least is None else (w.bare(least), _below(x.low))
     return left, name, _below(x.high), most or ""
 
 
@@ -120,34 +114,35 @@ def _below(end: End) -> str:
 
 
 def _nearest(r: Requirement) -> Iterator[Block]:
-    """Where no value satisfies it: the nearest one found, what limits it, and what was proven about all others."""
+    """Where no value satisfies it: the nearest one found, and what limits it."""
     if r.alone:
         others = ", some others undecided"
         alone = ((required(x.criteria), " for ", sets(x), others if x.undecided else "") for x in r.alone)
         yield doc.Paragraph(("Each by itself: ", listed(alone), "."))
-    x = next((y.nearest for y in r.alone if y.nearest), r.nearest)
+    x = _near(r)
     if x is None:
         return
-    least: Phrase = "How near other values come is not proven."
-    if x.at_least > 1:
-        words = "Proven: no value in the range keeps all ratios below {} times their thresholds."
-        least = w.phrased(words, w.at_least(x.at_least))
+    least = "" if x.at_least > 1 else " How near other values come is not proven."
     value, reached = w.value_of(r.free, float(x.value), Way.NEAREST), w.near(100 * float(x.ratio))
     yield doc.Paragraph(w.phrased(
-        "Nearest of those tried: {} = {}, where {} reaches {}\xa0% at {}, {} times its threshold. {}", named(r.free.symbol.name),
+        "Nearest of those tried: {} = {}, where {} reaches {}\xa0% at {}, {} times its threshold.{}", named(r.free.symbol.name),
         value, _part(x.binding), reached, _where(x.binding, r), w.near(x.times), least,
     ))  # fmt: skip
 
 
-def _ends(r: Requirement) -> Iterator[Block]:
+def _near(r: Requirement) -> Nearest | None:
+    return next((y.nearest for y in r.alone if y.nearest), r.nearest)
+
+
+def _rows(r: Requirement) -> list[tuple[Phrase, ...]]:
     """What limits at each end, where that is more than the answer has room for."""
-    rows = dict.fromkeys(
-        (w.value_of(r.free, x.value, Way.NEAREST), _part(b), _where(b, r))
-        for x in r.ends
-        for b in x.bindings
-        if x.value
-    )
-    if len(rows) > _MOST_LIMITS:
+    ends = ((x.value, b) for x in r.ends for b in x.bindings if x.value)
+    rows = dict.fromkeys((w.value_of(r.free, x, Way.NEAREST), _part(b), _where(b, r)) for x, b in ends)
+    return [*rows] if len(rows) > _MOST_LIMITS else []
+
+
+def _ends(r: Requirement) -> Iterator[Block]:
+    if rows := _rows(r):
         yield w.table(
             rows, "What limits the values at each end, proven.", w.number(named(r.free.symbol.name), lambda x: x[0]),
             w.Field("limited by", lambda x: x[1]), w.Field("at", lambda x: x[2]),
@@ -173,7 +168,10 @@ def _where(b: Binding, r: Requirement) -> Phrase:
     if b.kind is Kind.AXIS and b.criterion.name in IN_HANDS and clocks(r.scene):
         place = "poles on the unit circle"
     joined = " at " if b.kind is Kind.AXIS else ", "
-    return place, "" if b.omega is None else (joined, w.both(b.omega))
+    return place, "" if b.omega is None or (b.criterion.name == "passive" and not float(b.omega)) else (
+        joined,
+        w.both(b.omega),
+    )
 
 
 def _formulas(r: Requirement) -> Iterator[Block]:
@@ -193,7 +191,9 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
     what = required(r.criteria)
     if r.undecided:
         first, last = searched(r.free, r.domain)
-        where = listed((_limit(r, a, first, Way.DOWN), " to ", _limit(r, b, last, Way.UP)) for a, b in r.undecided)
+        where = listed(
+            (w.bare(_limit(r, a, first, Way.DOWN)), " to ", _limit(r, b, last, Way.UP)) for a, b in r.undecided
+        )
         why = f"; stopped after {r.limit:g} s" if r.limit is not None else ""
         yield w.undecided((named(r.free.symbol.name), " from ", where, why, f": {r.reason}" if r.reason else ""))
         if not _is_all(r):
@@ -204,10 +204,15 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
     if r.feasible:
         yield w.proof(r.scene, (what, " for every value in this set and for no other in the range", bounds))
     else:
-        yield w.proof(r.scene, ("no value in the range is ", what))
+        x = _near(r)
+        least = w.phrased(_LEAST, w.at_least(x.at_least)) if x and x.at_least > 1 else ""
+        yield w.proof(r.scene, ("no value in the range is ", what, least))
 
 
-def _limit(r: Requirement, x: RealNumber | None, end: Expr, way: Way) -> Phrase:
+_LEAST = ", and none keeps all ratios below {} times their thresholds"
+
+
+def _limit(r: Requirement, x: RealNumber | None, end: Expr, way: Way) -> doc.Real:
     return w.value_of(r.free, end if x is None else x, way)
 
 
@@ -275,8 +280,9 @@ def _answer_map(m: DesignMap) -> Iterator[tuple[Phrase, Phrase]]:
     what = required(m.criteria)
     on: Phrase = (f"on {len(some)} of {len(m.slices)} slices along ", named(a.symbol.name))
     if some:
-        ends = [w.value_of(a, float(x.at), Way.NEAREST) for x in (some[0], some[-1])]
-        on = w.phrased("{}, from {} to {}; for {} see the table and --figure", on, *ends, named(b.symbol.name))
+        low, high = (w.value_of(a, float(x.at), Way.NEAREST) for x in (some[0], some[-1]))
+        words = "{}, from {} to {}; for {} see the table and --figure"
+        on = w.phrased(words, on, w.bare(low), high, named(b.symbol.name))
     yield what[0].upper() + what[1:], on
     kinds = sorted({_KINDS.get(y.kind, y.kind.value) for x in some for e in x.requirement.ends for y in e.bindings})
     if kinds:
@@ -301,7 +307,7 @@ def _slices_proven(m: DesignMap) -> Iterator[Phrase]:
 
 def _between(m: DesignMap) -> Iterator[Block]:
     """What is estimated between slices."""
-    if m.deviation is None:
+    if not m.deviation:
         return
     share: Phrase = (" (", w.at_most(100 * m.deviation / m.height), "\xa0% of the range)")
     apart = sum(1 for x in m.gaps if x.deviation is None)
@@ -323,8 +329,9 @@ def _proven_map(m: DesignMap) -> Iterator[Phrase]:
         if most:
             part: Phrase = (" (", w.at_most(100 * most / m.height), "\xa0% of the range)")
             near = "; where lines join slices, within ", w.value_of(m.free[1], most, Way.UP), part, " of them"
-        words = "Proven between slices: what is {}{}, and what is not, but for {}, along the boundary{}."
-        yield w.phrased(words, what, threshold, share, near)
+        words = "Proven between slices: what is {}{}, and what is not{}."
+        left: Phrase = (", but for ", share, ", along the boundary", near) if x.rectangles.share_left else ""
+        yield w.phrased(words, what, threshold, left)
 
 
 def _stiffest(m: DesignMap) -> Iterator[Block]:

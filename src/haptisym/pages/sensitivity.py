@@ -9,7 +9,7 @@ from sympy import Expr, S
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.quantities import Unit
 from haptisym.model.scene import Scene
-from haptisym.pages.words import Field, both, near, noted, number, page_about, phrased, proof, table, undecided
+from haptisym.pages import words as w
 from haptisym.verbs.sensitivity.entry import Sensitive, Sensitivities, Sensitivity
 from haptisym.writing.document import (
     FREQUENCY,
@@ -32,7 +32,7 @@ def page(found: Sensitivities) -> Document:
     blocks = [*_crossings(found), *_changeovers(found)]
     further = ('haptisym derive SCENE --of "d omega_r/d NAME"',) if found.scene.threshold.is_plain else ()
     kind = "Sensitivity to each parameter"
-    return page_about(found.scene, _answer(found), blocks, _proven(found), kind, found.asides(), further)
+    return w.page_about(found.scene, _answer(found), blocks, _proven(found), kind, found.asides(), further)
 
 
 def _answer(found: Sensitivities) -> Iterator[tuple[Phrase, Phrase]]:
@@ -48,9 +48,9 @@ def _answer(found: Sensitivities) -> Iterator[tuple[Phrase, Phrase]]:
             if x.reason or not x.criterion
             else (", limited by ", named(x.criterion.symbol))
         )
-    yield "Bandwidth", (both(x.omega), limit)
+    yield "Bandwidth", (w.both(x.omega), limit)
     same = (y for y in found.crossings if y.omega is x.omega or (x.criterion and y.criterion == x.criterion))
-    moved = [p for y in [*same][:1] for p in y.ranked if p.elasticity is not None][:_FEW]
+    moved = [p for y in [*same][:1] for p in y.ranked if p.elasticity is not None and float(p.elasticity)][:_FEW]
     if moved:
         yield "Moved most by", listed((named(p.name), " (", _signed(p.elasticity), "\xa0% per %)") for p in moved)
 
@@ -73,7 +73,7 @@ def _changeovers(found: Sensitivities) -> Iterator[Block]:
 
 
 def _moved(scene: Scene, what: Phrase, x: Sensitive) -> Section:
-    heading = what, " at ", both(x.omega)
+    heading = what, " at ", w.both(x.omega)
     if x.reason:
         return Section(heading, (Paragraph(f"{x.reason[0].upper()}{x.reason[1:]}."),))
     units = {p.path: scene.knobs[p.path].shown_unit(scene.motion) for p in x.ranked}
@@ -82,20 +82,20 @@ def _moved(scene: Scene, what: Phrase, x: Sensitive) -> Section:
         return _signed(p.derivative, scene.frequency.size / units[p.path].size), f" {p.side}" * bool(p.side)
 
     still = [p for p in x.ranked if p.elasticity and p.derivative and not (float(p.elasticity) or float(p.derivative))]
-    shown = table(
+    shown = w.table(
         [p for p in x.ranked if p not in still], "How it moves with each parameter, the one that moves it most first.",
-        Field("parameter", lambda p: named(p.name)), Field("path", lambda p: p.path),
-        number("elasticity", lambda p: _signed(p.elasticity) if _has(p) else p.reason),
-        number(("d", FREQUENCY, "/d", named("p")), lambda p: slope(p) if _has(p) else ""),
-        Field((FREQUENCY_UNIT, " per"), lambda p: units[p.path].text or "1" * _has(p)),
+        w.Field("parameter", lambda p: named(p.name)), w.Field("path", lambda p: p.path),
+        w.number("elasticity", lambda p: _signed(p.elasticity) if _has(p) else p.reason),
+        w.number(("d", FREQUENCY, "/d", named("p")), lambda p: slope(p) if _has(p) else ""),
+        w.Field((FREQUENCY_UNIT, " per"), lambda p: units[p.path].text or "1" * _has(p)),
     )  # fmt: skip
     none: list[Phrase] = [("No effect: ", listed(named(p.name) for p in still), ".")] if still else []
     whose: dict[str, list[Phrase]] = {}
     for p in x.ranked:
         whose.setdefault(p.reason, []).append(named(p.name))
     one_sided = dict.fromkeys(p.reason for p in x.ranked if p.derivative and p.reason)
-    told = (phrased("{}: {}.", listed(whose[reason]), reason) for reason in one_sided)
-    return Section(heading, (shown, *noted([*none, *told])))
+    told = (w.phrased("{}: {}.", listed(whose[reason]), reason) for reason in one_sided)
+    return Section(heading, (shown, *w.noted([*none, *told])))
 
 
 def _has(p: Sensitivity) -> bool:
@@ -104,13 +104,13 @@ def _has(p: Sensitivity) -> bool:
 
 def _signed(x: RealNumber | None, unit: Expr = S.One) -> Phrase:
     """``unit`` : the size in SI of the unit in which it is printed."""
-    return "" if x is None else ("+" if float(x) > 0 else "", near(x, unit=Unit("", unit)))
+    return "" if x is None else ("+" if float(x) > 0 else "", w.near(x, unit=Unit("", unit)))
 
 
 def _proven(found: Sensitivities) -> Iterator[Phrase]:
-    yield "Elasticity: per cent of the frequency per per cent of the parameter."
+    yield "Elasticity: (p/", FREQUENCY, ") d", FREQUENCY, "/dp, per cent per per cent."
     if found.certified:
-        yield proof(found.scene, "derivatives by implicit differentiation of the threshold equation, all digits")
+        yield w.proof(found.scene, "all derivatives and all digits printed")
     else:
-        yield undecided("what is marked so")
+        yield w.undecided("what is marked so")
         yield "Proven: all else."

@@ -7,22 +7,7 @@ from collections.abc import Iterator, Sequence
 from haptisym.kernel.rootcount import RootChain
 from haptisym.model.quantities import Dimension
 from haptisym.model.scene import clocks
-from haptisym.pages.words import (
-    H_PERC,
-    Field,
-    at_most,
-    cell,
-    drawing,
-    hertz,
-    near,
-    noted,
-    number,
-    page_about,
-    phrased,
-    stiffness_unit,
-    table,
-    unit,
-)
+from haptisym.pages import words as w
 from haptisym.verbs.simulate.entry import Simulation, Simulations
 from haptisym.verbs.simulate.release import Closed, Release
 from haptisym.writing import document as doc
@@ -41,13 +26,13 @@ def page(found: Simulation | Simulations) -> Document:
     """The whole page; several runs of one scene, one for each frequency, are one table."""
     runs = found.runs
     drawn = (
-        drawing(name, caption, "sheet:draw_figure", found, name)
+        w.drawing(name, caption, "files:draw_figure", found, name)
         for name, caption in _CAPTIONS.items()
         if name.startswith("simulated") or any(run.estimates for run in runs)
     )
-    blocks = *_table(runs), doc.Facts(tuple(_simulated(runs))), *drawn, *noted(runs[0].notes)
+    blocks = *_table(runs), doc.Facts(tuple(_simulated(runs))), *drawn, *w.noted(runs[0].notes)
     answer = (("Closed form", _verdict(runs)),)
-    return page_about(found.scene, answer, blocks, (_HOW_SURE,), "Simulation in time", found.asides())
+    return w.page_about(found.scene, answer, blocks, (_HOW_SURE,), "Simulation in time", found.asides())
 
 
 _HOW_SURE = "Computed: a simulation in floating point; its error is estimated from runs of different accuracy."
@@ -55,35 +40,35 @@ _HOW_SURE = "Computed: a simulation in floating point; its error is estimated fr
 
 def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
     first = runs[0]
-    length, force = (unit(x, first.scene.motion) for x in (Dimension.DISPLACEMENT, Dimension.FORCE))
+    length, force = (w.unit(x, first.scene.motion) for x in (Dimension.DISPLACEMENT, Dimension.FORCE))
     kind = first.motion.name + (f", {len(runs)} runs" if len(runs) > 1 else "")
     most = max(float(abs(run.force).max()) for run in runs)
-    yield "simulated", ", ".join(first.built)
-    yield "motion", (f"{kind}, up to ", near(first.motion.amplitude), f" {length}")
-    yield "time", ("0 to ", near(max(float(run.time[-1]) for run in runs)), " s")
-    yield "force", ("up to ", near(most), f" {force} at the hand")
+    yield "motion", (f"{kind}, up to ", w.near(first.motion.amplitude), f" {length}")
+    yield "time", ("0 to ", w.near(max(float(run.time[-1]) for run in runs)), " s")
+    yield "force", ("up to ", w.near(most), f" {force} at the hand")
     if first.error:
         x = first.error
         yield (
             "force error",
-            ("up to ", near(x.largest), f" {force}, RMS ", near(x.rms), f" {force}, against ideal hardware"),
+            ("up to ", w.near(x.largest), f" {force}, RMS ", w.near(x.rms), f" {force}, against ideal hardware"),
         )
         yield (
             "of it encoder",
-            ("up to ", near(x.quantised_largest), f" {force}, RMS ", near(x.quantised_rms), f" {force}"),
+            ("up to ", w.near(x.quantised_largest), f" {force}, RMS ", w.near(x.quantised_rms), f" {force}"),
         )
-        yield "at the limit", (near(100 * x.at_limit), "\xa0% of the time")
+        yield "at the limit", (w.near(100 * x.at_limit), "\xa0% of the time")
 
 
 def _table(runs: Sequence[Simulation]) -> Iterator[Block]:
     rows = [x for run in runs for x in run.estimates]
     if rows:
-        heading = H_PERC, f" recovered from the force, {stiffness_unit(runs[0].scene)}"
+        heading = w.H_PERC, f" recovered from the force, {w.stiffness_unit(runs[0].scene)}"
         caption = (*heading, "; its distance from the closed form, and the error of the simulation, estimated.")
-        shown = table(
-            rows, caption, hertz(lambda x: cell(x.omega)), number("Re simulated", lambda x: near(x.simulated.real)),
-            number("Im simulated", lambda x: near(x.simulated.imag)), number("difference", lambda x: near(x.difference, most=2)),
-            number("error", lambda x: near(x.error, most=2)), Field("agrees", lambda x: _AGREES[x.agrees]),
+        agrees = w.Field("agrees", lambda x: _AGREES[x.agrees])
+        shown = w.table(
+            rows, caption, w.hertz(lambda x: w.cell(x.omega)), w.number("Re", lambda x: w.near(x.simulated.real)),
+            w.number("Im", lambda x: w.near(x.simulated.imag)), w.number("difference", lambda x: w.near(x.difference, most=2)),
+            w.number("estimated error", lambda x: w.near(x.error, most=2)), *[agrees] * (not all(x.agrees for x in rows)),
         )  # fmt: skip
         yield doc.Section(heading, (shown,))
 
@@ -95,12 +80,13 @@ def _verdict(runs: Sequence[Simulation]) -> Phrase:
     reasons = dict.fromkeys(x.approximate for x in rows if x.approximate)
     if reasons:
         sizes = [x.difference / abs(x.closed) for x in rows if x.approximate and x.closed]
-        worst: Phrase = ("; it differs by up to ", at_most(100 * max(sizes)), "\xa0%") if sizes else ""
+        worst: Phrase = ("; it differs by up to ", w.at_most(100 * max(sizes)), "\xa0%") if sizes else ""
         return f"not exact here: {'; '.join(reasons)}", worst
-    wrong = [cell(x.omega) for x in rows if not x.agrees]
+    wrong = [w.cell(x.omega) for x in rows if not x.agrees]
     if wrong:
         return Strong("disagrees"), " with the simulation at ", listed(wrong), "\xa0", FREQUENCY_UNIT
-    return "agrees with the simulation at every frequency, within its estimated error"
+    where = f" at all {len(rows)} frequencies" if len(rows) > 1 else ""
+    return f"agrees with the simulation{where}, within its estimated error"
 
 
 # A release: what was let go, how the motion went on, and what the closed form gives for it.
@@ -109,8 +95,9 @@ def _verdict(runs: Sequence[Simulation]) -> Phrase:
 def page_release(r: Release) -> Document:
     """The whole page."""
     shown = "Motion after the hand lets go, and the envelope of the rightmost pole in closed form."
-    blocks = *_table_release(r), *noted(_remarks(r)), doc.Facts(tuple(_run(r))), doc.Figure("release", shown, r.figure)
-    return page_about(r.scene, _answer(r), blocks, (_how_sure(r),), "Release test", r.asides())
+    chain = [_chain(r.closed)] if r.closed is not None and r.is_envelope else []
+    blocks = *_table_release(r), *w.noted(chain), doc.Facts(tuple(_run(r))), doc.Figure("release", shown, r.figure)
+    return w.page_about(r.scene, _answer(r), blocks, (_how_sure(r),), "Release test", r.asides())
 
 
 def _answer(r: Release) -> Iterator[tuple[Phrase, Phrase]]:
@@ -127,42 +114,35 @@ def _answer(r: Release) -> Iterator[tuple[Phrase, Phrase]]:
 def _rattle(r: Release) -> Phrase:
     """Amplitude and frequency of the motion that stays."""
     assert r.rattle is not None
-    size = near(r.rattle.amplitude), f" {r.unit} at "
-    return Strong("rattles"), " (simulated): amplitude ", *size, cell(r.rattle.omega), "\xa0", FREQUENCY_UNIT
+    size = w.near(r.rattle.amplitude), f" {r.unit} at "
+    return Strong("rattles"), " (simulated): amplitude ", *size, w.cell(r.rattle.omega), "\xa0", FREQUENCY_UNIT
 
 
 def _run(r: Release) -> Iterator[tuple[str, Phrase]]:
     motion = r.scene.motion
-    numbers = listed((f"{p.key} = ", near(p.value, unit=p.shown_unit(motion))) for p in r.hand.parameters)
-    yield "simulated", ", ".join(r.built)
+    numbers = listed((f"{p.key} = ", w.near(p.value, unit=p.shown_unit(motion))) for p in r.hand.parameters)
     yield "hand", (f"{r.hand.name}: ", numbers)
-    yield "displaced by", (near(r.displacement), f" {r.unit}, at rest, then let go")
-    yield "time", ("0 to ", near(float(r.time[-1])), f" s{f' ({r.stopped})' if r.stopped else ''}")
+    yield "displaced by", (w.near(r.displacement), f" {r.unit}, at rest, then let go")
+    yield "time", ("0 to ", w.near(float(r.time[-1])), f" s{f' ({r.stopped})' if r.stopped else ''}")
+    yield "poles", "those of the sampled loop" if clocks(r.scene) else ("zeros of ", w.H_PERC, " + m s^2 + b s + k")
 
 
 def _table_release(r: Release) -> Iterator[Block]:
     """Rate and frequency as read from the motion, and of the closed form."""
     rows: list[tuple[Phrase, ...]] = []
     if r.fitted is not None:
-        omega: Phrase = "-" if r.is_envelope else cell(r.fitted.omega)
-        rows.append(("simulated motion", near(r.fitted.rate), omega, f"{r.error:.2g}"))
+        omega: Phrase = "-" if r.is_envelope else w.cell(r.fitted.omega)
+        rows.append(("simulated motion", w.near(r.fitted.rate), omega, f"{r.error:.2g}"))
     if r.closed is not None and not r.is_envelope:
         proven = "proven" if r.closed.root.certified else "not proven to be the rightmost"
         root = "largest pole z, ln z/T" if clocks(r.scene) else "rightmost pole"
-        rows.append((root, near(r.closed.rate), cell(r.closed.omega), proven))
+        rows.append((root, w.near(r.closed.rate), w.cell(r.closed.omega), proven))
     if rows:
         caption = "The motion that decays last: it goes as exp(rate t). The error of the simulated one is estimated."
-        yield table(
-            rows, caption, Field("slowest decay", lambda x: x[0]), number("rate (1/s)", lambda x: x[1]), hertz(lambda x: x[2]),
-            Field("error", lambda x: x[3]),
+        yield w.table(
+            rows, caption, w.Field("slowest decay", lambda x: x[0]), w.number("rate (1/s)", lambda x: x[1]),
+            w.hertz(lambda x: x[2]), w.Field("error", lambda x: x[3]),
         )  # fmt: skip
-
-
-def _remarks(r: Release) -> Iterator[Phrase]:
-    if r.closed is not None and r.is_envelope:
-        yield _chain(r.closed)
-    loop: Phrase = "the sampled loop" if clocks(r.scene) else (H_PERC, " + m s^2 + b s + k")
-    yield "Closed form: ", loop, "."
 
 
 def _held(r: Release) -> Phrase:
@@ -179,7 +159,7 @@ def _held(r: Release) -> Phrase:
 
 def _chain(closed: Closed) -> Phrase:
     words = "Infinitely many poles have rates that tend to {} 1/s: the simulated rate is that of the motion's largest values."
-    return phrased(words, near(closed.chain or 0.0))
+    return w.phrased(words, w.near(closed.chain or 0.0))
 
 
 def _how_sure(r: Release) -> Phrase:

@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from math import inf, log10
 
-from sympy import Expr, Integer, Rational
+from sympy import Expr, Integer, Rational, exp
 
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity
-from haptisym.kernel.reals import ExactNumber, Printable, Way, in_unit
+from haptisym.kernel.reals import ExactNumber, Way, in_unit
 from haptisym.kernel.rootcount import RootChain
 from haptisym.model.catalogue import Hand, hands
 from haptisym.model.jnd import Part
@@ -21,7 +21,7 @@ from haptisym.pages.evaluation import not_looked_at
 from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.entry import Stability, has_plane
 from haptisym.verbs.stability.held import Box, Held, Share
-from haptisym.verbs.stability.margins import Limit, Margins
+from haptisym.verbs.stability.margins import MOST_DELAY, MOST_GAIN, Limit, Margins
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
@@ -201,20 +201,23 @@ def _limits(found: Stability) -> Iterator[Block]:
     ]
     notes: list[Phrase] = []
     for x in found.held:
-        none = [row for y, row in pairs if y is x and not row.reason and not _stable_for(found, row)]
+        of_hand = [row for y, row in pairs if y is x]
+        none = [row for row in of_hand if not row.reason and not _stable_for(found, row)]
         kept = "stable" if x.stable or x.shakes is False else "unstable"
         for rows, words in (
             ([row for row in none if not row.found], f"{kept} for all values searched of "),
-            ([row for row in none if row.found], "unstable on both sides of the nearest change of "),
+            ([row for row in none if row.found], "stays unstable past the nearest pole crossing of "),
         ):
             names = listed(_name(found.scene.knobs[row.path]) for row in rows)
             notes += [(f"{x.hand.name}: {words}", names, _searched(found, rows), ".")] if rows else []
-    notes += [w.undecided((f"{row.path}: {row.reason}",)) for _, row in pairs if row.reason]
+        for why in dict.fromkeys(row.reason for row in of_hand if row.reason):
+            names = listed(_name(found.scene.knobs[row.path]) for row in of_hand if row.reason == why)
+            notes.append(w.undecided((names, f" in {x.hand.name}: {why}")))
     limits = w.table(
         lines, "The nearest values, either way, at which stability changes, and the frequency of the pole there.",
         w.Field("hand", lambda x: x[0]), w.Field("parameter", lambda x: _name_and_unit(x[1])),
-        w.Field("is", lambda x: _number(x[1], ExactNumber(x[1].value), Way.NEAREST)), w.Field("stable for", lambda x: x[2][0]),
-        w.Field(("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: x[2][1]),
+        w.Field("is", lambda x: w.bare(w.value_of(x[1], ExactNumber(x[1].value), Way.NEAREST))),
+        w.Field("stable for", lambda x: x[2][0]), w.Field(("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: x[2][1]),
     )  # fmt: skip
     if lines or notes:
         blocks = (limits,) if lines else ()
@@ -251,9 +254,7 @@ def _margins(found: Stability) -> Iterator[Block]:
 
         return cell
 
-    phase = (
-        (w.number("phase (deg)", one("phase_deg", lambda x: x.phase, Integer(1))),) if not clocks(found.scene) else ()
-    )
+    phase = [w.number("phase (deg)", one("phase_deg", lambda x: x.phase, Integer(1)))] * (not clocks(found.scene))
     yield doc.Section(
         "Margins: how much the rendered force may change",
         (
@@ -263,9 +264,24 @@ def _margins(found: Stability) -> Iterator[Block]:
                 w.Field("dB", sides(lambda x, way: doc.Real(20 * log10(float(x.value)), way, most=3))),
                 w.number("more delay (ms)", one("delay", lambda x: x.delay, Rational(1, 1000))), *phase,
             ),
-            *w.noted(w.undecided((f"{hand}: {why}",)) for hand, x in rows for why in dict.fromkeys(y for _, y in x.undecided)),
+            *w.noted([_SEARCHED, *map(w.undecided, _open_margins(rows))]),
         ),
     )  # fmt: skip
+
+
+_SEARCHED = f"Searched: factors from 0.001 to {MOST_GAIN}, delays up to {MOST_DELAY} s; any: no limit in that range."
+_MARGINS = {"gain": "factor", "delay": "more delay", "phase_deg": "phase"}
+
+
+def _open_margins(rows: Sequence[tuple[str, Margins]]) -> Iterator[Phrase]:
+    """The margins that are not known, and why: those with the same reason together."""
+    left: dict[str, list[tuple[str, str]]] = {}
+    for hand, x in rows:
+        for name, why in x.undecided:
+            left.setdefault(why, []).append((hand, _MARGINS[name]))
+    for why, found in left.items():
+        hands_, names = (listed(dict.fromkeys(x)) for x in zip(*found, strict=True))
+        yield names, " in ", hands_, f": {why}"
 
 
 def _name_and_unit(knob: Knob) -> Phrase:
@@ -283,7 +299,7 @@ def _searched(found: Stability, rows: Sequence[Nearest]) -> Phrase:
 
 
 def _range(knob: Knob, low: Fraction | None, high: Fraction | None) -> Phrase:
-    first: Phrase = (" from ", w.value_of(knob, low, Way.UP)) if low else ""
+    first: Phrase = (" from ", w.bare(w.value_of(knob, low, Way.UP))) if low else ""
     return (first, " up to ", w.value_of(knob, high, Way.DOWN)) if high is not None else (first, "")
 
 
@@ -294,19 +310,14 @@ def _stable_for(found: Stability, row: Nearest) -> tuple[Phrase, Phrase] | None:
     low, high = sides.get("above"), sides.get("below")
     if low is None and high is None:
         return None
-    least = low and _number(knob, low.value, Way.UP)
-    most = high and _number(knob, high.value, Way.DOWN)
+    least = low and w.bare(w.value_of(knob, low.value, Way.UP))
+    most = high and w.bare(w.value_of(knob, high.value, Way.DOWN))
     places = listed(_place(y) for y in (low, high) if y)
     if low and high:
         if float(low.value) < float(high.value):
             return (least or "", " to ", most or ""), places
         return ("< ", most or "", " or > ", least or ""), listed((_place(high), _place(low)))
     return ("> ", least or "") if low else ("< ", most or ""), places
-
-
-def _number(knob: Knob, x: Printable, way: Way) -> doc.Real:
-    """A value without the name of its unit, which the heading has."""
-    return doc.Real(in_unit(x, knob.shown_unit(knob.motion).size), way)
 
 
 def _place(x: Critical) -> Phrase:
@@ -332,7 +343,7 @@ def _prescribed(found: Stability) -> Phrase:
 
 def _passivity(found: Stability) -> Iterator[Phrase]:
     """Where the display is active, and what compensates it."""
-    x, damping = found.every_passive_hand, w.unit(Dimension.DAMPING, found.scene.motion)
+    x = found.every_passive_hand
     p, sampled = x.passivity, x.sampled
     if p is not None and p.active:
         yield "Active (", _IM, " < 0) ", _bands(p), "."
@@ -342,17 +353,13 @@ def _passivity(found: Stability) -> Iterator[Phrase]:
     if p is None:
         return
     if p.holds is False and p.poles_allow is False:
-        words = (
-            "A pole of {}/s to the right, on the axis, at 0 or at ∞ prevents passivity, for any damping of the hand."
-        )
-        yield w.phrased(words, w.H_PERC)
+        where = "/s to the right, on the axis, at 0 or at ∞"
+        yield "A pole of ", w.H_PERC, where, " prevents passivity, for any damping of the hand."
     if p.is_unbounded:
-        yield "No damping of a hand is enough for all masses and stiffnesses: −", _IM, "/", w.OMEGA, " is unbounded."
+        yield w.endless()
     elif p.is_active and p.damping:
         if p.poles_allow:
             yield w.enough_damping(w.at_most(p.damping.value), found.scene)
-        else:
-            yield "b* = sup(−", _IM, "/", w.OMEGA, ") = ", w.near(p.damping.value), f" {damping}."
     elif p.is_active and p.beyond is not Beyond.CLOCK:
         yield w.undecided(("how large −", _IM, "/", w.OMEGA, " becomes"))
 
@@ -377,8 +384,10 @@ def _bands(p: Passivity) -> Phrase:
 def _proven(found: Stability) -> Iterator[Phrase]:
     parts = ["pole counts", *(["limits"] if any(found.critical) else []), "passivity"]
     what = f"{', '.join(parts[:-1])} and {parts[-1]}"
-    of = "for the exact sampled loop" if found.sampled is not None else "with every delay exact"
+    matrices = (x for effect in found.scene.effects for x in effect.dynamics)
+    delays = ", with every delay exact" if any(x.has(exp) for x in matrices) else ""
+    of = ", for the exact sampled loop" if found.sampled is not None else delays
     if not found.certified:
         yield f"Proven: {what}, but for what is marked undecided."
         return
-    yield w.proof(found.scene, f"{what}, {of}")
+    yield w.proof(found.scene, f"{what}{of}")

@@ -8,7 +8,7 @@ from typing import Any
 from haptisym.kernel.reals import Way
 from haptisym.pages import words as w
 from haptisym.verbs.sweep.entry import Swept
-from haptisym.writing.document import FREQUENCY_UNIT, Document, Facts, Figure, Phrase
+from haptisym.writing.document import FREQUENCY_UNIT, Document, Facts, Figure, Frequency, Phrase
 
 _FREQUENCIES = {
     "bandwidth": "bandwidth",
@@ -33,14 +33,13 @@ def page(found: Swept) -> Document:
     shown = "Bandwidth and first crossings over the parameter, or the bandwidth over both; see the legend."
     is_drawn = len(told["vary"]) <= _MOST_DRAWN and all(x["values"] > 1 for x in told["vary"])
     figure = (Figure("sweep", shown, found.figure),) if is_drawn else ()
-    spans = [(name, told["ranges"][key]) for key, name in _FREQUENCIES.items() if key in told["ranges"]]
+    spans = [(name, told["ranges"][key]) for key, name in _FREQUENCIES.items() if told["ranges"].get(key)]
     frequencies = w.table(
         spans, "Least and largest of all sets, proven.", w.Field(FREQUENCY_UNIT, lambda x: x[0]),
-        w.number("least", lambda x: w.cell(x[1][0], Way.DOWN) if x[1] else "none"),
-        w.number("largest", lambda x: w.cell(x[1][1], Way.UP) if x[1] else "none"),
+        w.number("least", lambda x: _ends(x[1])[0]), w.number("largest", lambda x: _ends(x[1])[1]),
     )  # fmt: skip
     answer = ("Bandwidth", _frequency(told["ranges"].get("bandwidth"))), ("Sets", f"{told['sets']:,}")
-    blocks = frequencies, Facts((*_counts(told), *_held(told))), Facts(tuple(_varied(found, told))), *figure
+    blocks = frequencies, Facts((*_counts(told), *_held(told), *_varied(found, told))), *figure
     return w.page_about(found.scene, answer, blocks, _how_sure(found, told), "Sweep of parameters", found.asides())
 
 
@@ -48,16 +47,21 @@ def _varied(found: Swept, told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase
     for x in told["vary"]:
         knob = found.scene.knobs[x["path"]]
         low, high = (w.value_of(knob, end, Way.NEAREST) for end in (x["low"], x["high"]))
-        yield x["path"], (low, " to ", high, f", {x['values']:,} values")
+        yield x["path"], (w.bare(low), " to ", high, f", {x['values']:,} values")
     yield "band", _frequency(told["band"])
 
 
 def _frequency(span: list[float] | None) -> Phrase:
-    """Of all sets the least and the largest."""
     if span is None:
         return "none"
-    low, high = w.cell(span[0], Way.DOWN), w.cell(span[1], Way.UP)
+    low, high = _ends(span)
     return (low, " to ", high, "\xa0", FREQUENCY_UNIT) if span[0] != span[1] else w.both(span[0])
+
+
+def _ends(span: list[float]) -> tuple[Frequency, Frequency]:
+    """Of all sets the least and the largest: outward, or one and the same to the nearest."""
+    low, high = (Way.DOWN, Way.UP) if span[0] != span[1] else (Way.NEAREST, Way.NEAREST)
+    return w.cell(span[0], low), w.cell(span[1], high)
 
 
 def _counts(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
@@ -66,20 +70,24 @@ def _counts(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
     yield "transparent part of the band", share
     for key, name in _CROSSINGS.items():
         if key in told["counts"]:
-            counts = ", ".join(f"{n}: {sets:,}" for n, sets in told["counts"][key].items())
-            yield name, f"{counts or 'none'} sets"
+            yield name, ", ".join(_in_sets(*x) for x in told["counts"][key].items()) or "none"
 
 
 def _held(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
     for x in told.get("held", ()):
         yield f"stable in {x['hand']}", f"{x['stable']:,} of {told['sets']:,} sets"
-        counts = [f"{n}: {sets:,}" for n, sets in x["unstable"].items()]
-        counts += [f"{name}: {x[key]:,}" for key, name in _ENDLESS.items() if x[key]]
-        yield f"unstable poles in {x['hand']}", f"{', '.join(counts)} sets"
+        if x["stable"] == told["sets"]:
+            continue
+        counts = [*x["unstable"].items(), *((name, x[key]) for key, name in _ENDLESS.items() if x[key])]
+        yield f"unstable poles in {x['hand']}", ", ".join(_in_sets(*y) for y in counts)
+
+
+def _in_sets(what: object, sets: int) -> str:
+    return f"{what} in {sets:,} set{'s' * (sets != 1)}"
 
 
 def _how_sure(found: Swept, told: Mapping[str, Any]) -> Iterator[Phrase]:
-    sets = f"for {told['sets']:,} sets of binary numbers"
+    sets = f"for {told['sets']:,} sets of floats"
     yield w.proof(found.scene, f"all counts, and all frequencies to a relative 1e-10, {sets}")
     if told["open"]:
         part = ", or not in all" if "held" in told else ""

@@ -48,13 +48,8 @@ def _bandwidth(a: Tolerances) -> Phrase:
     if low == high:
         return w.both(low), " for all values in the ranges"
     shown: Phrase = (" (nominal ", w.cell(nominal), ")") if nominal is not None else ""
-    return w.phrased(
-        "{} to {}\xa0{} for all values in the ranges{}",
-        w.cell(low, Way.DOWN),
-        w.cell(high, Way.UP),
-        FREQUENCY_UNIT,
-        shown,
-    )
+    ends = w.cell(low, Way.DOWN), w.cell(high, Way.UP), FREQUENCY_UNIT
+    return w.phrased("{} to {}\xa0{} for all values in the ranges{}", *ends, shown)
 
 
 def _verdict(a: Tolerances) -> Phrase:
@@ -104,7 +99,7 @@ _LINE = " Line: the boundary for the nominal values, computed."
 
 def _hands_figure(a: Tolerances) -> Iterator[Block]:
     if a.held:
-        yield w.drawing("hands", _HANDS + ("" if clocks(a.box.scene) else _LINE), "sheet:draw_figure", a, "hands")
+        yield w.drawing("hands", _HANDS + ("" if clocks(a.box.scene) else _LINE), "files:draw_figure", a, "hands")
 
 
 # Where crossings lie.
@@ -118,7 +113,7 @@ def _enclosures(a: Tolerances) -> Block:
     said = f"* {'attained at a corner of the ranges' if a.box.sides else 'a crossing'}; any other end is a bound."
     dots = "Dots: crossings of the sets that were drawn at random." if a.samples else ""
     shown = f"Grey: where crossings may lie, proven for all values. {dots}".strip()
-    figure = w.drawing("enclosures", shown, "sheet:draw_figure", a, "enclosures")
+    figure = w.drawing("enclosures", shown, "files:draw_figure", a, "enclosures")
     found = w.table(
         a.enclosures, "Where crossings lie, proven.",
         w.Field("distortion" if region else "ratio", lambda x: w.CHANGE if x.criterion.joint else w.symbol(x.criterion.symbol)),
@@ -174,11 +169,11 @@ def _quantiles(a: Tolerances) -> Iterator[Block]:
     if not a.samples:
         return
     q = quantiles(a.samples)
-    rows = (("first crossing", q.first), ("bandwidth", q.bandwidth))
+    rows = [("first crossing", q.first), ("bandwidth", q.bandwidth)][q.first == q.bandwidth :]
     levels = (w.number(f"{p}\xa0%", lambda x, p=p: "none" if x[1][p] is None else w.cell(x[1][p])) for p in LEVELS)  # type: ignore[misc]
     shown = w.table(rows, "Quantiles, estimated.", w.Field(FREQUENCY_UNIT, lambda x: x[0]), *levels)
     title = f"Estimated: quantiles over {len(a.samples)} random sets of values (uniform, seed {a.seed})"
-    share = doc.Paragraph(f"Of these sets {q.transparent} are transparent on the whole band.")
+    share = doc.Paragraph(f"Transparent on the whole band: {q.transparent or 'none'} of these sets.")
     yield doc.Section(title, (shown, share))
 
 

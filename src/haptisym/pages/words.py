@@ -14,7 +14,7 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import reals
-from haptisym.kernel.reals import Printable, RealNumber, Way
+from haptisym.kernel.reals import Printable, RealNumber, Way, in_unit
 from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import Interval, Point
 from haptisym.model.jnd import Part, Shape, Threshold
@@ -44,12 +44,12 @@ def page_about(
     proof: Iterable[Phrase],
     kind: str = "",
     asides: Iterable[str] | None = None,
-    further: Iterable[str] = (),
+    further: Sequence[str] = (),
 ) -> Document:
     """A page about a scene: the answer in a few lines, what there is besides, how sure it is, then model and source.
 
     ``kind`` : what a report calls itself. ``asides`` : remarks about the scene, by default its own. ``further`` : commands that
-    lead on.
+    lead on; one of the options that print formulas is left out where they are printed.
     """
     found = tuple(answer)
     notes = [doc.coded(x) for x in (scene.asides() if asides is None else asides)]
@@ -57,15 +57,14 @@ def page_about(
     end += [f"Source: {scene.source}"] if scene.source else []
     told: list[Block] = [doc.Facts(found, "findings")] if found else []
     told += [*blocks, doc.Notes((*proof, *notes))]
-    steps = tuple(y for x in further for y in ("; ", doc.Code(x)))[1:]
-    brief = (doc.Notes((*end, *((("Next: ", *steps),) if steps else ()))),)
-    return Document(
-        scene.title or "Untitled scene",
-        (),
-        (*told, doc.Versions(brief, lambda: [doc.Notes(tuple(end))])),
-        kind,
-        scene.frequency,
-    )
+
+    def last(commands: Iterable[str]) -> list[Block]:
+        steps = tuple(y for x in commands for y in ("; ", doc.Code(x)))[1:]
+        return [doc.Notes((*end, ("Next: ", *steps)) if steps else tuple(end))]
+
+    used = doc.Formulas(lambda: last(x for x in further if not x.startswith("--")), last(further))
+    blocks = (*told, doc.Versions((used,), lambda: last(())))
+    return Document(scene.title or "Untitled scene", (), blocks, kind, scene.frequency)
 
 
 # Sentences and tables.
@@ -128,7 +127,8 @@ def model_words(scene: Scene | SceneFamily | MeasuredScene) -> Iterator[Phrase]:
         form = equation("H_env", rounded_, relation="=" if rounded_ == environment.H else "≈")
         is_long = len(text(form)) > _LONGEST
         rendered = f"; rendered: {scene.rendered.model}" if scene.rendered else ""
-        yield (environment.model if is_long else (form, f" {stiffness_unit(scene)}")), f"{rendered}; ", _effects(scene)
+        shown: Phrase = environment.model if is_long else (form, f"\xa0{stiffness_unit(scene)}")
+        yield shown, f"{rendered}; ", _effects(scene)
 
 
 def _effects(scene: Scene) -> str:
@@ -222,6 +222,11 @@ def value_of(knob: Knob, x: Printable, way: Way) -> doc.Real:
     return doc.Real(x, way, unit=knob.shown_unit(knob.motion))
 
 
+def bare(x: doc.Real) -> doc.Real:
+    """A number without the name of its unit, which follows or stands in the heading."""
+    return doc.Real(in_unit(x.value, x.unit.size), x.way)
+
+
 _SYMBOLS = {"|G - 1|": Absolute(Sum(((1, named("G")), (-1, Numeral("1")))))}
 
 
@@ -304,6 +309,12 @@ def enough_damping(least: Phrase, scene: Scene) -> Phrase:
     """The damping of a hand that compensates whatever a display generates."""
     least = least, f" {unit(Dimension.DAMPING, scene.motion)}"
     return phrased("Stable in any hand with damping above {}, for any mass and stiffness.", least)
+
+
+def endless() -> Phrase:
+    """That no damping of a hand compensates what a display generates."""
+    words = "No damping of a hand is enough for all masses and stiffnesses: −{}/{} is unbounded."
+    return phrased(words, Prefixed(OPERATORS[Part.IMAG], H_PERC), OMEGA)
 
 
 def noted(remarks: Iterable[Phrase]) -> tuple[doc.Notes, ...]:

@@ -21,8 +21,8 @@ from haptisym.kernel.arrays import np
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import Polynomial, RationalFunction, s
 from haptisym.programs.balls import constant_ball
+from haptisym.programs.distortion import Author, less_one, runs
 from haptisym.programs.program import Program, Writer, phi
-from haptisym.programs.stable import Author, less_one, runs
 
 FELT, CHANGE = Symbol("felt"), Symbol("change")
 

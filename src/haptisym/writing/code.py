@@ -35,8 +35,8 @@ from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.balls import BallPoint
+from haptisym.programs.distortion import closed_program
 from haptisym.programs.program import LAST, SMALL, Program
-from haptisym.programs.stable import closed_program
 from haptisym.programs.steps import Reader
 from haptisym.programs.values import Values
 from haptisym.writing.layout import greek
@@ -44,7 +44,7 @@ from haptisym.writing.layout import plain as in_line
 
 
 class Language(Enum):
-    """A programming language, and how its files end."""
+    """A programming language of ``scene_code`` and ``distortion_code``; its value is the ending of its files."""
 
     NUMPY = "py"
     C = "c"

@@ -207,9 +207,10 @@ class Versions:
 
 @dataclass(frozen=True)
 class Formulas:
-    """What a page in brief has only where formulas are asked for."""
+    """What a page in brief has only where formulas are asked for, and what it has ``otherwise``."""
 
     blocks: Callable[[], Iterable[Block]]
+    otherwise: Iterable[Block] = ()
 
 
 @dataclass(frozen=True)
@@ -273,7 +274,7 @@ class Style:
             if isinstance(block, Versions):
                 yield from self.chosen(block.full() if self.full else block.brief)
             elif isinstance(block, Formulas):
-                yield from self.chosen(block.blocks()) if self.full or self.formulas else ()
+                yield from self.chosen(block.blocks() if self.full or self.formulas else block.otherwise)
             elif isinstance(block, Section):
                 if inside := tuple(self.chosen(block.blocks)):
                     yield replace(block, title=self.phrase(block.title), blocks=inside)

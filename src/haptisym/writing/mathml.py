@@ -173,12 +173,9 @@ def readable(function: RationalFunction, variable: Symbol, digits: int | None = 
     kept = None if exact else digits or _DIGITS
     shown = _polynomial(above, variable, kept)
     form = outside * shown / Mul(*(_polynomial(row, variable, kept) ** n for row, n in below))
-    return form if kept is None else _with_rounded_delays(form, kept), not exact
-
-
-def _with_rounded_delays(form: Expr, digits: int) -> Expr:
-    """With the numbers in arguments of functions, as of ``exp(-s*tau)``, rounded where they are long."""
-    return form.xreplace({f: f.func(*(approximate(x, digits) for x in f.args)) for f in form.atoms(Function)})
+    if kept is not None:  # the numbers in arguments of functions, as of exp(-s tau)
+        form = form.xreplace({f: f.func(*(approximate(x, kept) for x in f.args)) for f in form.atoms(Function)})
+    return form, not exact
 
 
 def _is_short(coefficient: Expr) -> bool:

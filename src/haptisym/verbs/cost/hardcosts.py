@@ -22,8 +22,8 @@ from haptisym.model.catalogue import Effect
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Number
-from haptisym.verbs.cost.contenders import CROSSINGS, RATIO_METHODS, Crossings, Method, Question, RatioQuestion, Score
 from haptisym.verbs.cost.entry import Measurement, interleaved, machine, wrong_words
+from haptisym.verbs.cost.methods import CROSSINGS, RATIO_METHODS, Crossings, Method, Question, RatioQuestion, Score
 
 PAPER = (Rational(9, 5), 15, 100)
 """m, b, k of the paper's example."""
@@ -293,7 +293,11 @@ def worst_verdict(rows: Iterable[HardRow]) -> str:
 
 @dataclass(frozen=True, repr=False)
 class HardCosts(Answer):
-    """Every hard case with every method, measured."""
+    """Cases on which usual methods fail, each by every method, measured on this ``machine``. Made by ``hard_costs``.
+
+    ``rows`` : correct decimal digits, time in s and ``verdict`` of each: "right", or how many digits are lost, how many crossings
+    missed or invented. References are proven.
+    """
 
     _schema: ClassVar[str] = "haptisym.cost/1"
     settled = True

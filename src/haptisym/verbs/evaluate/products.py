@@ -25,8 +25,8 @@ from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.model.distortion import Distortion
+from haptisym_check.delayterms import factor_of
 from haptisym_check.polynomials import Factor
-from haptisym_check.waves import factor_of
 
 _LAST = "\U0010ffff"
 """Symbols are sorted by their names: no other one stands behind those with this."""

@@ -694,7 +694,13 @@ def _decimal(value: float, rounding: str) -> str:
 
 
 class PublishedThresholds(Answer, tuple[Published, ...]):
-    """Published just-noticeable differences, each usable by its name: ``jnd = { like = "viscosity-forced-choice" }``."""
+    """Published just-noticeable differences, a tuple of ``Published``; each may be used: ``jnd = { like = "fu2019" }``.
+
+    Measured by their authors: ``certified`` is False. Made by ``published``.
+
+    >>> published()[0].name, published()[0].written
+    ('fu2019', '10 %')
+    """
 
     _schema: ClassVar[str] = "haptisym.published/1"
     _figure: ClassVar[str] = "haptisym.figures.jnd:PUBLISHED"

@@ -20,6 +20,7 @@ from typing import Any, TextIO
 
 from haptisym.kernel.errors import SceneError, meant, need, quoted
 from haptisym.kernel.objects import counted
+from haptisym.model.quantities import is_number
 
 
 @dataclass(frozen=True, slots=True)
@@ -319,13 +320,6 @@ def _number(key: str, text: str, *, has_commas: bool = False) -> float:
 
 
 def _refuse_numbers(header: Sequence[str]) -> None:
-    def is_number(text: str) -> bool:
-        try:
-            float(text)
-        except ValueError:
-            return False
-        return True
-
     if any(header) and all(map(is_number, filter(None, header))):
         raise SceneError("the first line has numbers: name the columns in it, as level,k,n")
 

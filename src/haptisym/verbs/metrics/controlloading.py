@@ -113,7 +113,12 @@ class Increment(RealNumber):
 
 @dataclass(frozen=True, repr=False)
 class ControlLoading(Answer):
-    """The tests of a control by a table, its JND evaluation beside them; ``travel`` : m, None where it was not given."""
+    """The tests of a control by a table of 14 CFR Part 60, and its JND evaluation. Made by ``control_loading``.
+
+    ``trials`` : of each test the environment's number and the display's, in ``unit``, whether the latter is within the
+    tolerance, and the share of that which is left; those that were not made have the reason. ``travel`` : from neutral to the
+    stop, m; None where it was not given. Proven, but for ``undecided`` ones: then ``certified`` is False.
+    """
 
     _schema: ClassVar[str] = "haptisym.controlloading/1"
     _page: ClassVar[str] = "haptisym.pages.metrics:control_page"

@@ -36,14 +36,14 @@ from haptisym.verbs.metrics.metric import (
 )
 
 _BLIND = (
-    "A force filter or delay in series leaves the zeros of the dynamics where they are: a free-response test sees of it only how "
-    "the motion begins, while the JND test sees all."
+    "A force filter or delay in series leaves the zeros of the dynamics where they are: it changes only how a free response "
+    "begins, while the JND test judges all of it."
 )
-_SLACK = "The free response keeps its tolerances although a moving hand notices the distortion on this band."
-_STRICT = "The free response breaks its tolerances although no moving hand notices anything on this band."
+_SLACK = "The free response stays within its tolerances although a moving hand notices the distortion on this band."
+_STRICT = "The free response exceeds its tolerances although a moving hand notices nothing on this band."
 _COARSE = (
     "The transmitted impedance stays within 3 dB on the whole band on which the JND is exceeded: 3 dB is 29 to 41 % of the "
-    "modulus, far more than the threshold, and does not see the phase."
+    "modulus, far more than the threshold, and ignores the phase."
 )
 _ACTIVE = (
     "Transparent is not absolutely stable: the conditions on the axis fail on all of the band but single frequencies, so that "
@@ -127,7 +127,7 @@ def _ratio(m: Measured) -> Metric:
 
 def _beside_bandwidth(m: Measured, edges: list[Point]) -> str:
     """The first edge against the JND's."""
-    first, bandwidth = f"first edge at {short(edges[0].omega)} rad/s", m.evaluation.bandwidth
+    first, bandwidth = f"first 3 dB edge at {short(edges[0].omega)} rad/s", m.evaluation.bandwidth
     if bandwidth is None or float(bandwidth) == 0:
         return f"{first}; the JND test finds no transparent band that begins at the band's low end"
     if bandwidth is m.evaluation.chart.points[-1].omega:

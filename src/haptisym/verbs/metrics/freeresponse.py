@@ -376,9 +376,9 @@ def motion_of(dynamics: RationalFunction) -> Motion | str:
     if top[0] == 0 or bottom[0] == 0:
         return "there is no steady force at a displacement"
     if len(top) == 1:
-        return "without a zero there is no motion: it leaps back at once"
+        return "without zeros there is no motion: the handle returns at once"
     if len(bottom) > len(top):
-        return "without a mass at the handle a motion would begin with an impulse"
+        return "without a mass at the handle the motion would begin with an impulse"
     factors = tuple((tuple(ring.coefficients(f)), n) for f, n in _squarefree(above))
     slow = [p.real for row, _ in factors for p in zeros(row, 128)]
     if not all(x < 0 for x in slow):
@@ -391,7 +391,7 @@ def motion_of(dynamics: RationalFunction) -> Motion | str:
     for row, n in factors:
         lead = lead / row[-1] ** n
     motion = Motion(tuple((x / lead).expand() for x in rest), factors, len(top) - len(bottom))
-    return "released, it leaps past rest at once" if motion.begin < 0 else motion
+    return "the handle passes its rest at once" if motion.begin < 0 else motion
 
 
 def _squarefree(polynomial: Polynomial) -> Iterator[tuple[Polynomial, int]]:

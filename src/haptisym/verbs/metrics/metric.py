@@ -2,7 +2,7 @@
 
 A chain of effects is one two-port: what it does to every environment, and to none in particular. Beside it stand the criteria
 of the field: the 3 dB edges, relative distortion, and Llewellyn's criterion, whose conditions on the axis are asked at all
-frequencies, with those on the poles. Whether every passive hand may hold a display is ``haptisym.judge.passivity``'s to say.
+frequencies, with those on the poles. Passivity of a display is in ``haptisym.judge.passivity``.
 Derivation: 15_metrics.
 """
 
@@ -22,9 +22,9 @@ from haptisym.judge.crossings import PASSIVE, Criterion, kept
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.passivity import Beyond, Passivity, has_no_pole_right, most_charted, poles_allow
 from haptisym.judge.peaks import ValueAt
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import SceneError, UndecidedError, meant
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import ExactNumber, RealNumber, short
 from haptisym.kernel.rings import Polynomial, RationalFunction, cleared, omega
@@ -231,7 +231,7 @@ def _on_axis(d: Distortion, port: TwoPort) -> bool | None:
     try:
         for f in functions.values():
             assert isinstance(f, RealFunction)  # none is about a threshold
-            beyond = far(f.axis.function(f.function.numerator * f.function.denominator))
+            beyond = asymptotic_sign(f.axis.function(f.function.numerator * f.function.denominator))
             if beyond.sense is Sense.BOTH or (beyond.sense is Sense.POSITIVE and not f.is_zero):
                 return False
             if beyond.sense is Sense.UNKNOWN:

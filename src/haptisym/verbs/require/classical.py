@@ -1,7 +1,7 @@
 """The classical bounds on the stiffness of a virtual wall, for scenes that have what they need: drawn beside what is exact.
 
-Colgate and Schenkel (1997): K < 2 (b - |B|)/T, for every passive hand. Gil and Hulin (2009): K < (b + B)/(T/2 + t_d), to first
-order in K T^2/m and B T/m, in a hand. Abbott and Okamura (2005): K < 2 f_c/Delta beside Colgate's, for every passive hand and
+Colgate and Schenkel (1997): K < 2 (b - |B|)/T, for any passive operator. Gil and Hulin (2009): K < (b + B)/(T/2 + t_d), to first
+order in K T^2/m and B T/m, in a hand. Abbott and Okamura (2005): K < 2 f_c/Delta beside Colgate's, for any passive operator and
 a spring alone. b is the damping of the device (in a hand, the hand's with it), B that which is rendered, T the period of the
 clock, t_d what the force comes late besides, f_c the device's Coulomb friction, Delta the step of its encoder.
 """

@@ -33,7 +33,7 @@ from haptisym.kernel.where import Array, Batches, Curve, halves, search
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import Model, between, floated, valued, variable
 from haptisym.verbs.require.freeparameter import ExactSign
-from haptisym.verbs.require.places import Told
+from haptisym.verbs.require.limitingpoints import Told
 
 _FIRST_PIECES = 16
 """Pieces of the band to begin with."""

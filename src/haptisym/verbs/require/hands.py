@@ -1,4 +1,4 @@
-"""For which values of one parameter a display is stable in a hand, and for which every passive hand may hold it.
+"""For which values of one parameter a display is stable in a hand, and for which it is passive.
 
 *In a hand*: exact counts of unstable roots between the values at which roots reach the imaginary axis, or the unit circle.
 
@@ -55,12 +55,12 @@ from haptisym.verbs.require.freeparameter import (
     searched,
     zeros_of,
 )
-from haptisym.verbs.stability.clocked import clocked_roots, passages_in
 from haptisym.verbs.stability.critical import Tally, meetings, moved
 from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.held import drifts
 from haptisym.verbs.stability.loops import Gap, Loop, Meetings, Tendency
-from haptisym.verbs.tolerances.heldbox import count_at
+from haptisym.verbs.stability.sampled import clocked_roots, passages_in
+from haptisym.verbs.tolerances.stability import count_at
 
 _MOST_WINDOWS = 8
 """Of values about the scene's own, each about four times as wide as the one before it."""
@@ -248,7 +248,7 @@ class _Cell:
 
 
 def solve_by_cells(scene: Scene, free: Knob, asked: Domain) -> Solved:
-    """All values with which every passive hand may hold the display, as far as cells tell."""
+    """All values for which a display is passive, where cells prove it."""
     search = _Search(scene, free)
     start, end = _window(free, asked, search.openings)
     if not any(search.is_told(x) for x in (_near(free.value), start + (end - start) / 3, end)):
@@ -311,7 +311,7 @@ def _alone(search: _Search, cells: Sequence[_Cell]) -> set[Rational]:
 
 
 _TOO_NEAR = "passivity: Im H_perc comes too near to 0 somewhere for cells to decide"
-_LEFT = "passivity: the sign of Im H_perc is not shown for values so near to each other, or so far from the scene's"
+_LEFT = "passivity: the sign of Im H_perc is not proven there"
 
 
 def _window(free: Knob, asked: Domain, openings: Sequence[RealNumber]) -> tuple[Rational, Rational]:
@@ -491,8 +491,8 @@ class _Search:
 
 
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
-    """All values with which every passive hand may hold a display without a clock; with delays, as far as cells tell."""
-    perceived = _perceived(scene, free)
+    """All values for which a continuous-time display is passive; with delays, those that subdivision proves."""
+    perceived = Distortion.of(scene.chain.at(values(x for x in scene.parameters if x.path != free.path))).perc
     turns = list[Turn]()
     if free.symbol in perceived.expression().free_symbols:
         [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
@@ -555,10 +555,6 @@ def _leading(polynomial: Polynomial) -> Polynomial:
     return _end(polynomial, int(polynomial.degrees()[0]))
 
 
-def _perceived(scene: Scene, free: Knob) -> RationalFunction:
-    return Distortion.of(scene.chain.at(values(x for x in scene.parameters if x.path != free.path))).perc
-
-
 def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[Turn]:
     """Where poles of a function cross the axis, or poles or zeros come from infinity or to 0."""
     ring = function.ring
@@ -584,7 +580,7 @@ _PIECES, _MOST_PIECES = 16, 2000
 
 
 def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> Solved:
-    """All values with which every passive hand may hold it. UndecidedError where the condition does not apply."""
+    """All values for which it is passive. UndecidedError where the condition does not apply."""
     if free.is_of_hand or free.parts:
         return Question([], lambda _: sampled_verdict(scene), asked, closed=True).solve()
     loop = loop_of(scene.with_values({free.path: free.symbol}))

@@ -1,6 +1,6 @@
 """What a parameter must be: what is asked, the values that do, a formula for them where there is one, and the answer.
 
-What is asked of a display, alone or together: to be transparent, stable in a hand, fit for every passive hand. The formula is the
+What is asked of a display, alone or together: to be transparent, stable in a hand, passive. The formula is the
 condition at the end of the band that binds, solved for the parameter.
 """
 
@@ -126,9 +126,7 @@ def _exchanged(polynomial: Polynomial, axis: Axis, target: Axis, free: Symbol, p
 
 TRANSPARENT, SUITS_ALL = "transparent", "passive"
 WISHES = (TRANSPARENT, *IN_HANDS, SUITS_ALL)
-EVERY_PASSIVE_HAND = replace(
-    PASSIVE, words="every passive hand", rule="every passive hand may hold it", kept="fit for every passive hand"
-)
+EVERY_PASSIVE_HAND = replace(PASSIVE, words="any passive operator", rule="passive", kept="passive")
 
 
 def wishes(that: Sequence[str]) -> tuple[str, ...]:
@@ -145,7 +143,7 @@ def wishes(that: Sequence[str]) -> tuple[str, ...]:
 
 
 def further(scene: Scene, wanted: Sequence[str]) -> tuple[Criterion, ...]:
-    """The criteria beside those of the JND: a hand each, and every passive hand."""
+    """The criteria beside those of the JND: a hand each, and passivity."""
     held = tuple(stable_in(hand, x) for x in IN_HANDS if x in wanted for hand in scene.hands)
     return (*held, EVERY_PASSIVE_HAND) if SUITS_ALL in wanted else held
 
@@ -407,7 +405,7 @@ def require(
     must keep to go unnoticed with every environment.
     ``that`` : what is asked of the display, together: "transparent", "stable" (in ``hand``, one of the scene or one that the
     package ships; in all hands of the scene if not given), "steady" (so but for a drift, as in free air),
-    "passive" (every passive hand may hold it, at all frequencies).
+    "passive" (stable with any passive operator).
 
     ``limit`` : seconds after which what is proven so far is answered, all other values being undecided; None for no limit.
     ``told`` : is called now and then with how much is done, of how much, and what it is.

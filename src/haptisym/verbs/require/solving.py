@@ -73,7 +73,7 @@ from haptisym.verbs.require.freeparameter import (
     substituted,
     without,
 )
-from haptisym.verbs.require.places import (
+from haptisym.verbs.require.limitingpoints import (
     CellVerdict,
     Corner,
     CriticalPlace,
@@ -568,8 +568,11 @@ def _without_omega(piece: RealFunction) -> Polynomial | None:
 
 def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> Solved:
     """All values of the domain that keep the conditions; those about which the time did not last are undecided."""
+    has_floor = (
+        isinstance(x.region, Sided) and x.region.floor is not None for x in criteria if x.depends_on(free.parts)
+    )
     try:
-        if free.parts and not any(_has_floor(x) for x in criteria if x.depends_on(free.parts)):
+        if free.parts and not any(has_floor):
             return Solved(_threshold_problem(scene, free, asked, criteria).solve())
         found, gone = conditions(scene, [free], criteria), missing(scene, free)
         if not any(free.symbol in f.axis.meanings for own in found.values() for f in pieces(own)):
@@ -583,10 +586,6 @@ def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
         return replace(solved, feasible=without(solved.feasible, gone))
     except LimitError:
         return Solved((), ((_exact(asked.low), _exact(asked.high)),))
-
-
-def _has_floor(x: Criterion) -> bool:
-    return isinstance(x.region, Sided) and x.region.floor is not None
 
 
 def _all_alike(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> Solved:

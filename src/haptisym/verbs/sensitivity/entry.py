@@ -252,7 +252,13 @@ _SEVERAL = "undefined: several limits of the region meet here"
 
 @dataclass(frozen=True, repr=False)
 class Sensitivities(Answer):
-    """How each crossing, changeover and the bandwidth of an evaluation moves with each parameter and the threshold."""
+    """How each crossing, changeover and the bandwidth moves with each parameter p and with the threshold.
+
+    With F(omega, p) = 0, which defines the frequency, ``d omega/dp = -F_p/F_omega``. ``crossings``, ``changeovers_environment``,
+    ``changeovers_perceived`` : in ascending order; ``bandwidth`` : None where there is none. Each has for every parameter
+    ``derivative``, rad/s per SI unit of p, and ``elasticity``, (p/omega) d omega/dp: proven enclosures; None, with the reason,
+    where there is no derivative, as at a tangency. Derivation: 14_sensitivity. Made by ``sensitivity``.
+    """
 
     _schema: ClassVar[str] = "haptisym.sensitivity/1"
     _page: ClassVar[str] = "haptisym.pages.sensitivity:page"

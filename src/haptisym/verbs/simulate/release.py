@@ -23,6 +23,7 @@ import numpy as np
 
 from haptisym.judge.answers import Answer
 from haptisym.kernel.budget import ONE_THREAD, SECONDS, limited
+from haptisym.kernel.dynamics import ring_of
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import titled
 from haptisym.kernel.rootcount import RootChain, at_least, order_at_0
@@ -39,7 +40,7 @@ from haptisym.verbs.simulate.network import MOTION, Network, Port, SignalSum, at
 from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost_root
 from haptisym.verbs.simulate.statespace import Record
 from haptisym.verbs.stability.entry import chosen
-from haptisym.verbs.stability.held import Held, characteristic, held, ring_of
+from haptisym.verbs.stability.held import Held, characteristic, held
 
 _WINDOWS = 6
 _PER_TURN = 1.5  # radians between samples, at the most

@@ -27,7 +27,7 @@ from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
-from haptisym.verbs.stability.clocked import loop_of
+from haptisym.verbs.stability.sampled import loop_of
 
 _BITS = 192
 _ITERATIONS = 80

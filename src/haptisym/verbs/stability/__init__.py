@@ -1,1 +1,1 @@
-"""Does it shake: imposed motion, a hand that holds the display, and every passive hand."""
+"""Does it shake: prescribed motion, a hand, and any passive operator."""

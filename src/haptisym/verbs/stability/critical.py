@@ -20,12 +20,12 @@ from sympy import Expr, Integer, Rational
 
 from haptisym.judge.peaks import ValueAt
 from haptisym.kernel.arrays import np
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, UndecidedError
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, rational_between
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, Way, in_unit, printed, rational_between
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.roots import each_once, is_told, ordered
 from haptisym.kernel.where import Array, halves
@@ -33,7 +33,6 @@ from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Model
-from haptisym.verbs.stability.clocked import passages
 from haptisym.verbs.stability.held import drifts, need_roots
 from haptisym.verbs.stability.loops import (
     ALLOWED,
@@ -51,6 +50,7 @@ from haptisym.verbs.stability.loops import (
     from_infinity,
     minus,
 )
+from haptisym.verbs.stability.sampled import passages
 
 _WINDOWS = 7
 _SMALLEST = Rational(1, 1024)  # as what a value of 0 counts for the first window
@@ -64,9 +64,9 @@ _NEAR, _STRAIGHT, _WIDER = (
 _ROUNDING = 1e-14  # in shares
 _BITS = 96
 
-_LEFT = "where roots meet the imaginary axis, as a search left it open"
-_FAR = "where roots meet the imaginary axis, as their frequencies have no known bound"
-_BEYOND = "where roots meet the imaginary axis, as no search went there"
+_LEFT = "where roots meet the imaginary axis: the search was not fine enough"
+_FAR = "where roots meet the imaginary axis: no bound on their frequencies is known"
+_BEYOND = "no limit found within it"
 
 
 def searched(loop: Loop, value: Expr, reason: str) -> Iterator[Meetings]:
@@ -291,7 +291,7 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
         alone = ValueAt(RealFunction(curve.value.reduced()), ExactNumber(Integer(1)))
         yield Meetings((*far_out, Meeting(alone, None)))
         return
-    settled = far(curve.condition)
+    settled = asymptotic_sign(curve.condition)
     if settled.sense in _SETTLED:
         yield Meetings((*far_out, *curve.meetings(_near(settled.radius, loop))))
         return
@@ -333,7 +333,7 @@ def _windows(loop: Loop, curve: Curve, value: Expr, far_out: tuple[Meeting, ...]
             value * _LOWS[min(j, 1)] / 4 ** max(j - 1, 0),
         )
         for end, sense in ((high, Sense.POSITIVE), (low, Sense.NEGATIVE)):
-            ahead = far(minus(curve.square, end**2))
+            ahead = asymptotic_sign(minus(curve.square, end**2))
             if ahead.sense is sense and end > 0:
                 found = (*far_out, *curve.meetings(_near(ahead.radius, loop)))
                 done = True
@@ -546,7 +546,27 @@ class _Walk:
             if isinstance(found, tuple):
                 sides[side] = found[0]
             else:
-                yield _ENDLESS if found is None else _crowded(found)
+                yield _ENDLESS if found is None else self._crowded(found, side)
+
+    def _crowded(self, gap: Gap, side: int) -> str:
+        """Why the nearest value was not found: where it may lie, or how far was searched."""
+        unit = self.free.shown_unit(self.free.motion)
+        low, high = (
+            "" if x is None else f"{printed(in_unit(x, unit.size), 4, way)} {unit.text}".rstrip()
+            for x, way in ((gap.low, Way.DOWN), (gap.high, Way.UP))
+        )
+        if gap.reason == _BEYOND:
+            return f"searched {f'up to {low}' if side > 0 else f'down to {high}'}, {_BEYOND}"
+        where = (
+            f", from {low} to {high}"
+            if low and high
+            else f", above {low}"
+            if low
+            else f", below {high}"
+            if high
+            else ""
+        )
+        return f"{gap.reason or _ENDLESS}{where}"
 
     def _line(self, window: Meetings) -> _Line:
         self.tally.window = window
@@ -623,13 +643,6 @@ class _Walk:
 
 
 _ENDLESS = "where roots meet the imaginary axis at ever higher frequencies"
-
-
-def _crowded(gap: Gap) -> str:
-    """Why the nearest value was not found."""
-    low, high = ("" if x is None else x.digits(8) for x in (gap.low, gap.high))
-    where = f"from {low} to {high}" if low and high else f"beyond {low}" if low else f"below {high}"
-    return f"{gap.reason or _ENDLESS}, {where}" if low or high else gap.reason or _ENDLESS
 
 
 def _nearer(window: Expr | None, allowed: Expr | None, side: int) -> tuple[RealNumber | None, bool]:

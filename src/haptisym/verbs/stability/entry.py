@@ -1,4 +1,4 @@
-"""Does it shake: whether a display is stable under imposed motion, in a hand, and in every passive hand; certificates of that."""
+"""Does it shake: whether a display is stable under prescribed motion, in a hand, and with any passive operator; certificates."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 from haptisym.judge.answers import Answer
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.dynamics import ring_of
 from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import whole
@@ -28,7 +29,6 @@ from haptisym.verbs.stability.held import (
     every_passive_hand,
     held,
     imposed,
-    ring_of,
     whole_box,
 )
 from haptisym.verbs.stability.margins import Margins, margins
@@ -163,7 +163,7 @@ def stability(
     digits: int = 15,
     limit: float | None = SECONDS,
 ) -> Stability:
-    """Whether a display is stable under imposed motion, in each hand, and in every passive hand: certified.
+    """Whether a display is stable under prescribed motion, in each hand, and with any passive operator: proven.
 
     ``hand`` : the hands to ask about: the scene's, or those that the package ships (``hs.hands``), by name, or each a ``Hand``;
     those of the scene if not given. ``free`` : numbers by path or symbol; for each, and for the hand's own, the nearest

@@ -1,4 +1,4 @@
-"""Held in a hand, in a box of hands, in every passive hand: how many roots H_perc + m s^2 + b s + k has in Re s >= 0.
+"""Coupled to a hand, to hands in ranges, to any passive operator: how many roots H_perc + m s^2 + b s + k has in Re s >= 0.
 
 Of a hand given by ranges: roots lie on the axis, at omega, for some hand of the box where four functions of omega are not
 negative: -Im H_perc/omega lies in the range of b, and -Re H_perc is some k - m omega^2 of the box. Where that is nowhere so,
@@ -17,9 +17,9 @@ from sympy import Expr, I, Integer, prime
 
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity, environment_alone, force_is_stable, passivity, rests
-from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, ring_of
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, omega
@@ -28,7 +28,7 @@ from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import WHOLE_NUMBERS, Parameter, values
 from haptisym.model.scene import Scene, clocks
-from haptisym.verbs.stability.clocked import OnCircle, clocked_roots, loop_of
+from haptisym.verbs.stability.sampled import OnCircle, clocked_roots, loop_of
 
 
 def unstable_roots(scene: Scene, hand: Hand) -> Roots:
@@ -50,19 +50,13 @@ def characteristic(perceived: RationalFunction, Z: RationalFunction) -> Polynomi
     return perceived.numerator * Z.denominator + Z.numerator * perceived.denominator
 
 
-def ring_of(dynamics: RationalFunction) -> Ring:
-    """The ring of a dynamics."""
-    assert isinstance(dynamics.ring, Ring)
-    return dynamics.ring
-
-
 def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring, *, rests: bool = False) -> Roots:
     """The zeros of top/bottom in Re s >= 0; what both have at s = 0, as with 1 - exp(-s tau) over s, is none.
 
     ``rests`` : whether none but one at 0 can lie there.
     """
     if top.is_zero():
-        raise UndecidedError("the roots of what resists no motion at all")
+        raise UndecidedError("the roots of a loop whose force is zero for any motion")
     need_roots(top, ring)
     found = count_roots(top, ring, rests=rests)
     order = order_at_0(top, ring)
@@ -76,9 +70,7 @@ def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring, *, rests: bool = F
 def need_roots(top: Polynomial, ring: Ring) -> None:
     """UndecidedError for a function that is none of s alone: with j among its numbers."""
     if I in ring.generators and degree_in([top], len(ring.meanings) - 1):
-        raise UndecidedError(
-            "sliding friction stands as a describing function of one amplitude, which has no roots in s"
-        )
+        raise UndecidedError("sliding friction is a describing function of one amplitude, which has no roots in s")
 
 
 @dataclass(frozen=True, repr=False)
@@ -178,7 +170,7 @@ def _otherwise(scene: Scene, hand: Hand) -> tuple[Scene, Hand]:
 
 @dataclass(frozen=True)
 class Imposed:
-    """Whether the force under imposed motion is stable, and the number of poles of H_perc in Re s >= 0; None: not decided.
+    """Whether the force under prescribed motion is stable, and the number of poles of H_perc in Re s >= 0; None: not decided.
 
     ``chain`` : of infinitely many poles; of a stable force it may come as near to the axis as one likes.
     """
@@ -205,7 +197,7 @@ def imposed(scene: Scene) -> Imposed:
 
 @dataclass(frozen=True)
 class EveryPassiveHand:
-    """Whether every passive hand holds the display, by its ``passivity``; None where that stayed open, for the ``reason``.
+    """Whether the display is passive, by its ``passivity``; None where that stayed open, for the ``reason``.
 
     ``sampled`` : with a clock Colgate and Schenkel's condition, which then decides, but where Im H_perc < 0 tells already.
     """
@@ -245,7 +237,7 @@ class EveryPassiveHand:
         return own | again | why
 
     def _sampled(self, x: SampledPassivity, digits: int) -> dict[str, Any]:
-        """With a clock: ``active`` below its Nyquist frequency, for imposed motion."""
+        """With a clock: ``active`` below its Nyquist frequency, for prescribed motion."""
         theta = x.needed.omega if x.needed else None
         omega = None if theta is None or x.hand_needed is None or self.holds else float(theta) / float(x.T)
         active = self.passivity.row()["active"] if self.passivity else []
@@ -257,7 +249,7 @@ def _number(x: RealNumber | None, digits: int) -> dict[str, Any]:
 
 
 def every_passive_hand(scene: Scene) -> EveryPassiveHand:
-    """Whether a display is stable in every passive hand: the one place where that is decided."""
+    """Whether a display is stable with any passive operator: the one place where that is decided."""
     try:
         found = passivity(scene)
         sampled = found.sampled
@@ -335,7 +327,7 @@ def _decided(perceived: RationalFunction, hand: Hand) -> Box:
 def _meeting(perceived: RationalFunction, hand: Hand) -> RealNumber | None:
     """A frequency at which roots lie on the axis for some hand of the box."""
     functions = _functions(perceived, hand)
-    reaches = [x.radius for f in functions if (x := far(f)).sense is Sense.NEGATIVE and x.radius]
+    reaches = [x.radius for f in functions if (x := asymptotic_sign(f)).sense is Sense.NEGATIVE and x.radius]
     if not reaches:
         raise UndecidedError(
             "whether roots meet the imaginary axis at ever higher frequencies for some hand of the box"

@@ -32,10 +32,10 @@ from sympy import Expr, Integer, Poly, Rational, Symbol, factorial
 
 from haptisym.judge.passivity import rests
 from haptisym.judge.peaks import ValueAt
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, expression_ball, rational_between
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials, omega
 from haptisym.kernel.rootcount import Roots, Row, late_turns, squares, terms_of
@@ -488,7 +488,7 @@ def _eliminated(loop: Loop) -> Curve:
 def _is_apart(f: Polynomial, g: Polynomial, axis: Axis) -> bool:
     """Whether two polynomials are shown to have no zero > 0 in common: at one, more than one root would be."""
     shared = axis.function(f.gcd(g))
-    settled = far(shared)
+    settled = asymptotic_sign(shared)
     if settled.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
         return False
     table = chart({"": RealFunction(shared)}, Integer(0), max(settled.radius, Integer(1)))
@@ -524,15 +524,15 @@ def from_infinity(loop: Loop) -> tuple[Meeting, ...]:
     delayed = [turns for turns in leading if any(turns)]
     units = {i for turns in delayed for i, n in enumerate(turns) if n}
     if len(units) > 1 and any(loop.symbol in loop.ring.lags[i].free_symbols for i in units):
-        raise UndecidedError("where a chain of roots comes to the axis, as delays meet that are no multiples of one")
+        raise UndecidedError("where a chain of roots comes to the axis: its delays are no multiples of one")
     if not any(any(row[1:]) for row in leading.values()):
         return ()
     if loop.low is None and any(any(row[2:]) for row in leading.values()):
-        raise UndecidedError("where a chain of roots comes to the axis, of a number that may be negative")
+        raise UndecidedError("where a chain of roots comes to the axis: the parameter may be negative")
     if _is_product(leading):
         return tuple(Meeting(x, None) for x in zeros(next(iter(leading.values()))))
     if len(delayed) > (1 if len(units) == 1 else _MOST_DELAYED):
-        raise UndecidedError("where a chain of roots comes to the axis, as delays meet in the highest power of s")
+        raise UndecidedError("where a chain of roots comes to the axis: several delays are in the highest power of s")
     own = leading.get((0,) * len(loop.ring.lags), [Integer(0)])
     found = list[RealNumber]()
     for signs in product((1, -1), repeat=len(delayed)):  # |own| = sum of |delayed|, whatever their signs are
@@ -665,7 +665,7 @@ class Switches:
         """Of a loop with an open delay and without a chain of roots on the right. UndecidedError where it has another form."""
         ratio, multiple = _ratio(loop)
         condition = minus(squared_modulus(ratio).function, Integer(1))
-        settled = far(condition)
+        settled = asymptotic_sign(condition)
         if settled.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
             raise UndecidedError("where roots meet the imaginary axis")
         response = on_axis(ratio)
@@ -822,7 +822,7 @@ class Tendency:
         if len(self.loop.powers) != 2 or (curve := curve_of(self.loop)) is None or curve.condition.is_zero:
             return None
         rate = _turning_of(curve)
-        found = far(rate)
+        found = asymptotic_sign(rate)
         if found.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
             return None
         if any(float(found.radius * lag) > _MOST_TURNING for lag in self.loop.ring.lags):

@@ -23,24 +23,25 @@ from sympy import Integer, Rational, Symbol
 
 from haptisym.effects import delay as delayed
 from haptisym.effects import series
+from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.enclosures import over_circle
 from haptisym.kernel.errors import LimitError, UndecidedError
-from haptisym.kernel.far import Sense, far
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.pulse import SampledLoop
-from haptisym.kernel.reals import Ball, RealNumber
+from haptisym.kernel.reals import Ball, RealNumber, Way, printed
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import chart
+from haptisym.kernel.sampledloop import SampledLoop
 from haptisym.model.catalogue import Effect, Hand
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene, clocks
-from haptisym.verbs.stability.clocked import Opened, Walk, loop_of, series_alone
 from haptisym.verbs.stability.critical import critical
 from haptisym.verbs.stability.loops import Loop, minus
+from haptisym.verbs.stability.sampled import Opened, Walk, loop_of, series_alone
 
-_MOST_GAIN, _MOST_DELAY = 1000, 1000
+MOST_GAIN, MOST_DELAY = 1000, 1000
+_NONE = "no limit found within it"
 _FACTOR = series("g_margin", parameters={"g_margin": 1}, name="margin-of-gain")
 _LATE = delayed(0, name="margin-of-delay")
 
@@ -143,12 +144,12 @@ def _gain(scene: Scene, hand: Hand) -> tuple[Limit | None, Limit | None]:
 
 
 def _within(found: list[Limit]) -> Limit | None:
-    return next((x for x in found if 1 / _MOST_GAIN <= float(x.value) <= _MOST_GAIN), None)
+    return next((x for x in found if 1 / MOST_GAIN <= float(x.value) <= MOST_GAIN), None)
 
 
 def _delay(scene: Scene, hand: Hand) -> Limit | None:
     found = _critical(scene, hand, _LATE)
-    return next((x for x in found if 0 <= float(x.value) <= _MOST_DELAY), None)
+    return next((x for x in found if 0 <= float(x.value) <= MOST_DELAY), None)
 
 
 def _phase(scene: Scene, hand: Hand) -> Limit | None:
@@ -159,9 +160,9 @@ def _phase(scene: Scene, hand: Hand) -> Limit | None:
         return None
     ratio = RationalFunction(loop.ring, loop.powers[0], loop.powers[1]).reduced()
     condition = minus(squared_modulus(ratio).function, Integer(1))
-    settled = far(condition)
+    settled = asymptotic_sign(condition)
     if settled.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
-        raise UndecidedError("where the loop has a gain of 1, as that may be at ever higher frequencies")
+        raise UndecidedError("where the loop has a gain of 1: it may be at ever higher frequencies")
     table = chart({"": RealFunction(condition.reduced())}, Integer(0), max(settled.radius, Integer(1)))
     if any("" in x.undecided for x in table.points):
         raise UndecidedError("whether the loop comes to a gain of 1")
@@ -204,7 +205,7 @@ def _gain_by_clock(scene: Scene, hand: Hand) -> tuple[Limit | None, Limit | None
     g = Symbol("g_margin", positive=True)
     opened = Opened(replace(loop, above=tuple(g * x for x in loop.above)), g)
     home = opened.count(Integer(1))[0]
-    ends = Fraction(1, _MOST_GAIN), Fraction(_MOST_GAIN)
+    ends = Fraction(1, MOST_GAIN), Fraction(MOST_GAIN)
     walk = Walk(opened, Fraction(1), home, Rule.POSITIVE, ends)
     below, above = (_passed(walk, side) for side in (-1, 1))
     return below, above
@@ -212,8 +213,11 @@ def _gain_by_clock(scene: Scene, hand: Hand) -> tuple[Limit | None, Limit | None
 
 def _passed(walk: Walk, side: int) -> Limit | None:
     passage, known = walk.towards(side)
+    way = Way.DOWN if side > 0 else Way.UP
     if passage is None and (walk.ends[side > 0] - known) * side > 0:
-        raise UndecidedError(f"beyond {float(known):.4g}, where the search ended")
+        raise UndecidedError(
+            f"searched {'up' if side > 0 else 'down'} to a factor of {printed(known, 4, way)}, {_NONE}"
+        )
     return None if passage is None else Limit(passage.value, passage.omega)
 
 
@@ -222,7 +226,7 @@ def _delay_by_clock(scene: Scene, hand: Hand) -> Limit | None:
     if loop is None:
         return None
     if not loop.T.is_Rational:
-        raise UndecidedError("how much delay is allowed beside a period that is no rational number")
+        raise UndecidedError("how much delay is allowed: the sampling period is no rational number")
     late = Symbol("tau_margin", positive=True)
     plant = replace(loop.plant, terms=tuple((lag + late, row) for lag, row in loop.plant.terms))
     return _Later(Opened(replace(loop, plant=plant), late), Fraction(int(loop.T.p), int(loop.T.q))).first()
@@ -241,7 +245,7 @@ class _Later:
 
     def first(self) -> Limit | None:
         """The least delay at which a root comes to the circle; None where none does, up to a thousand seconds."""
-        most = int(_MOST_DELAY / self.T)
+        most = int(MOST_DELAY / self.T)
         pieces = [*self._pieces()]
         parts = [
             (x, a + (b - a) * i / _PARTS, a + (b - a) * (i + 1) / _PARTS) for x, a, b in pieces for i in range(_PARTS)
@@ -249,17 +253,18 @@ class _Later:
         known = [(d, (a, b), part[0]) for part in parts for d, a, b in self._allowed(*part, _FINE, [(0.0, _PI)])]
         least = min((d for d, _, _ in known), default=most)
         if _DEEPEST < least < most:
-            raise UndecidedError(
-                f"how much delay is allowed beyond {float(self.T * least):.4g} s, up to which none makes it shake"
-            )
+            raise self._searched(least)
         for d in range(least, min(most, least + _MORE)):
             for loop, low, high in pieces:
                 phis = [*dict.fromkeys(phi for _, phi, own in known if own is loop)]
                 if (found := self._in(loop, low, high, d, phis)) is not None:
                     return found
         if least < most:
-            raise UndecidedError(f"how much delay is allowed beyond {float(self.T * (least + _MORE)):.4g} s")
+            raise self._searched(least + _MORE)
         return None
+
+    def _searched(self, samples: int) -> UndecidedError:
+        return UndecidedError(f"searched up to {printed(1000 * self.T * samples, 4, Way.DOWN)} ms, {_NONE}")
 
     def _pieces(self) -> Iterator[tuple[Opened, Fraction, Fraction]]:
         """Of one period those within which all delays keep their whole samples."""

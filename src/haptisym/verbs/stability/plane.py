@@ -11,15 +11,16 @@ import flint
 from sympy import Rational
 
 from haptisym.kernel.arrays import np
+from haptisym.kernel.dynamics import ring_of
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import Roots
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
-from haptisym.verbs.stability.clocked import clocked_roots, loop_of
 from haptisym.verbs.stability.entry import WALL
-from haptisym.verbs.stability.held import characteristic, ring_of, zeros_of
+from haptisym.verbs.stability.held import characteristic, zeros_of
+from haptisym.verbs.stability.sampled import clocked_roots, loop_of
 
 _PIXELS = 200  # along each axis, that find the cells
 _LEAST = 60  # pixels of a cell that is counted

@@ -477,10 +477,6 @@ def sweep(
     return _lazy(grid, xarray) if lazy else _now(grid, xarray, progress)
 
 
-def _coordinates(grid: SweepGrid, xarray: Any) -> dict[str, Any]:
-    return {axis.path: xarray.Variable(axis.path, axis.values, {"units": axis.unit}) for axis in grid.axes}
-
-
 def _now(grid: SweepGrid, xarray: Any, progress: Progress | None) -> xr.Dataset:
     needed = grid.sets * sum(dtype.itemsize for dtype, _ in grid.variables.values())
     if needed > MOST_BYTES:
@@ -505,7 +501,8 @@ def _dataset(grid: SweepGrid, xarray: Any, columns: list[Any]) -> xr.Dataset:
     variables = {
         name: (names, column, about) for column, (name, (_, about)) in zip(columns, grid.variables.items(), strict=True)
     }
-    found: xr.Dataset = xarray.Dataset(variables, _coordinates(grid, xarray), grid.attributes())
+    places = {axis.path: xarray.Variable(axis.path, axis.values, {"units": axis.unit}) for axis in grid.axes}
+    found: xr.Dataset = xarray.Dataset(variables, places, grid.attributes())
     return found
 
 

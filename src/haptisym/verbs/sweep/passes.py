@@ -53,7 +53,7 @@ from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.verbs.stability.held import characteristic, unstable_roots
 from haptisym.verbs.sweep.axes import ABSENT, EXACT, FLOAT, INFINITE, OPEN, SYSTEMS, UNKNOWN, Told, held_name
 from haptisym.verbs.sweep.batch import BITS, Array, Monomial, Powers, count_right, monomial, within_reach
-from haptisym.verbs.sweep.waves import (
+from haptisym.verbs.sweep.delayterms import (
     Exponents,
     Factor,
     Family,

@@ -46,7 +46,7 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.sweep.entry import in_floats
-from haptisym.verbs.tolerances.heldbox import HeldInBox, held_in_box
+from haptisym.verbs.tolerances.stability import HeldInBox, held_in_box
 
 _BATCH = 256  # cells that are bounded together
 _MOST_CELLS = 3000  # that are looked at for one part

@@ -20,13 +20,14 @@ from haptisym.model.scenefile import SceneFamily, as_family
 
 @dataclass(frozen=True, repr=False)
 class FamilyAnswers(Answer):
-    """What a question found for each environment: ``answers``, by the names of the environments.
+    """The result of one command for each environment of a scene: ``answers``, by the names of the environments.
 
-    ``common`` : where the answers are values of one parameter, those that do for all environments, else None.
+    ``common`` : where they are sets of values of one parameter, their intersection, SI, proven; else None. ``binding`` : at each
+    end of it the environments that limit it. Each result is that of its environment alone. Made by ``answer_each``.
     """
 
     _schema: ClassVar[str] = "haptisym.answers/1"
-    _page: ClassVar[str] = "haptisym.pages.each:page"
+    _page: ClassVar[str] = "haptisym.pages.familyanswers:page"
     _figure: ClassVar[str] = "haptisym.figures.family:EACH"
 
     family: SceneFamily

@@ -5,19 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from haptisym.pages import words as w
-from haptisym.verbs.family.each import FamilyAnswers
+from haptisym.verbs.family.answers import FamilyAnswers
 from haptisym.writing import document as doc
 from haptisym.writing.document import Document, Phrase, Strong, listed
 
 
 def page(many: FamilyAnswers) -> Document:
-    """The whole page: a section for each environment, with what its own page has but for model and source."""
-    sections = tuple(doc.Section(name, x.document().blocks[:-1]) for name, x in many.answers.items())
-    proof = (
-        "Proven: the values common to all environments." if many.common else "Each environment is examined by itself."
+    """The whole page: a section for each environment, with what its page has but for model and source; what all say, once."""
+    pages = {name: x.document().blocks for name, x in many.answers.items()}
+    notes = {name: x[-2].entries if isinstance(x[-2], doc.Notes) else () for name, x in pages.items()}
+    shared = [x for x in next(iter(notes.values())) if all(x in own for own in notes.values())]
+    sections = tuple(
+        doc.Section(name, (*x[:-2], *w.noted(y for y in notes[name] if y not in shared))) for name, x in pages.items()
     )
+    proof = "Proven: the values common to all environments." if many.common else "Each environment is examined alone."
     further = ("haptisym evaluate SCENE",)
-    return w.page_about(many.family, _common(many), sections, (proof,), "Several environments", None, further)
+    return w.page_about(many.family, _common(many), sections, (*shared, proof), "Several environments", None, further)
 
 
 def _common(many: FamilyAnswers) -> Iterator[tuple[Phrase, Phrase]]:

@@ -27,11 +27,11 @@ from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.pulse import Plant, SampledLoop, Timed, circle_tests, is_clear, most_on_circle
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import Roots, is_stable
 from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.sampledloop import Plant, SampledLoop, Timed, circle_tests, is_clear, most_on_circle
 from haptisym.model.catalogue import CLOCKS, SAMPLED_LOOP, Effect, Hand, controller, device
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene
@@ -131,7 +131,7 @@ def plant_of(G: RationalFunction, ring: Ring) -> Plant:
         for turns, row in _by_delay(ring, G.numerator).items()
     ]
     if any(lag.could_extract_minus_sign() for lag, _ in terms):
-        raise UndecidedError("the roots of a loop that would need the future")
+        raise UndecidedError("the roots of a loop that is not causal")
     try:
         return Plant(bottom, tuple(terms))
     except SceneError as error:

@@ -34,11 +34,11 @@ from sympy import Expr, Rational, Symbol
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import Waiting
+from haptisym.kernel.delayterms import CompiledWaves
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.enclosures import Sheet, range_of
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, monomials
-from haptisym.kernel.waves import CompiledWaves
 from haptisym.kernel.zeros import rounded_up, tightened
 from haptisym.verbs.require.feasible import Kind
 

@@ -25,7 +25,7 @@ from flint import fmpq
 from sympy import Add, Expr, Integer, Rational, Symbol, sqrt
 
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
+from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, ring_of
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, cleared, degree_in, omega
 from haptisym.programs.program import Program, Writer, sincm1
 
@@ -152,7 +152,7 @@ class Author:
             gain, change = self.series([(A / D).reduced()], [label])
             felt = self.plus(felt, Z)
             return self.times(felt, gain), self.plus(dH, self.plus(self.times(felt, change), Z))
-        common = int(min(_ring(x).order_at_0(x.numerator) for x in (A, B, C, D)))  # then C H + D is not 0 at 0
+        common = int(min(ring_of(x).order_at_0(x.numerator) for x in (A, B, C, D)))  # then C H + D is not 0 at 0
         a, b, c, d, difference = (self.entry(x, common) for x in (A, B, C, D, A - D))
         c_H = self.times(c, felt)
         over = self.division(self.plus(c_H, d), label)
@@ -162,7 +162,7 @@ class Author:
 
     def entry(self, entry: RationalFunction, zeros: int) -> ComplexStep:
         """An entry of a chain matrix, a polynomial, over s^zeros: the product of its factors."""
-        ring = _ring(entry)
+        ring = ring_of(entry)
         unit, factors = ring.factors(entry.numerator, in_square=False)
         total = self.pair(unit, 0)
         for factor in (factor for factor, n in factors for _ in range(n)):
@@ -184,7 +184,7 @@ class Author:
 
     def fraction(self, f: RationalFunction, label: str) -> tuple[ComplexStep, int]:
         """The same, over the squared modulus U^2 + V^2 of its denominator, or over 1 where that is no common one."""
-        axis, f, one = _ring(f).axis, f.cleared(), self.write.constant(1)
+        axis, f, one = ring_of(f).axis, f.cleared(), self.write.constant(1)
         if f.is_zero:
             return self.pair(0, 0), one
         if self.has_functions(f):
@@ -272,11 +272,6 @@ def without_sinc_less_one(real: RealFunction) -> tuple[Expr, RealFunction] | Non
             other = axis.function(above * (1 + t**2) * a.numerator, f.denominator)
             return angle.rate * omega, RealFunction(other.reduced())
     return None
-
-
-def _ring(f: RationalFunction) -> Ring:
-    assert isinstance(f.ring, Ring)
-    return f.ring
 
 
 def less_one(gain: RationalFunction) -> RationalFunction:

@@ -47,7 +47,7 @@ class AsymptoticSign:
     radius: Rational = Integer(0)
 
 
-def far(f: RationalFunction) -> AsymptoticSign:
+def asymptotic_sign(f: RationalFunction) -> AsymptoticSign:
     """The sign at high frequency of a function of an axis, with numbers only, over a square: proven, or ``UNKNOWN``.
 
     The sign is that of its numerator, as its denominator must nowhere be negative: such is a response that is not reduced.
@@ -58,7 +58,7 @@ def far(f: RationalFunction) -> AsymptoticSign:
     >>> from haptisym.kernel.rings import s
     >>> def of(expression):
     ...     ring = Ring.of([expression])
-    ...     return far(on_axis(ring.convert(expression)).raw_imag).sense.name
+    ...     return asymptotic_sign(on_axis(ring.convert(expression)).raw_imag).sense.name
     >>> of(s**2 + 3 * s), of(exp(-s)), of(2 * s + s * exp(-s)), of(s * (1 - exp(-s)))
     ('POSITIVE', 'BOTH', 'POSITIVE', 'UNKNOWN')
     """
