@@ -86,23 +86,29 @@ def guards(net: Network, modes: Sequence[int], held: Mapping[str, float], restin
 
 
 def first_event(
-    watched: Iterable[Guard], values: Array, column: Callable[[str, int], int], motion: Motion
+    watched: Sequence[Guard], values: Array, column: Callable[[str, int], int], motion: Motion
 ) -> tuple[int, float, Guard] | None:
     """The first guard that falls below zero in a chunk of steps: in which of them, and where on it, from 0 to 1.
 
     ``values`` : of all readings at the nodes of each step, in the ``column`` of each.
     """
-    found: list[tuple[int, float, Guard]] = []
-    for guard in watched:
-        course = guard.sign * values[:, :, column(*guard.reading)] - guard.bound
-        both = np.concatenate([course, at_end(course[..., None])], axis=1)
-        scale = motion.amplitude * (motion.span[1] if isinstance(guard.element, Switch) else 1)
-        tolerance = 1e-12 * max(abs(guard.bound), float(np.abs(course).max()), 1e-12 * scale)
-        bad = both < -tolerance
-        if bad.any():
-            step = int(np.argmax(bad.any(axis=1)))
-            found.append((step, falls(course[step], int(np.argmax(bad[step]))), guard))
-    return min(found, key=lambda event: event[:2]) if found else None
+    if not watched:
+        return None
+    signs, bounds = np.array([(x.sign, x.bound) for x in watched], dtype=float).T
+    course = signs * values[:, :, [column(*x.reading) for x in watched]] - bounds
+    course = np.concatenate([course, at_end(course)[:, None]], axis=1)
+    spans = [motion.span[1] if isinstance(x.element, Switch) else 1.0 for x in watched]
+    scale = 1e-12 * motion.amplitude * np.array(spans)
+    tolerance = 1e-12 * reduce(np.maximum, [np.abs(bounds), np.abs(course).max(axis=(0, 1)), scale])
+    bad = course < -tolerance
+    if not bad.any():
+        return None
+    step = int(bad.any(axis=(1, 2)).argmax())
+    found = [
+        (falls(course[step, :-1, i], int(bad[step, :, i].argmax())), i) for i in np.flatnonzero(bad[step].any(axis=0))
+    ]
+    place, i = min(found)
+    return step, place, watched[i]
 
 
 class Breaks:
@@ -224,14 +230,16 @@ class Engine:
         check_frictions(net, self.systems)
         check_jumps(net, self.systems)
         check_derivatives(motion, self.systems)
-        self.z = np.zeros(self.system.exact.size)
         self.held = dict.fromkeys(net.jumps, 0.0)
+        self._update_forces()
+        self.z = np.zeros(self.system.exact.size)
         self.record = Record(len(self.system.readings))
         self.t, self.samples = 0.0, [0] * len(net.holds)
+        self.taken, self.given = ([[0.0] * hold.memory for hold in net.holds] for _ in range(2))
+        """What each clock has sampled, and what it gave; before the start, too."""
         self.breaks = Breaks(self._lags, motion.breaks)
         self.longest = self._regular(longest)
         self.stalled, self.events, self.calm = (0.0, 0), 0, _MOST_AT_ONCE
-        self._update_forces()
         position = float(motion.derivatives(np.zeros(1), 0)[0, 0])
         if rest or position:  # the hand has rested at its first position for so long that everything else rests too
             self._begin(rest or at_rest(self.net, position))
@@ -242,8 +250,11 @@ class Engine:
                 self.modes[i] = 1 if rest[switch.driver] > 0 else -1
         self._update_forces()
         self.record.before = np.array([rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.readings])
-        for hold in self.net.holds:
-            self.held[hold.target] = hold.read(rest[hold.source])
+        for i, hold in enumerate(self.net.holds):
+            sample = hold.read(rest[hold.source])
+            given = rest[hold.target] * (sample / rest[hold.source] if sample else 0.0)
+            self.taken[i], self.given[i] = [sample] * hold.memory, [given] * hold.memory
+            self.held[hold.target] = given
         for step in self.net.steps:
             self.held[step.target] = step.resolution * round(rest[step.source] / step.resolution)
         everything = {(name, k): rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.exact.columns}
@@ -251,15 +262,6 @@ class Engine:
         known = {**rest, **self.held}
         inputs = [0.0 if k else (rest if x.lag else known)[x.name] for x, k in self.system.drives]
         self.z = np.array([everything[keys[i]] for i in self.system.exact.chosen]) - self.system.back @ inputs
-
-    @property
-    def system(self) -> Linear:
-        """The linear equations while the switches are as they are; SceneError where they contradict each other."""
-        found = self.systems[frozenset(i for i, mode in enumerate(self.modes) if mode == 0)]
-        if found is None:
-            names = ", ".join(s.name for s, mode in zip(self.net.switches, self.modes, strict=True) if mode == 0)
-            raise SceneError(f"{names}: they cannot all stick at once")
-        return found
 
     @cached_property
     def _lags(self) -> tuple[float, ...]:
@@ -285,7 +287,7 @@ class Engine:
 
     def column(self, name: str, order: int = 0) -> int:
         """Where a signal is in the record."""
-        return self.system.readings.index((name, order))
+        return self.system.columns[name, order]
 
     def signal(self, name: str) -> Array:
         """A recorded signal at the nodes of all steps."""
@@ -305,34 +307,40 @@ class Engine:
             if watch is not None:
                 watch(self.t)
             self._sample()
-            ticks = (n * hold.period for n, hold in zip(self.samples, self.net.holds, strict=True))
-            end = min([until, *ticks, *self.breaks.next(self.t + self._tiny), *self._next_on_grid()])
-            whole = int((end - self.t) / self.longest + 1e-9)
-            h = self.longest if whole else float(f"{end - self.t:.13e}")  # equal steps are recognised as equal
+            h = self.longest
+            ends = [until, *self.breaks.next(self.t + self._tiny), *self._next_on_grid()]
+            ticks = [n * hold.period for n, hold in zip(self.samples, self.net.holds, strict=True)]
+            in_steps = [*((x - self.t) / h for x in ticks), *(hold.period / h for hold in self.net.holds)]
+            if any(abs(x - round(x)) > 1e-9 for x in in_steps):
+                ends += ticks
+            end = min(ends)
+            whole = int((end - self.t) / h + 1e-9)
+            h = h if whole else float(f"{end - self.t:.13e}")  # equal steps are recognised as equal
             # no step may read a delay line where it has not been written yet
             chunk = max(1, min(whole, self.calm, int(self._lags[0] / h + 1e-9) if self._lags else whole))
             arrived = self.t + chunk * h
-            self._take(chunk, h, end if abs(arrived - end) < _TINY * h else arrived)
+            instants = [end, *(round(arrived / hold.period) * hold.period for hold in self.net.holds)]
+            self._take(chunk, h, next((x for x in instants if abs(arrived - x) < 1e-9 * h), arrived))
 
     def _take(self, chunk: int, h: float, end: float) -> None:
-        w, after, values = self._attempt(chunk, h)
+        states, values = self._attempt(chunk, h)
         if self._moves_or_rests(values[0, 0]):
-            w, after, values = self._attempt(chunk, h)
+            self._undo(0)
+            states, values = self._attempt(chunk, h)
         event = first_event(guards(self.net, self.modes, self.held, self.resting), values, self.column, self.motion)
         if event is None:
-            self._accept(h, values, after, end)
+            self._accept(h, values, states[-1], end)
             self.calm = min(2 * self.calm, _MOST_AT_ONCE)
             return
         step, place, guard = event
-        self.calm = max(
-            1, step
-        )  # what lies beyond an event is computed in vain: where they are frequent, look less far
+        self._undo(step)
+        # what lies beyond an event is computed in vain: where they are frequent, look less far
+        self.calm = max(1, step)
         if step:
-            _, after = self.system.propagator.march(self.z, w[:step], h)
-            self._accept(h, values[:step], after, self.t + step * h)
+            self._accept(h, values[:step], states[step], self.t + step * h)
         if place * h > self._tiny:
-            _, after, values = self._attempt(1, place * h)
-            self._accept(place * h, values, after, self.t + place * h)
+            states, values = self._attempt(1, place * h)
+            self._accept(place * h, values, states[-1], self.t + place * h)
         self._react(guard)
 
     def _moves_or_rests(self, now: Array) -> bool:
@@ -348,11 +356,37 @@ class Engine:
         self._update_forces()
         return before != (self.resting, tuple(self.modes))
 
-    def _attempt(self, chunk: int, h: float) -> tuple[Array, Array, Array]:
-        times = self.t + h * (np.arange(chunk)[:, None] + NODES)
-        w = self._inputs(times)
-        inside, after = self.system.propagator.march(self.z, w, h)
-        return w, after, self.system.outputs(inside, w)
+    def _attempt(self, chunk: int, h: float) -> tuple[Array, Array]:
+        """States at the ends of steps, and readings at their nodes; clocks go on with them."""
+        w, system, n = (
+            self._inputs(self.t + h * (np.arange(chunk)[:, None] + NODES)),
+            self.system,
+            self.system.exact.size,
+        )
+        ends = at_end(w)
+        self.due = [
+            range(max(1, round((m * hold.period - self.t) / h)), chunk, max(1, round(hold.period / h)))
+            for m, hold in zip(self.samples, self.net.holds, strict=True)
+        ]
+        places = [(system.columns[hold.source, 0], system.steady[hold.target]) for hold in self.net.holds]
+
+        def change(step: int, z: Array) -> None:
+            for i, (due, (source, target)) in enumerate(zip(self.due, places, strict=True)):
+                if step in due:
+                    row = system.rows[source]
+                    value = row[:n] @ z + row[n:] @ ends[step - 1]
+                    w[step:, :, target] = ends[step:, target] = self._sampled(i, float(value))
+
+        inside, states = system.propagator.march(self.z, w, h, change if any(self.due) else None)
+        return states, system.outputs(inside, w)
+
+    def _undo(self, step: int) -> None:
+        """Let no clock have sampled after the beginning of a step of what was attempted."""
+        for i, (hold, due) in enumerate(zip(self.net.holds, self.due, strict=True)):
+            if undone := sum(k > step for k in due):
+                del self.taken[i][-undone:], self.given[i][-undone:]
+                self.samples[i] -= undone
+                self.held[hold.target] = self.given[i][-1]
 
     def _accept(self, h: float, values: Array, after: Array, end: float) -> None:
         if not np.isfinite(values).all() or np.abs(values).max(initial=0.0) > _UNBOUNDED:
@@ -360,6 +394,8 @@ class Engine:
                 f"the simulated force grows without bound (overflow at {end:.4g} s): the scene is not stable"
             )
         self.record.append(self.t, h, values)
+        for k in (k for due in self.due for k in due if k <= len(values)) if self._lags else ():
+            self.breaks.after(self.t + k * h)
         self.z, self.t = after, end
 
     def _inputs(self, times: Array) -> Array:
@@ -386,12 +422,19 @@ class Engine:
     # Clocks
 
     def _sample(self) -> None:
-        """Let every clock whose time has come read its source, and hold that."""
+        """Let every clock whose time has come read its source, and hold what it computes of that."""
         for i, hold in enumerate(self.net.holds):
             if self.samples[i] * hold.period <= self.t + self._tiny:
-                self.held[hold.target] = hold.read(self._now(hold.source))
-                self.samples[i] += 1
+                self._sampled(i, self._now(hold.source))
                 self.breaks.after(self.t)
+
+    def _sampled(self, index: int, value: float) -> float:
+        hold, taken, given = self.net.holds[index], self.taken[index], self.given[index]
+        taken.append(hold.read(value))
+        given.append(hold.computed(taken, given))
+        self.samples[index] += 1
+        self.held[hold.target] = given[-1]
+        return given[-1]
 
     def _now(self, name: str, order: int = 0) -> float:
         if self.record.count == 0:
@@ -461,5 +504,11 @@ class Engine:
         return result
 
     def _update_forces(self) -> None:
+        """Of the switches as they are now, and the linear equations; SceneError where these contradict each other."""
+        found = self.systems[frozenset(i for i, mode in enumerate(self.modes) if mode == 0)]
+        if found is None:
+            names = ", ".join(s.name for s, mode in zip(self.net.switches, self.modes, strict=True) if mode == 0)
+            raise SceneError(f"{names}: they cannot all stick at once")
+        self.system = found
         for i, (switch, mode) in enumerate(zip(self.net.switches, self.modes, strict=True)):
             self.held[switch.target] = 0.0 if i in self.resting else mode * switch.limit

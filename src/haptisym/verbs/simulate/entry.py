@@ -335,7 +335,8 @@ class Run:
         self.ports = build(self.net, scene, self.extras)
         self.net.equal(self.ports[-1].X, SignalSum.of(MOTION))
         outputs = [(name_of(signal), 0) for port in (self.ports[0], self.ports[-1]) for signal in port]
-        longest = step / motion.span[1] if motion.omegas or motion.name == "chirp" else step * pi / motion.span[1]
+        # between two samples of a recording it is one polynomial
+        longest = step / motion.span[1] if motion.omegas or motion.name == "chirp" else pi / motion.span[1]
         self.engine = self._engine(outputs, longest)
         _check_poles(scene, self.engine)
         _check_clocks(self.net, motion)
@@ -458,6 +459,7 @@ def build(net: Network, scene: Scene, extras: Sequence[Extra] = ()) -> list[Port
         build_environment(net, scene.rendered or scene.environment, near)
     for effect, inner, outer in zip(scene.effects, ports, ports[1:], strict=False):
         build_effect(net, effect, inner, outer)
+    net.hold_whole_delays()
     return ports
 
 
@@ -508,9 +510,10 @@ def check_extras(extras: Sequence[Extra]) -> None:
 
 def _check_poles(scene: Scene, engine: Engine) -> None:
     """Raise SceneError, naming the pole, where the scene is not stable."""
-    system = engine.system
+    system, held = engine.system, {hold.target for hold in engine.net.holds}
     fed_back = any(
-        x.lag != 0 and x.name != MOTION and system.propagator.N[:, i].any() for i, (x, _) in enumerate(system.drives)
+        ((x.lag != 0 and x.name != MOTION) or x.name in held) and system.propagator.N[:, i].any()
+        for i, (x, _) in enumerate(system.drives)
     )
     poles = system.poles()
     worst = max(poles, key=lambda p: p.real, default=complex(-inf))

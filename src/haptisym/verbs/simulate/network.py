@@ -22,8 +22,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import reduce
+from dataclasses import dataclass, field, replace
+from functools import cached_property, reduce
 from math import ceil, floor, log, sin
 from typing import Any, NamedTuple, TypeAlias
 
@@ -103,17 +103,47 @@ class SignalSum:
 
 @dataclass(frozen=True)
 class Hold:
-    """A clock that samples ``source`` every ``period`` seconds and holds the value, rounded to ``resolution``, on ``target``."""
+    """A clock that samples ``source`` every ``T`` seconds, rounded to ``resolution``, and holds on ``target`` what it computes.
+
+    sum of below_i target(n - i) = sum of above_i source(n - i), for the n-th sample.
+    """
 
     source: str
     target: str
-    period: float
+    T: Exact
     name: str
     resolution: float = 0.0
+    above: tuple[Exact, ...] = (fmpq(1),)
+    below: tuple[Exact, ...] = (fmpq(1),)
+
+    @cached_property
+    def period(self) -> float:
+        """T as a float."""
+        return float_of(self.T)
+
+    @cached_property
+    def _weights(self) -> tuple[list[tuple[int, float]], ...]:
+        """Of samples and of what was held, by how many periods ago; without those that are 0."""
+        own = ([x / self.below[0] for x in row] for row in (self.above, (fmpq(0), *self.below[1:])))
+        return tuple([(n + 1, float_of(x)) for n, x in enumerate(row) if x != 0] for row in own)
 
     def read(self, value: float) -> float:
-        """What is held of a value: a whole multiple of the resolution, or the value itself."""
+        """A sample of a value: a whole multiple of the resolution, or the value itself."""
         return self.resolution * round(value / self.resolution) if self.resolution else value
+
+    def computed(self, samples: Sequence[float], given: Sequence[float]) -> float:
+        """What is held after these samples, and after what was held before."""
+        above, below = self._weights
+        return sum(x * samples[-n] for n, x in above) - sum(x * given[1 - n] for n, x in below)
+
+    @property
+    def memory(self) -> int:
+        """So many samples it looks back."""
+        return max(len(self.above), len(self.below))
+
+    def late(self, x: SignalSum, polynomial: Sequence[Exact]) -> SignalSum:
+        """A polynomial in 1/z, applied to a signal."""
+        return sum((c * x.late(n * self.T) for n, c in enumerate(polynomial)), SignalSum({}))
 
 
 @dataclass(frozen=True)
@@ -168,6 +198,23 @@ class Network:
         """A new signal."""
         self._count += 1
         return SignalSum.of(f"{label}.{self._count}")
+
+    def hold_whole_delays(self) -> None:
+        """Let what is held, and late by whole periods, be held by a clock of its own: no delay line keeps it."""
+        for hold in tuple(self.holds):
+            late = {x for e in self.equations for name, _, x in e.terms if name == hold.target and x != 0}
+            for lag in sorted(x for x in late if (x / hold.T).q == 1):
+                target, zeros = name_of(self.signal("late")), (fmpq(0),) * int((lag / hold.T).p)
+                self.holds.append(replace(hold, target=target, above=(*zeros, *hold.above)))
+                self.equations = [
+                    SignalSum(
+                        {
+                            (target, k, _ZERO) if (name, x) == (hold.target, lag) else (name, k, x): value
+                            for (name, k, x), value in e.terms.items()
+                        }
+                    )
+                    for e in self.equations
+                ]
 
     def zero(self, equation: SignalSum) -> None:
         """One more equation of motion: this sum is zero."""
@@ -311,7 +358,7 @@ def _series(net: Network, element: Effect, near: Port, far: Port) -> None:
 
 def _zero_order_hold(net: Network, element: Effect, near: Port, far: Port) -> None:
     net.equal(far.X, near.X)
-    net.holds.append(Hold(name_of(near.F), name_of(far.F), float_of(_values(element)["T"]), element.name))
+    net.holds.append(Hold(name_of(near.F), name_of(far.F), _values(element)["T"], element.name))
 
 
 def build_controller(net: Network, effect: Effect, port: Port, resolution: float = 0.0) -> None:
@@ -319,20 +366,19 @@ def build_controller(net: Network, effect: Effect, port: Port, resolution: float
 
     ``resolution`` : of its encoder, m or rad; rounding a sample is sampling what was rounded, without an event for each step.
     """
-    sampled, force = net.signal("sampled"), net.signal("computed")
-    T = _values(effect)["T"]
-    net.holds.append(Hold(name_of(port.X), name_of(sampled), float_of(T), effect.name, resolution))
     D = controller(effect)
-    net.equal(_samples_ago(D.denominator, force, T), _samples_ago(D.numerator, sampled, T))
-    net.equal(port.F, force)
+    above, below = (_in_delays(p) for p in (D.numerator, D.denominator))
+    net.holds.append(
+        Hold(name_of(port.X), name_of(port.F), _values(effect)["T"], effect.name, resolution, above, below)
+    )
 
 
-def _samples_ago(polynomial: Polynomial, x: SignalSum, T: Exact) -> SignalSum:
-    """A polynomial in 1/z, applied to a signal that changes with the clock alone."""
-    total = SignalSum({})
+def _in_delays(polynomial: Polynomial) -> tuple[Exact, ...]:
+    """The coefficients of a polynomial in 1/z, ascending."""
+    row: dict[int, Exact] = {}
     for (n, power_of_pi, *_), coefficient in polynomial.to_dict().items():
-        total = total + coefficient * exact(pi) ** int(power_of_pi) * x.late(int(n) * T)
-    return total
+        row[int(n)] = row.get(int(n), _ZERO) + coefficient * exact(pi) ** int(power_of_pi)
+    return tuple(row.get(n, _ZERO) for n in range(max(row, default=0) + 1))
 
 
 def _sampled_loop(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -516,7 +562,8 @@ def at_rest(net: Network, position: float) -> dict[str, float]:
 def _ratios(net: Network, limits: Mapping[str, Exact]) -> dict[str, Exact]:
     """Each signal as a fraction of the hand's position; ``limits`` : the same of the forces that stand at their limit."""
     held = [
-        SignalSum.of(x.target) - SignalSum.of(x.source).late(fmpq(*x.period.as_integer_ratio()) / 2) for x in net.holds
+        x.late(SignalSum.of(x.target), x.below) - x.late(SignalSum.of(x.source).late(x.T / 2), x.above)
+        for x in net.holds
     ]
     passed = [*held, *(SignalSum.of(x.target) - SignalSum.of(x.source) for x in net.steps)]
     at_limit = {target: SignalSum.of(target) - ratio * SignalSum.of(MOTION) for target, ratio in limits.items()}

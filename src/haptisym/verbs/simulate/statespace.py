@@ -19,7 +19,7 @@ and what a step leaves behind are polynomials again, from which delay lines read
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple, TypeAlias
@@ -109,37 +109,41 @@ class Propagator:
         return np.asarray(scale, dtype=float)
 
     @lru_cache(maxsize=4096)  # noqa: B019 - a propagator lives as long as its simulation
-    def step(self, h: float) -> tuple[Array, Array]:
+    def step(self, h: float) -> tuple[Array, Array, Array]:
         """Maps to the state at the nodes and at the end of a step: from the state before it, and from the inputs' values.
 
         The inputs are a varying one's values node by node, then the steady ones.
         """
         from scipy.linalg import expm
 
+        n, varying = len(self.M), len(self._driving[0]) * POINTS
         if h * self._size <= _SHORT:
-            return self._short_step(h)
+            maps = np.tensordot((h * self._size) ** np.arange(_TERMS), self._series, 1)
+            return maps[:, :, :n], h * maps[:, :, n : n + varying], h * maps[:, :, n + varying :]
         unchanged, per_second, from_values = self._extended
-        n, scale = len(self.M), self._balance
+        scale = self._balance
         whole = expm(np.multiply.outer([*NODES, 1.0], unchanged + h * per_second))
         free = whole[:, :n, :n] * scale[:, None] / scale[None, :]
-        return free, whole[:, :n, n:] @ (h * from_values) * scale[:, None]
+        forced = whole[:, :n, n:] @ (h * from_values) * scale[:, None]
+        return free, forced[..., :varying], forced[..., varying:]
 
     @cached_property
     def _size(self) -> float:
         """A norm of M, 1/s."""
-        return float(np.abs(self._extended[1]).sum(axis=0).max(initial=0.0))
+        return float(np.abs(self._extended[1]).sum(axis=0).max(initial=0.0)) or 1.0
 
-    def _short_step(self, h: float) -> tuple[Array, Array]:
-        """The same by its series: a sum of (h M)^k, and of (h M)^k h N, each with its repeated integrals."""
+    @cached_property
+    def _series(self) -> Array:
+        """The same maps as series in h times the size: of (h M)^k, and of (h M)^k N, each with its repeated integrals."""
         n, scale, (varying, steady) = len(self.M), self._balance, self._driving
-        hM = h * self._extended[1][:n, :n]
-        parts = [np.hstack([np.eye(n), h * self.N[:, [*varying, *steady]] / scale[:, None]])]
+        M = self._extended[1][:n, :n] / self._size
+        parts = [np.hstack([np.eye(n), self.N[:, [*varying, *steady]] / scale[:, None]])]
         for _ in range(_TERMS - 1):
-            parts.append(hM @ parts[-1])
-        free, moved, held = np.split(np.stack(parts), [n, n + len(varying)], axis=2)
-        free = np.tensordot(_FREE.T, free, 1) * scale[:, None] / scale[None, :]
-        moved = np.tensordot(_VARYING, moved, ((0,), (0,))).transpose(0, 2, 1, 3).reshape(len(_PLACES), n, -1)
-        return free, np.concatenate([moved, np.tensordot(_STEADY.T, held, 1)], axis=2) * scale[:, None]
+            parts.append(M @ parts[-1])
+        free, moved, held = (x[:, None] for x in np.split(np.stack(parts), [n, n + len(varying)], axis=2))
+        free = _FREE[:, :, None, None] * free * scale[:, None] / scale[None, :]
+        moved = np.einsum("kpi,kqnm->kpnim", _VARYING, moved).reshape(_TERMS, len(_PLACES), n, -1) * scale[:, None]
+        return np.concatenate([free, moved, _STEADY[:, :, None, None] * held * scale[:, None]], axis=3)
 
     @cached_property
     def _extended(self) -> tuple[Array, Array, Array]:
@@ -159,21 +163,30 @@ class Propagator:
         from_values[:count, :count] = np.kron(_TO_LEGENDRE, np.diag(size[varying]))
         return unchanged, per_second, from_values
 
-    def march(self, z: Array, w: Array, h: float) -> tuple[Array, Array]:
-        """The states at all nodes of as many steps as ``w`` has (steps, nodes, inputs), and the state after the last."""
+    def march(
+        self, z: Array, w: Array, h: float, change: Callable[[int, Array], None] | None = None
+    ) -> tuple[Array, Array]:
+        """The states at all nodes of as many steps as ``w`` has (steps, nodes, inputs), and those at their ends, first to last.
+
+        ``change`` : called before each step but the first with its number and the state, sets its steady inputs, and the later
+        ones', in ``w``.
+        """
         steps, n = len(w), len(self.M)
-        if n == 0:
-            return np.zeros((steps, POINTS, 0)), z
-        free, forced = self.step(h)
         varying, steady = self._driving
-        values = np.concatenate([w[..., varying].reshape(steps, -1), w[:, 0, steady]], axis=1)
-        driven = (forced @ values.T).transpose(2, 0, 1)
-        starts = np.empty((steps, n))
+        free, moved, held = self.step(h) if n else (np.zeros((POINTS + 1, 0, 0)),) * 3
+        values = w[..., varying].reshape(steps, -1)
+        driven = np.tensordot(values, moved, (1, 2)) if n else np.zeros((steps, POINTS + 1, 0))
+        states = np.empty((steps + 1, n))
+        last, pushed = free[-1], held[-1]
         for k in range(steps):
-            starts[k] = z
-            z = free[-1] @ z + driven[k, -1]
-        inside = (free[:-1] @ starts.T).transpose(2, 0, 1) + driven[:, :-1]
-        return inside, z
+            if k and change is not None:
+                change(k, z)
+            states[k] = z
+            z = last @ z + driven[k, -1] + pushed @ w[k, 0, steady] if n else z
+        states[steps] = z
+        inside = driven[:, :-1] + np.tensordot(states[:-1], free[:-1], (1, 2))
+        inside += np.tensordot(w[:, 0, steady], held[:-1], (1, 2)) if n else 0.0
+        return inside, states
 
 
 @dataclass
@@ -514,6 +527,16 @@ class Linear:
     """The same for every variable of the equations, from which another system's state is taken."""
     back: Array = field(repr=False)
     """(state, drives): what is subtracted from the chosen variables to give the state."""
+
+    @cached_property
+    def columns(self) -> dict[Reading, int]:
+        """Where each reading is."""
+        return {reading: i for i, reading in enumerate(self.readings)}
+
+    @cached_property
+    def steady(self) -> dict[str, int]:
+        """Where among the drives each signal is that elements set."""
+        return {self.drives[i][0].name: i for i in self.propagator.steady if self.drives[i][1] == 0}
 
     @cached_property
     def groups(self) -> tuple[DriveGroup, ...]:
