@@ -54,11 +54,11 @@ def falls(course: Array, bad: int) -> float:
     """Where on the step, from 0 to 1, a guard falls through zero before the node ``bad``."""
     from scipy.optimize import brentq  # SciPy is an extra: asked for where it is needed
 
-    coefficients = series(course[:, None])[:, 0]
-    places = np.concatenate([[0.0], NODES, [1.0]])
+    coefficients = series(course[:, None])[::-1, 0].tolist()
+    places = [0.0, *NODES.tolist(), 1.0]
 
     def value(place: float) -> float:
-        return float(np.polynomial.polynomial.polyval(2 * place - 1, coefficients))
+        return reduce(lambda total, x: total * (2 * place - 1) + x, coefficients)
 
     start = next((i for i in range(bad, -1, -1) if value(places[i]) > 0), None)
     if start is None:

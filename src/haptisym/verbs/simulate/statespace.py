@@ -109,23 +109,24 @@ class Propagator:
         return np.asarray(scale, dtype=float)
 
     @lru_cache(maxsize=4096)  # noqa: B019 - a propagator lives as long as its simulation
-    def step(self, h: float) -> tuple[Array, Array, Array]:
-        """Maps to the state at the nodes and at the end of a step: from the state before it, and from the inputs' values.
+    def step(self, h: float) -> Array:
+        """Maps to the state at the nodes and at the end of a step: (places, state, what it follows from).
 
-        The inputs are a varying one's values node by node, then the steady ones.
+        That is the state before, a varying input's values node by node, then the steady ones.
         """
         from scipy.linalg import expm
 
-        n, varying = len(self.M), len(self._driving[0]) * POINTS
+        n, (varying, steady) = len(self.M), self._driving
+        width = n + len(varying) * POINTS + len(steady)
         if h * self._size <= _SHORT:
-            maps = np.tensordot((h * self._size) ** np.arange(_TERMS), self._series, 1)
-            return maps[:, :, :n], h * maps[:, :, n : n + varying], h * maps[:, :, n + varying :]
+            maps = ((h * self._size) ** np.arange(_TERMS) @ self._series).reshape(len(_PLACES), n, width)
+            maps[:, :, n:] *= h
+            return maps
         unchanged, per_second, from_values = self._extended
         scale = self._balance
         whole = expm(np.multiply.outer([*NODES, 1.0], unchanged + h * per_second))
         free = whole[:, :n, :n] * scale[:, None] / scale[None, :]
-        forced = whole[:, :n, n:] @ (h * from_values) * scale[:, None]
-        return free, forced[..., :varying], forced[..., varying:]
+        return np.concatenate([free, whole[:, :n, n:] @ (h * from_values) * scale[:, None]], axis=2)
 
     @cached_property
     def _size(self) -> float:
@@ -142,8 +143,10 @@ class Propagator:
             parts.append(M @ parts[-1])
         free, moved, held = (x[:, None] for x in np.split(np.stack(parts), [n, n + len(varying)], axis=2))
         free = _FREE[:, :, None, None] * free * scale[:, None] / scale[None, :]
-        moved = np.einsum("kpi,kqnm->kpnim", _VARYING, moved).reshape(_TERMS, len(_PLACES), n, -1) * scale[:, None]
-        return np.concatenate([free, moved, _STEADY[:, :, None, None] * held * scale[:, None]], axis=3)
+        moved = np.einsum("kpi,kqnm->kpnim", _VARYING, moved)
+        moved = moved.reshape(_TERMS, len(_PLACES), n, len(varying) * POINTS) * scale[:, None]
+        held = _STEADY[:, :, None, None] * held * scale[:, None]
+        return np.concatenate([free, moved, held], axis=3).reshape(_TERMS, -1)
 
     @cached_property
     def _extended(self) -> tuple[Array, Array, Array]:
@@ -173,20 +176,18 @@ class Propagator:
         """
         steps, n = len(w), len(self.M)
         varying, steady = self._driving
-        free, moved, held = self.step(h) if n else (np.zeros((POINTS + 1, 0, 0)),) * 3
-        values = w[..., varying].reshape(steps, -1)
-        driven = np.tensordot(values, moved, (1, 2)) if n else np.zeros((steps, POINTS + 1, 0))
-        states = np.empty((steps + 1, n))
-        last, pushed = free[-1], held[-1]
+        maps = self.step(h) if n else np.zeros((len(_PLACES), 0, 0))
+        values, states = w[..., varying].reshape(steps, -1), np.empty((steps + 1, n))
+        last, moved, held = np.split(maps[-1], [n, n + values.shape[1]], axis=1)
+        driven = values @ moved.T
         for k in range(steps):
             if k and change is not None:
                 change(k, z)
             states[k] = z
-            z = last @ z + driven[k, -1] + pushed @ w[k, 0, steady] if n else z
+            z = last @ z + driven[k] + held @ w[k, 0, steady]
         states[steps] = z
-        inside = driven[:, :-1] + np.tensordot(states[:-1], free[:-1], (1, 2))
-        inside += np.tensordot(w[:, 0, steady], held[:-1], (1, 2)) if n else 0.0
-        return inside, states
+        known = np.concatenate([states[:-1], values, w[:, 0, steady]], axis=1)
+        return (known @ maps[:-1].reshape(POINTS * n, known.shape[1]).T).reshape(steps, POINTS, n), states
 
 
 @dataclass
