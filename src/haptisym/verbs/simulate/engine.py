@@ -358,11 +358,8 @@ class Engine:
 
     def _attempt(self, chunk: int, h: float) -> tuple[Array, Array]:
         """States at the ends of steps, and readings at their nodes; clocks go on with them."""
-        w, system, n = (
-            self._inputs(self.t + h * (np.arange(chunk)[:, None] + NODES)),
-            self.system,
-            self.system.exact.size,
-        )
+        system, n = self.system, self.system.exact.size
+        w = self._inputs(self.t + h * (np.arange(chunk)[:, None] + NODES))
         ends = at_end(w)
         self.due = [
             range(max(1, round((m * hold.period - self.t) / h)), chunk, max(1, round(hold.period / h)))
@@ -377,8 +374,9 @@ class Engine:
                     value = row[:n] @ z + row[n:] @ ends[step - 1]
                     w[step:, :, target] = ends[step:, target] = self._sampled(i, float(value))
 
-        inside, states = system.propagator.march(self.z, w, h, change if any(self.due) else None)
-        return states, system.outputs(inside, w)
+        with np.errstate(over="ignore", invalid="ignore"):  # a loop may grow without bound
+            inside, states = system.propagator.march(self.z, w, h, change if any(self.due) else None)
+            return states, system.outputs(inside, w)
 
     def _undo(self, step: int) -> None:
         """Let no clock have sampled after the beginning of a step of what was attempted."""
@@ -389,7 +387,11 @@ class Engine:
                 self.held[hold.target] = self.given[i][-1]
 
     def _accept(self, h: float, values: Array, after: Array, end: float) -> None:
-        if not np.isfinite(values).all() or np.abs(values).max(initial=0.0) > _UNBOUNDED:
+        bounded = np.abs(values).max(axis=(1, 2), initial=0.0) <= _UNBOUNDED
+        if not bounded.all():
+            known = int(bounded.argmin())
+            self.record.append(self.t, h, values[:known])
+            end = self.t + (known + 1) * h
             raise SceneError(
                 f"the simulated force grows without bound (overflow at {end:.4g} s): the scene is not stable"
             )

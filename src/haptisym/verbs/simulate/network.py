@@ -129,7 +129,7 @@ class Hold:
 
     def read(self, value: float) -> float:
         """A sample of a value: a whole multiple of the resolution, or the value itself."""
-        return self.resolution * round(value / self.resolution) if self.resolution else value
+        return self.resolution * float(np.rint(value / self.resolution)) if self.resolution else value
 
     def computed(self, samples: Sequence[float], given: Sequence[float]) -> float:
         """What is held after these samples, and after what was held before."""
