@@ -16,9 +16,8 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, reduce
+from functools import cached_property, lru_cache
 from math import comb, frexp
-from operator import mul
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -101,8 +100,9 @@ class States:
         X, (rest, shares) = X * arb(2) ** -doublings, _series(flint.ctx.prec)
         for share in shares:
             total = self._one + X * total * share
-        last = reduce(mul, [X] * self.size, self._one)
-        if not norm(last).is_zero():  # of masses alone nothing is left out, as no higher power is there
+        if not all(
+            q.is_zero() for q in self.Q[:-1]
+        ):  # of masses alone nothing is left out, as no higher power is there
             total = widened(total, rest)
         for _ in range(doublings):
             total, X = total + X * total * total * arb(0.5), X * 2

@@ -332,7 +332,7 @@ class Passage:
     above: int
 
 
-_BITS = 128
+_BITS, _BITS_OF_WALK = 128, 64  # of a value, and of a cell, which is wide
 _ZERO = ExactNumber(Integer(0))
 _CLOCK, _REACH, _FAR = 32, 2**10, 10**6
 """Times as much, and as little, a value may be for its nearest limit: of a clock or delay, of others, of a wall's."""
@@ -529,7 +529,7 @@ class Walk:
         return None, at
 
     def _most(self, one: Fraction, other: Fraction) -> int | None:
-        with flint.ctx.workprec(_BITS):
+        with flint.ctx.workprec(_BITS_OF_WALK):
             return self.loop.most(_ball(one).union(_ball(other)))
 
     def _once(self, one: Fraction, other: Fraction) -> tuple[int | None, Passage | None]:
@@ -566,9 +566,8 @@ class Walk:
     def _has_none(self, low: Fraction, high: Fraction, depth: int) -> bool:
         """Whether no value between two puts a root on the circle, proven; in ever smaller pieces, as beside one that does."""
         tick()
-        with flint.ctx.workprec(_BITS):
-            if self.loop.most(_ball(low).union(_ball(high))) == 0:
-                return True
+        if self._most(low, high) == 0:
+            return True
         middle = (low + high) / 2
         return depth > 0 and self._has_none(low, middle, depth - 1) and self._has_none(middle, high, depth - 1)
 
