@@ -330,6 +330,24 @@ def test_encoder_and_limit_act_at_each_tick_of_a_late_wall_as_sample_by_sample()
     assert (run.error.largest, run.error.rms) == pytest.approx((np.abs(off).max(), np.sqrt((off**2).mean())), rel=1e-6)
 
 
+def test_whole_samples_of_delay_are_one_step_each_whether_the_controller_or_a_line_keeps_them() -> None:
+    """A filtered velocity, s = (1 - 1/z)/T, three samples late, as a recursion of the encoder's samples."""
+    t = np.arange(400) * 1e-3
+    x = 0.02 * np.sin(2 * np.pi * 3 * t)
+    wall = hs.environments.expression("500 + 2*s*50/(s + 50)")
+    q, filtered, force = 1e-4 * np.round(x / 1e-4), 0.0, [0.0, 0.0, 0.0]
+    for now, last in zip(q, [q[0], *q[:-1]], strict=True):
+        filtered = (filtered + 100 * (now - last)) / 1.05
+        force.append(500 * now + filtered)
+    for late, behind in ((3, ()), (1, (hs.effects.delay("2 ms"),))):
+        loop = hs.effects.sampled_loop("1 ms", "backward-difference", late)
+        scene = hs.Scene(wall, (loop, *behind), ("0 Hz", "20 Hz"))
+        run = hs.simulate(scene, Recording(t, x), extras=[hs.EncoderQuantisation("0.1 mm")])
+        steps = run.force.reshape(-1, 10)
+        assert len(steps) == 399
+        assert steps == pytest.approx(np.repeat(force[:399], 10).reshape(-1, 10), abs=1e-9)
+
+
 def test_a_quantised_spring_gives_the_describing_function_of_a_staircase() -> None:
     scene, A, q = hs.Scene(environments.mass_spring_damper(k=100)), 0.05, 0.02
     [x] = hs.simulate(scene, hs.sine(A, 5), extras=[hs.EncoderQuantisation("2 cm")]).estimates

@@ -10,24 +10,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property, reduce
 from heapq import heappop, heappush
 from itertools import combinations
-from math import gcd
 from typing import TypeAlias
 
 import numpy as np
+from flint import fmpq
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import SceneError
 from haptisym.model.motions import Motion
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.network import MOTION, Network, Step, Switch, at_rest
+from haptisym.verbs.simulate.network import MOTION, Exact, Network, Step, Switch, at_rest, float_of
 from haptisym.verbs.simulate.statespace import (
     NODES,
     Drive,
-    Input,
     Linear,
     Reading,
     Record,
@@ -104,10 +102,8 @@ def first_event(
     if not bad.any():
         return None
     step = int(bad.any(axis=(1, 2)).argmax())
-    found = [
-        (falls(course[step, :-1, i], int(bad[step, :, i].argmax())), i) for i in np.flatnonzero(bad[step].any(axis=0))
-    ]
-    place, i = min(found)
+    fallen = np.flatnonzero(bad[step].any(axis=0))
+    place, i = min((falls(course[step, :-1, i], int(bad[step, :, i].argmax())), i) for i in fallen)
     return step, place, watched[i]
 
 
@@ -134,12 +130,6 @@ class Breaks:
         while self.due and self.due[0] <= t:
             heappop(self.due)
         return self.due[:1]
-
-
-def common_measure(one: Fraction, other: Fraction) -> Fraction:
-    """The longest time that both are whole multiples of."""
-    below = one.denominator * other.denominator
-    return Fraction(gcd(one.numerator * other.denominator, other.numerator * one.denominator), below)
 
 
 def check_frictions(net: Network, systems: Systems) -> None:
@@ -235,8 +225,9 @@ class Engine:
         self.z = np.zeros(self.system.exact.size)
         self.record = Record(len(self.system.readings))
         self.t, self.samples = 0.0, [0] * len(net.holds)
-        self.taken, self.given = ([[0.0] * hold.memory for hold in net.holds] for _ in range(2))
+        self.taken, self.given = ([[0.0] * max(len(x.above), len(x.below)) for x in net.holds] for _ in range(2))
         """What each clock has sampled, and what it gave; before the start, too."""
+        self._lags = [float_of(lag) for lag in self._late]
         self.breaks = Breaks(self._lags, motion.breaks)
         self.longest = self._regular(longest)
         self.stalled, self.events, self.calm = (0.0, 0), 0, _MOST_AT_ONCE
@@ -252,9 +243,9 @@ class Engine:
         self.record.before = np.array([rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.readings])
         for i, hold in enumerate(self.net.holds):
             sample = hold.read(rest[hold.source])
-            given = rest[hold.target] * (sample / rest[hold.source] if sample else 0.0)
-            self.taken[i], self.given[i] = [sample] * hold.memory, [given] * hold.memory
-            self.held[hold.target] = given
+            self.held[hold.target] = rest[hold.target] * (sample / rest[hold.source] if sample else 0.0)
+            self.taken[i] = [sample] * len(self.taken[i])
+            self.given[i] = [self.held[hold.target]] * len(self.taken[i])
         for step in self.net.steps:
             self.held[step.target] = step.resolution * round(rest[step.source] / step.resolution)
         everything = {(name, k): rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.exact.columns}
@@ -264,25 +255,19 @@ class Engine:
         self.z = np.array([everything[keys[i]] for i in self.system.exact.chosen]) - self.system.back @ inputs
 
     @cached_property
-    def _lags(self) -> tuple[float, ...]:
-        """The delays of everything that is read from the record, s."""
-        return tuple(sorted({int(x.lag.p) / int(x.lag.q) for x in self._late}))
-
-    @cached_property
-    def _late(self) -> set[Input]:
-        """What is read from the record."""
+    def _late(self) -> list[Exact]:
+        """The delays of everything that is read from the record, s, in order."""
         inputs = {x for system in self.systems.values() if system for x, _ in system.drives}
-        return {x for x in inputs if x.lag != 0 and x.name != MOTION}
+        return sorted({x.lag for x in inputs if x.lag != 0 and x.name != MOTION})
 
     def _regular(self, longest: float) -> float:
         """The longest step of a grid on which what is read from delay lines falls on whole steps, if there is one.
 
         Reading between steps would amplify the highest frequencies a little, again and again where they come back.
         """
-        lags = [Fraction(int(x.lag.p), int(x.lag.q)) for x in self._late]
-        unit = reduce(common_measure, lags) if lags else None
+        unit = float_of(reduce(fmpq.gcd, self._late, fmpq(0)))  # the longest time that all are whole multiples of
         usual = min([*self._lags, *(hold.period for hold in self.net.holds)], default=longest)
-        base = float(unit) if unit is not None and usual / float(unit) <= _FINEST else usual
+        base = unit if unit and usual / unit <= _FINEST else usual
         return base / float(np.ceil(base / longest - 1e-9))
 
     def column(self, name: str, order: int = 0) -> int:
@@ -391,10 +376,8 @@ class Engine:
         if not bounded.all():
             known = int(bounded.argmin())
             self.record.append(self.t, h, values[:known])
-            end = self.t + (known + 1) * h
-            raise SceneError(
-                f"the simulated force grows without bound (overflow at {end:.4g} s): the scene is not stable"
-            )
+            where = f"overflow at {self.t + (known + 1) * h:.4g} s"
+            raise SceneError(f"the simulated force grows without bound ({where}): the scene is not stable")
         self.record.append(self.t, h, values)
         for k in (k for due in self.due for k in due if k <= len(values)) if self._lags else ():
             self.breaks.after(self.t + k * h)

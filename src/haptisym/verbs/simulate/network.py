@@ -85,6 +85,12 @@ class SignalSum:
     def __sub__(self, other: SignalSum) -> SignalSum:
         return self + -other
 
+    def renamed(self, old: tuple[str, Exact], new: tuple[str, Exact]) -> SignalSum:
+        """With another signal, late by another time, in the place of one."""
+        both = {old: new}
+        each = ((both.get((name, x), (name, x)), k, value) for (name, k, x), value in self.terms.items())
+        return SignalSum({(name, k, x): value for (name, x), k, value in each})
+
     def d(self, times: int = 1) -> SignalSum:
         """The derivative with respect to time, that many times."""
         return SignalSum({(name, order + times, lag): value for (name, order, lag), value in self.terms.items()})
@@ -128,7 +134,7 @@ class Hold:
         return tuple([(n + 1, float_of(x)) for n, x in enumerate(row) if x != 0] for row in own)
 
     def read(self, value: float) -> float:
-        """A sample of a value: a whole multiple of the resolution, or the value itself."""
+        """What is sampled of a value: a whole multiple of the resolution, or the value itself."""
         return self.resolution * float(np.rint(value / self.resolution)) if self.resolution else value
 
     def computed(self, samples: Sequence[float], given: Sequence[float]) -> float:
@@ -136,14 +142,10 @@ class Hold:
         above, below = self._weights
         return sum(x * samples[-n] for n, x in above) - sum(x * given[1 - n] for n, x in below)
 
-    @property
-    def memory(self) -> int:
-        """So many samples it looks back."""
-        return max(len(self.above), len(self.below))
-
-    def late(self, x: SignalSum, polynomial: Sequence[Exact]) -> SignalSum:
-        """A polynomial in 1/z, applied to a signal."""
-        return sum((c * x.late(n * self.T) for n, c in enumerate(polynomial)), SignalSum({}))
+    def equation(self, source: SignalSum) -> SignalSum:
+        """What is zero between two samples where they are taken of a signal all the time."""
+        rows = (self.below, SignalSum.of(self.target)), (self.above, -source)
+        return sum((c * x.late(n * self.T) for row, x in rows for n, c in enumerate(row)), SignalSum({}))
 
 
 @dataclass(frozen=True)
@@ -202,19 +204,11 @@ class Network:
     def hold_whole_delays(self) -> None:
         """Let what is held, and late by whole periods, be held by a clock of its own: no delay line keeps it."""
         for hold in tuple(self.holds):
-            late = {x for e in self.equations for name, _, x in e.terms if name == hold.target and x != 0}
-            for lag in sorted(x for x in late if (x / hold.T).q == 1):
-                target, zeros = name_of(self.signal("late")), (fmpq(0),) * int((lag / hold.T).p)
-                self.holds.append(replace(hold, target=target, above=(*zeros, *hold.above)))
-                self.equations = [
-                    SignalSum(
-                        {
-                            (target, k, _ZERO) if (name, x) == (hold.target, lag) else (name, k, x): value
-                            for (name, k, x), value in e.terms.items()
-                        }
-                    )
-                    for e in self.equations
-                ]
+            lags = {x for e in self.equations for name, _, x in e.terms if name == hold.target and x != 0}
+            for lag in sorted(x for x in lags if (x / hold.T).q == 1):
+                late = name_of(self.signal("late"))
+                self.holds.append(replace(hold, target=late, above=((_ZERO,) * int((lag / hold.T).p) + hold.above)))
+                self.equations = [e.renamed((hold.target, lag), (late, _ZERO)) for e in self.equations]
 
     def zero(self, equation: SignalSum) -> None:
         """One more equation of motion: this sum is zero."""
@@ -366,11 +360,9 @@ def build_controller(net: Network, effect: Effect, port: Port, resolution: float
 
     ``resolution`` : of its encoder, m or rad; rounding a sample is sampling what was rounded, without an event for each step.
     """
-    D = controller(effect)
-    above, below = (_in_delays(p) for p in (D.numerator, D.denominator))
-    net.holds.append(
-        Hold(name_of(port.X), name_of(port.F), _values(effect)["T"], effect.name, resolution, above, below)
-    )
+    D, T = controller(effect), _values(effect)["T"]
+    both = (_in_delays(p) for p in (D.numerator, D.denominator))
+    net.holds.append(Hold(name_of(port.X), name_of(port.F), T, effect.name, resolution, *both))
 
 
 def _in_delays(polynomial: Polynomial) -> tuple[Exact, ...]:
@@ -561,10 +553,7 @@ def at_rest(net: Network, position: float) -> dict[str, float]:
 
 def _ratios(net: Network, limits: Mapping[str, Exact]) -> dict[str, Exact]:
     """Each signal as a fraction of the hand's position; ``limits`` : the same of the forces that stand at their limit."""
-    held = [
-        x.late(SignalSum.of(x.target), x.below) - x.late(SignalSum.of(x.source).late(x.T / 2), x.above)
-        for x in net.holds
-    ]
+    held = [x.equation(SignalSum.of(x.source).late(x.T / 2)) for x in net.holds]
     passed = [*held, *(SignalSum.of(x.target) - SignalSum.of(x.source) for x in net.steps)]
     at_limit = {target: SignalSum.of(target) - ratio * SignalSum.of(MOTION) for target, ratio in limits.items()}
     switched = [at_limit.get(x.target, x.closed if x.offset else SignalSum.of(x.target)) for x in net.switches]
