@@ -56,7 +56,7 @@ def falls(course: Array, bad: int) -> float:
     places = [0.0, *NODES.tolist(), 1.0]
 
     def value(place: float) -> float:
-        return reduce(lambda total, x: total * (2 * place - 1) + x, coefficients)
+        return float(reduce(lambda total, x: total * (2 * place - 1) + x, coefficients))
 
     start = next((i for i in range(bad, -1, -1) if value(places[i]) > 0), None)
     if start is None:
@@ -102,7 +102,7 @@ def first_event(
     if not bad.any():
         return None
     step = int(bad.any(axis=(1, 2)).argmax())
-    fallen = np.flatnonzero(bad[step].any(axis=0))
+    fallen = np.flatnonzero(bad[step].any(axis=0)).tolist()
     place, i = min((falls(course[step, :-1, i], int(bad[step, :, i].argmax())), i) for i in fallen)
     return step, place, watched[i]
 
