@@ -308,11 +308,7 @@ class _Later:
         if not left:
             return None
         late = Opened(replace(loop.loop, above=(*[Integer(0)] * d, *loop.loop.above)), loop.symbol)
-        with ctx.workprec(_BITS):
-            most = late.most(_between(low, high)) if d <= _FEW and _FINEST < width <= _THIN else None
-        if most == 0:
-            return None
-        if most or width <= _FINEST:
+        if width <= _FINEST:
             home, count = (late.count(Rational(x.numerator, x.denominator))[0] for x in (low, high))
             if home != count:
                 found = Walk(late, low, home, Rule.POSITIVE, (low, high)).between(low, high, count)
@@ -328,7 +324,6 @@ def _between(low: Fraction, high: Fraction) -> Ball:
 
 
 _PI = 3.1415926535897936  # a little more
-_THIN, _FEW = 2.0**-2, 8  # of a period, and whole samples, from which on a test for a pair pays
 _COARSE, _FINE, _FINEST, _SLOWEST, _MORE, _TURNS, _PARTS = 2.0**-6, 2.0**-12, 2.0**-16, 2.0**-14, 16, 64, 4
 _BITS, _DEEPEST, _MOST_CELLS = 128, 48, 20_000
 
