@@ -519,3 +519,21 @@ def test_what_a_release_says_of_motion_and_closed_form(
     assert (r.grows, r.sign_agrees, r.agrees) == (grows, sign, agrees)
     document = r.to_dict()
     assert (document["grows"], document["agrees"], document["held"]) == (grows, agrees, r.held.stable)
+
+
+def test_a_wall_far_too_strong_behind_encoder_and_limit_moves_as_from_sample_to_sample() -> None:
+    """0.14 x'' + 0.9 x' = -f, f held for T: with two samples of x the next one is known, by the exact solution."""
+    T, b, k = 1e-3, 0.9, 1e5
+    loop = hs.effects.sampled_loop("1 ms", "backward-difference", 1), hs.effects.shunt(m="40 g", b="0.8")
+    extras = [hs.EncoderQuantisation("20 um"), hs.ForceSaturation("8 N")]
+    run = hs.release(hs.Scene(hs.environments.kelvin_voigt(k, "0.4"), loop), "1 cm", "light-touch", extras=extras)
+    x = np.interp(np.arange(100) * T, run.time, run.hand_motion)
+    late = 2e-5 * np.round(np.array([x[0], x[0], *x[:-1]]) / 2e-5)
+    f = np.clip(k * late[1:] + 0.4 / T * np.diff(late), -8, 8)
+    a = np.exp(-b * T / 0.14)
+    e, h = 0.14 / b * (1 - a), (1 - a) / b
+    g = (T - e) / b
+    assert x[3:] == pytest.approx(
+        x[2:-1] + a * (x[2:-1] - x[1:-2] + g * f[1:-2]) - e * h * f[1:-2] - g * f[2:-1], abs=1e-8
+    )
+    assert np.ptp(x) > 0.02
