@@ -17,7 +17,7 @@ from marks import often
 from sympy import pi
 
 from haptisym.model.quantities import read_unit
-from haptisym_check import RefusedError, balls, chart, formulas, link, requirement, slices, waves, zeros
+from haptisym_check import RefusedError, balls, chart, delayterms, formulas, link, requirement, slices, zeros
 from haptisym_check.balls import SCALE
 from haptisym_check.formulas import CATALOGUE, FREE, Number
 from haptisym_check.link import PARTS, Product
@@ -1033,14 +1033,14 @@ def test_cells_that_may_hold_more_than_one_zero_of_a_wave_are_refused() -> None:
 
 
 def test_sides_are_those_of_bernsteins_coefficients_beyond_what_is_lost() -> None:
-    assert (waves.strict(5, 4), waves.strict(-5, 4)) == (1, -1)
+    assert (delayterms.strict(5, 4), delayterms.strict(-5, 4)) == (1, -1)
     assert refused(waves.strict, 5, 5)
     assert refused(waves.strict, -5, 5)
     for row, lost, found in (
         ([5, 0], 4, 1), ([9, 4], 4, 1), ([1], 0, 1), ([-5, 0], 4, -1), ([-9, 4], 4, -1), ([8, 4], 4, 0), ([8, -4], 4, 0), ([-8, 4], 4, 0), ([1], 1, 0),
         ([2, 0, -1], 0, 1), ([5, 0, 2], 2, 1), ([5, 0, 2], 3, 0), ([0, 0, 1], 0, 0), ([1, 0, -1], 0, 0), ([1, 0, 2], 0, 0),
     ):  # fmt: skip
-        assert waves.side(row, lost) == found, row
+        assert delayterms.side(row, lost) == found, row
 
 
 def test_what_a_model_is_off_by_is_bounded_where_hardly_anything_is_given_away() -> None:
