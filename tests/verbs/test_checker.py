@@ -494,7 +494,7 @@ def test_functions_with_tangents_and_powers_are_told_from_others(seed: int) -> N
 
     def accepted(own: dict[tuple[int, int, int], int]) -> bool:
         told = {"waves": [2], "terms": [[list(key), [[str(c)]]] for key, c in own.items() if c]}
-        factor = waves.WaveFactor(told, (Fraction(1, 3),), (Fraction(1, 2),))
+        factor = delayterms.WaveFactor(told, (Fraction(1, 3),), (Fraction(1, 2),))
         return not refused(link.link, {"it": {"number": "1", "powers": [[0, 1]]}}, ["it"], [factor], scene, 5, (1, 1))
 
     assert accepted(rows)
@@ -513,7 +513,7 @@ def test_a_product_has_each_factor_once_and_turns_the_circle_whole() -> None:
     ):  # fmt: skip
         with pytest.raises(RefusedError, match=why):
             Product(told, factors)
-    turned = [waves.WaveFactor({"waves": [n], "terms": [[[0], [["1"]]]]}, (Fraction(1),)) for n in (1, 2)]
+    turned = [delayterms.WaveFactor({"waves": [n], "terms": [[[0], [["1"]]]]}, (Fraction(1),)) for n in (1, 2)]
     with pytest.raises(RefusedError, match="changes its sign in a turn"):
         Product({"number": "1", "powers": [[0, 1]]}, turned)
     top, bottom = Product({"number": "1", "powers": [[0, 2], [1, -3]]}, turned).at([Value(5), Value(7)], [Value(10)])
@@ -949,7 +949,7 @@ def wave_factor(
 
     if not delays and not orders:
         return Factor(rows[()]), value
-    return waves.WaveFactor(told, delays, orders), value
+    return delayterms.WaveFactor(told, delays, orders), value
 
 
 def drawn_waves(draw: random.Random, least: int = 0) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
@@ -1002,7 +1002,7 @@ def test_factors_with_waves_begin_at_0_with_the_power_that_mpmath_sees(seed: int
             assert all(sign(value(MP.mpf(n) / 200)) == found[0] for n in range(1, 11))
 
 
-def beginning(draw: random.Random, tau: Fraction) -> tuple[waves.WaveFactor, Any]:
+def beginning(draw: random.Random, tau: Fraction) -> tuple[delayterms.WaveFactor, Any]:
     """pi (sin x - x cos x) + c omega^n cos x, x = omega tau/2: it begins with x^3 or with omega^n."""
     c, n, (p, q) = draw.choice([-2, 3]), draw.choice([2, 3, 5]), tau.as_integer_ratio()
     cosine = [["0"], ["0", str(-p)], *([["0"]] * (n - 2)), [str(c)]]
@@ -1012,15 +1012,17 @@ def beginning(draw: random.Random, tau: Fraction) -> tuple[waves.WaveFactor, Any
         x = w * p / (2 * q)
         return 2 * q * MP.pi * (MP.sin(x) - x * MP.cos(x)) + c * w**n * MP.cos(x)
 
-    return waves.WaveFactor(told, (tau,)), value
+    return delayterms.WaveFactor(told, (tau,)), value
 
 
 def test_cells_that_may_hold_more_than_one_zero_of_a_wave_are_refused() -> None:
-    def times_cosine(*p: int) -> waves.WaveFactor:
-        return waves.WaveFactor({"waves": [1], "terms": [[[0], [[str(c)] for c in p]]]}, (Fraction(2),))
+    def times_cosine(*p: int) -> delayterms.WaveFactor:
+        return delayterms.WaveFactor({"waves": [1], "terms": [[[0], [[str(c)] for c in p]]]}, (Fraction(2),))
 
-    sine = waves.WaveFactor({"waves": [1], "terms": [[[1], [["1"]]]]}, (Fraction(2),))  # sin omega
-    raised = waves.WaveFactor({"waves": [], "terms": [[[1, 0], [["1"]]], [[0, 0], [["-1"]]]]}, (), (Fraction(1, 2),))
+    sine = delayterms.WaveFactor({"waves": [1], "terms": [[[1], [["1"]]]]}, (Fraction(2),))  # sin omega
+    raised = delayterms.WaveFactor(
+        {"waves": [], "terms": [[[1, 0], [["1"]]], [[0, 0], [["-1"]]]]}, (), (Fraction(1, 2),)
+    )
     for factor, a, b, found in (
         (sine, "3", "33/10", (0, [1, -1])), (sine, "4", "5", (0, [-1])), (sine, "3", "19/2", None), (sine, "0", "7/2", None), (sine, "0", "1", (1, [1])),
         (times_cosine(-5, 1), "49/10", "51/10", (0, [-1, 1])), (times_cosine(-5, 1), "49/10", "5", None), (times_cosine(-5, 1), "5", "51/10", None),
@@ -1034,8 +1036,8 @@ def test_cells_that_may_hold_more_than_one_zero_of_a_wave_are_refused() -> None:
 
 def test_sides_are_those_of_bernsteins_coefficients_beyond_what_is_lost() -> None:
     assert (delayterms.strict(5, 4), delayterms.strict(-5, 4)) == (1, -1)
-    assert refused(waves.strict, 5, 5)
-    assert refused(waves.strict, -5, 5)
+    assert refused(delayterms.strict, 5, 5)
+    assert refused(delayterms.strict, -5, 5)
     for row, lost, found in (
         ([5, 0], 4, 1), ([9, 4], 4, 1), ([1], 0, 1), ([-5, 0], 4, -1), ([-9, 4], 4, -1), ([8, 4], 4, 0), ([8, -4], 4, 0), ([-8, 4], 4, 0), ([1], 1, 0),
         ([2, 0, -1], 0, 1), ([5, 0, 2], 2, 1), ([5, 0, 2], 3, 0), ([0, 0, 1], 0, 0), ([1, 0, -1], 0, 0), ([1, 0, 2], 0, 0),
@@ -1045,8 +1047,8 @@ def test_sides_are_those_of_bernsteins_coefficients_beyond_what_is_lost() -> Non
 
 def test_what_a_model_is_off_by_is_bounded_where_hardly_anything_is_given_away() -> None:
     """A cosine from 0 on, whose sizes are those at 0 and not at the end; a power at the low end of its cell."""
-    cosine = waves.WaveFactor({"waves": [1], "terms": [[[0], [["1"]]]]}, (Fraction(1),))
-    power = waves.WaveFactor({"waves": [], "terms": [[[1, 0], [["1"]]]]}, (), (Fraction(1, 2),))
+    cosine = delayterms.WaveFactor({"waves": [1], "terms": [[[0], [["1"]]]]}, (Fraction(1),))
+    power = delayterms.WaveFactor({"waves": [], "terms": [[[1, 0], [["1"]]]]}, (), (Fraction(1, 2),))
     for factor, a, b, v, true in (
         (cosine, Fraction(0), Fraction(3), 1, MP.cos(MP.mpf(3) / 2)), (power, Fraction(1), Fraction(3, 2), -1, MP.cos(MP.pi / 4)),
     ):  # fmt: skip
@@ -1057,14 +1059,14 @@ def test_what_a_model_is_off_by_is_bounded_where_hardly_anything_is_given_away()
 
 def test_a_factor_with_waves_has_its_size_and_every_term_once() -> None:
     delays, orders, term = (Fraction(1, 3),), (Fraction(1, 2),), [[1, 0, 2], [["1", "2"], ["-3"]]]
-    assert waves.WaveFactor({"waves": [1], "terms": [term]}, delays, orders).degrees == (1, 1, 1, 2, 0, 0)
-    assert not refused(waves.WaveFactor, {"waves": [40], "terms": [[[40, 0, 40], [["1"]]]]}, delays, orders)
+    assert delayterms.WaveFactor({"waves": [1], "terms": [term]}, delays, orders).degrees == (1, 1, 1, 2, 0, 0)
+    assert not refused(delayterms.WaveFactor, {"waves": [40], "terms": [[[40, 0, 40], [["1"]]]]}, delays, orders)
     many = [[list(x), [["1"]]] for x in product(range(8), repeat=3)]
-    assert not refused(waves.WaveFactor, {"waves": [7], "terms": many[:300]}, delays, orders)
+    assert not refused(delayterms.WaveFactor, {"waves": [7], "terms": many[:300]}, delays, orders)
     for wrong in ({"waves": [41], "terms": [term]}, {"waves": [1], "terms": [term, term]}, {"waves": [0], "terms": [term]}, {"waves": [1], "terms": []},
                   {"waves": [], "terms": [term]}, {"waves": [1], "terms": [[[1, 0], [["1"]]]]}, {"waves": [1], "terms": [[[1, 0, 41], [["1"]]]]},
                   {"waves": [1], "terms": [[[1, 0, -1], [["1"]]]]}, {"waves": [7], "terms": many[:301]}):  # fmt: skip
-        assert refused(waves.WaveFactor, wrong, delays, orders)
+        assert refused(delayterms.WaveFactor, wrong, delays, orders)
 
 
 @pytest.mark.few(3)
