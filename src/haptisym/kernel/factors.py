@@ -22,14 +22,7 @@ from sympy import Dummy, Expr, Rational, minimal_polynomial, pi
 from haptisym.kernel.budget import Waiting, tick
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.reals import (
-    MOST_BITS,
-    SURE_BITS,
-    Ball,
-    RealNumber,
-    at_rising_precision,
-    expression_ball,
-)
+from haptisym.kernel.reals import MOST_BITS, SURE_BITS, Ball, RealNumber, at_rising_precision, expression_ball
 from haptisym.kernel.rings import PolynomialRing, omega
 from haptisym.kernel.waves import (
     NEARER,

@@ -519,10 +519,7 @@ def _region_name(x: Compared | FamilyCompared) -> str:
     return "of the scene" if x.name == OWN else x.name
 
 
-_REGION = (
-    w.Field("region", _region_name),
-    w.Field("what it is", lambda x: w.limits(x.threshold), full=True),
-)
+_REGION = (w.Field("region", _region_name), w.Field("what it is", lambda x: w.limits(x.threshold), full=True))
 
 
 def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
