@@ -44,12 +44,7 @@ from haptisym.judge.answers import Answer
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
 from haptisym.model.measuredscene import MeasuredScene
-from haptisym.model.scenefile import (
-    chosen,
-    felt_through,
-    load_scene,
-    open_scenes,
-)
+from haptisym.model.scenefile import chosen, felt_through, load_scene, open_scenes
 
 
 @verb(

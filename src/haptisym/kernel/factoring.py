@@ -127,13 +127,7 @@ def is_even_or_odd(function: RealFunction) -> bool:
 
 
 def _factored(
-    polynomial: Polynomial,
-    parts: Sequence[Polynomial],
-    axis: Axis,
-    known: Known,
-    *,
-    in_square: bool,
-    is_below: bool,
+    polynomial: Polynomial, parts: Sequence[Polynomial], axis: Axis, known: Known, *, in_square: bool, is_below: bool
 ) -> Factored:
     """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine.
 

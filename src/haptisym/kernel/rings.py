@@ -47,6 +47,12 @@ def symbols(names: str) -> tuple[Symbol, ...] | Symbol:
     return made[0] if len(made) == 1 else made
 
 
+def finite(total: Expr) -> Expr:
+    """The same sum: once seen to be finite, SymPy does not count the real roots of its terms to raise it to a power."""
+    all(x.is_finite for x in total.args)
+    return total
+
+
 def conflicting(expressions: list[Expr]) -> Symbol | None:
     """A symbol that shares its name, but not its assumptions, with another one; None if there is none.
 

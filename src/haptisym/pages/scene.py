@@ -23,7 +23,7 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import dynamics as response
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, X, omega, s
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, X, finite, omega, s
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
 from haptisym.model.distortion import Distortion, magnitude, part_of
@@ -38,18 +38,7 @@ from haptisym.writing import document as doc
 from haptisym.writing.boxes import Absolute, Box, Equation, Prefixed, Sum
 from haptisym.writing.document import Block, Document, Phrase, Strong, listed
 from haptisym.writing.latex import LINE, formula, is_long, width
-from haptisym.writing.layout import (
-    QUANTITIES,
-    approximate,
-    as_finite,
-    function,
-    is_readable,
-    layout,
-    named,
-    plain,
-    quantity,
-    rounded,
-)
+from haptisym.writing.layout import QUANTITIES, approximate, function, is_brief, layout, named, plain, quantity, rounded
 
 # Closed forms.
 
@@ -186,7 +175,7 @@ def _squares(function: RationalFunction, polynomial: Polynomial) -> Expr:
     moduli = []
     for factor, exponent in factors:
         real, imag = map(axis.expression, axis.parts([factor])[0])
-        moduli.append(as_finite(real**2 + imag**2) ** exponent)
+        moduli.append(finite(real**2 + imag**2) ** exponent)
     return Mul(unit**2, *moduli)
 
 
@@ -382,7 +371,7 @@ def _expression(row: doc.Line) -> Expr:
 def _evaluated(row: doc.Line, known: Mapping[Symbol, Expr]) -> doc.Line:
     """A row with numbers for its parameters; if they are long, in lowest terms and rounded."""
     exact = _expression(row).xreplace(known)
-    if is_readable(exact):
+    if is_brief(exact):
         return replace(row, value=exact)
     return replace(row, value=approximate(_monic(exact)), relation="≈")
 

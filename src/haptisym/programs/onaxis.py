@@ -122,11 +122,8 @@ class OnAxis:
         return waiting.rest
 
     def bounded(self, cells: Array, parts: tuple[Model, Model] | None = None) -> tuple[Array, Array]:
-        """Whether D is nowhere 0 in a cell, proven, and how much it varies along each side, in shares of its size there.
-
-        ``parts`` : of D over the cells, where these are known.
-        """
-        c0, c1, c2, r = self._along(parts or self.parts(cells))
+        """Whether D is nowhere 0 in a cell, proven, and how much it varies along each side, in shares of its size there."""
+        c0, c1, c2, r = self._along(cells, parts)
         with np.errstate(all="ignore"):
             rates = (np.abs(c1) + np.abs(c2).sum(-1)) / -c0[:, None]
         width = cells[:, :, 1] - cells[:, :, 0]
@@ -135,13 +132,12 @@ class OnAxis:
 
     def curve(self, cells: Array) -> Curve:
         """As a judge of the one search: negative where D is not 0, and told nowhere to be positive, which would mean nothing."""
-        return Curve.of(*self._along(self.parts(cells))).never_positive()
+        return Curve.of(*self._along(cells)).never_positive()
 
-    @staticmethod
-    def _along(parts: tuple[Model, Model]) -> tuple[Array, Array, Array, Array]:
+    def _along(self, cells: Array, parts: tuple[Model, Model] | None = None) -> tuple[Array, Array, Array, Array]:
         """A Taylor model of minus D's share along what D is in the middle of a cell: D is not 0 where that is negative."""
-        real, imag = parts
         with np.errstate(all="ignore"):
+            real, imag = parts or self.parts(cells)
             size = np.hypot(real.c0, imag.c0)
             a, b = -real.c0 / size, -imag.c0 / size
             c1 = a[..., None] * real.c1 + b[..., None] * imag.c1
@@ -152,10 +148,6 @@ class OnAxis:
 
     def parts(self, cells: Array) -> tuple[Model, Model]:
         """Real and imaginary part of D(j omega) over cells."""
-        with np.errstate(all="ignore"):
-            return self._parts(cells)
-
-    def _parts(self, cells: Array) -> tuple[Model, Model]:
         assert self.reach
         values = self._values(cells, self.reach)
         omega = values[0]

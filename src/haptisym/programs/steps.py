@@ -10,19 +10,7 @@ from itertools import count
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
-from sympy import (
-    Abs,
-    Expr,
-    Pow,
-    Rational,
-    Symbol,
-    cos,
-    count_ops,
-    default_sort_key,
-    factor_terms,
-    sin,
-    sqrt,
-)
+from sympy import Abs, Expr, Pow, Rational, Symbol, cos, count_ops, default_sort_key, factor_terms, sin, sqrt
 
 from haptisym.kernel.objects import Shown, counted
 from haptisym.programs.program import Operation, Program

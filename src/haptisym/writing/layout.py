@@ -56,7 +56,7 @@ from sympy.functions import exp
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.rings import X, omega, s
+from haptisym.kernel.rings import X, finite, omega, s
 from haptisym.writing.boxes import (
     Absolute,
     Applied,
@@ -206,29 +206,29 @@ def approximate(expression: Expr, digits: int = 6) -> Expr:
     >>> approximate(Rational(408233133, 200000001) * s + 40 * pi), approximate(Rational(4, 3) * s + 40 * pi)
     (2.04117*s + 125.664, 4*s/3 + 40*pi)
     """
-    if is_readable(expression):
+    if is_brief(expression):
         return expression
     return _with_numbers(expression, lambda x: x if x.is_Integer and abs(x) < 10**digits else rounded(x, digits))
 
 
-def is_readable(expression: Expr) -> bool:
+def is_brief(expression: Expr) -> bool:
     """Whether a formula has no long number; to see that makes nothing anew, which takes far longer."""
     if not expression.free_symbols:
         rational, rest = expression.as_coeff_Mul()
         return is_short(rational) and rest in (S.One, pi, pi**2)
     if isinstance(expression, Pow):
-        return is_readable(expression.base)
+        return is_brief(expression.base)
     if not isinstance(expression, Add | Mul):
-        return not isinstance(expression, Function) or all(map(is_readable, expression.args))
+        return not isinstance(expression, Function) or all(map(is_brief, expression.args))
     known, rest = expression.as_independent(*expression.free_symbols, as_Add=isinstance(expression, Add))
-    return all(map(is_readable, (known, *expression.func.make_args(rest))))
+    return all(map(is_brief, (known, *expression.func.make_args(rest))))
 
 
 def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
     if not expression.free_symbols:
         return change(expression)
     if isinstance(expression, Pow):
-        return Pow(as_finite(_with_numbers(expression.base, change)), expression.exp)
+        return Pow(finite(_with_numbers(expression.base, change)), expression.exp)
     if isinstance(expression, Function):
         return expression.func(*(_with_numbers(x, change) for x in expression.args))
     if not isinstance(expression, Add | Mul):
@@ -236,12 +236,6 @@ def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
     known, rest = expression.as_independent(*expression.free_symbols, as_Add=isinstance(expression, Add))
     others = (_with_numbers(x, change) for x in expression.func.make_args(rest))
     return expression.func(change(known), *others)
-
-
-def as_finite(total: Expr) -> Expr:
-    """The same sum: once seen to be finite, SymPy does not count the real roots of its terms to raise it to a power."""
-    all(x.is_finite for x in total.args)
-    return total
 
 
 def rounded(value: Expr, digits: int = 6) -> Expr:

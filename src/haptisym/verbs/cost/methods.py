@@ -221,7 +221,7 @@ def _matched(given: Sequence[AnswerNumber], true: Sequence[Ball], held: float, h
     """Each true crossing takes the nearest number that is still free; what is left over is missed or invented."""
     with flint.ctx.workprec(max(128, int(4 * held) + 64)):
         near = sorted(
-            ((float(abs(arb(y).mid() - x).mid()), i, j) for i, x in enumerate(true) for j, y in enumerate(given)),
+            ((float(abs(arb(y).mid() - x).mid()), i, j) for i, x in enumerate(true) for j, y in enumerate(given))
         )
     left, free, digits = set(range(len(true))), set(range(len(given))), held
     for distance, i, j in near:

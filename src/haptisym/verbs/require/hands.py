@@ -276,13 +276,7 @@ def solve_by_cells(scene: Scene, free: Knob, asked: Domain) -> Solved:
     further = {False: below, True: above}
     beyond = (start if below is None else None, end if above is None else None)
     question = Question(
-        turns,
-        verdict,
-        asked,
-        closed=True,
-        beyond=beyond,
-        exists=lambda x: allowed(scene, free, x),
-        gone=search.gone,
+        turns, verdict, asked, closed=True, beyond=beyond, exists=lambda x: allowed(scene, free, x), gone=search.gone
     )
     with spared():  # what is told is put in order even where the time is over
         found = question.solve()

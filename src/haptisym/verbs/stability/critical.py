@@ -161,7 +161,8 @@ class _Cells:
             looked += len(part)
             if looked > _MOST_CELLS:
                 break
-            parts = self.axis.parts(part)
+            with np.errstate(all="ignore"):
+                parts = self.axis.parts(part)
             clear, rates = self.axis.bounded(part, parts)
             self._prove(part, self._likely(parts, ~clear))
             open_ones = ~clear

@@ -609,7 +609,7 @@ class BesideChains:
         yield from self._pieces(middle, high, last, depth - 1)
 
     def _radius(self, low: RealNumber, high: RealNumber | None, last: Rational) -> Rational | None:
-        """For all values between two; without end of 1/q, over a power of q."""
+        """For all values between two; without end of 1/q, over a power of q. It grows with omega, but for a power of it."""
         with flint.ctx.workprec(_BITS):
             a, inverse = low.ball(_BITS), high is None
             if inverse and not a > 0:
@@ -617,7 +617,6 @@ class BesideChains:
             q = (1 / a).union(arb(0)) if high is None else a.union(high.ball(_BITS))
             own = [_horner(row[::-1] if inverse else row, q)[0].lower() for row in self.rows]
             weights = arb_poly([own[0].max(arb(0)), *own[1:2], *(x.min(arb(0)) for x in own[2:])])
-            # over the second highest power of omega^2 this grows with omega
             start = expression_ball(last) / 1024
             first = bisect_left(range(_STEPS), 1, key=lambda i: weights((start * arb(1.25) ** i) ** -2) > 0)
         return None if first == _STEPS else last / 1024 * Rational(5, 4) ** first

@@ -266,9 +266,7 @@ def _as_netcdf(grid: SweepGrid, out: Path, progress: Callable[[int, int], None] 
     _fill(grid, store, progress)
     found = _opened(store)
     found.to_netcdf(
-        copy,
-        engine="h5netcdf",
-        encoding={name: {"chunksizes": grid.block, "zlib": True} for name in grid.variables},
+        copy, engine="h5netcdf", encoding={name: {"chunksizes": grid.block, "zlib": True} for name in grid.variables}
     )
     copy.replace(out)
     shutil.rmtree(store)
