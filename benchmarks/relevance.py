@@ -56,11 +56,7 @@ def main() -> None:
     table(
         "Formulas in named steps, symbolic",
         medians(
-            {
-                "kept effects": lambda: fresh(pruned).chain.steps,
-                "all effects": lambda: fresh(scene).chain.steps,
-            },
-            5,
+            {"kept effects": lambda: fresh(pruned).chain.steps, "all effects": lambda: fresh(scene).chain.steps}, 5
         ),
         "kept effects",
     )

@@ -186,11 +186,7 @@ assert is_zero(turned_real - c + quadratic_more / (1 + y**2))
 root_imag = sqrt(cos(phi) ** 2 + 4 * c * (sin(phi) - c))
 root_less = sqrt(sin(phi) ** 2 + 4 * c * (cos(phi) - c))
 root_more = sqrt(sin(phi) ** 2 - 4 * c * (cos(phi) + c))
-for quadratic, root in (
-    (quadratic_imag, root_imag),
-    (quadratic_less, root_less),
-    (quadratic_more, root_more),
-):
+for quadratic, root in ((quadratic_imag, root_imag), (quadratic_less, root_less), (quadratic_more, root_more)):
     assert is_zero(discriminant(quadratic, y) - root**2)
 
 imag_first, imag_last = (2 * c / (cos(phi) + sign * root_imag) for sign in (1, -1))

@@ -261,11 +261,7 @@ as_lowpass = {omega_n: sqrt(omega_1 * omega_2), zeta: (omega_1 + omega_2) / (2 *
 assert is_zero(two_lags - lowpass.subs(as_lowpass))
 for effect in (lag, delay, hold):  # none of them amplifies
     passed = (effect.subs(s, I * omega) * effect.subs(s, -I * omega)).subs(omega, x / T)
-    loss = {
-        lag: x**2 / (x**2 + (omega_c * T) ** 2),
-        delay: 0,
-        hold: 1 - (sin(x / 2) / (x / 2)) ** 2,
-    }[effect]
+    loss = {lag: x**2 / (x**2 + (omega_c * T) ** 2), delay: 0, hold: 1 - (sin(x / 2) / (x / 2)) ** 2}[effect]
     assert is_zero(1 - passed - loss)
 
 # %% [markdown]

@@ -159,11 +159,7 @@ assert is_zero(series(exact_change, delta, 0, 3).removeO() - 2 * delta - (2 * ka
 assert is_zero(series(exact_change.subs(delta, second_order), u, 0, 3).removeO() - 2 * u)
 
 BY_STIFFNESS, BY_BOTH, BY_MASS = Integer(1), Integer(0), Integer(-1)
-exactly = {
-    BY_STIFFNESS: sqrt(1 + 2 * u) - 1,
-    BY_BOTH: u + sqrt(1 + u**2) - 1,
-    BY_MASS: 1 / sqrt(1 - 2 * u) - 1,
-}
+exactly = {BY_STIFFNESS: sqrt(1 + 2 * u) - 1, BY_BOTH: u + sqrt(1 + u**2) - 1, BY_MASS: 1 / sqrt(1 - 2 * u) - 1}
 for path, form in exactly.items():
     assert is_zero(exact_change.subs({kappa: path, delta: form}) - 2 * u)
     assert is_zero(series(form, u, 0, 3).removeO() - second_order.subs(kappa, path))
@@ -264,11 +260,7 @@ import haptisym as hs
 
 E = hs.environments
 packaged = hs.distort(E.mass_spring_damper(m, b, k)).parameter_jnd(c)
-for derived, form in (
-    (jnd_stiffness, packaged.stiffness),
-    (jnd_damping, packaged.damping),
-    (jnd_mass, packaged.mass),
-):
+for derived, form in ((jnd_stiffness, packaged.stiffness), (jnd_damping, packaged.damping), (jnd_mass, packaged.mass)):
     assert is_zero((derived**2 - form**2).subs(IN_RATIOS))
 assert is_zero(((packaged.stiffness / (2 * k)) ** 2).subs(IN_RATIOS).subs(x, 1) - at_resonance**2)
 assert is_zero(((packaged.mass / (2 * m)) ** 2).subs(IN_RATIOS).subs(x, 1) - at_resonance**2)

@@ -173,10 +173,7 @@ from haptisym import latex
 
 output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
 output.mkdir(parents=True, exist_ok=True)
-lines = [
-    rf"k_h &= {latex(k_late)}",
-    rf"b_h &= {latex(b_late)} \le K \tau",
-]
+lines = [rf"k_h &= {latex(k_late)}", rf"b_h &= {latex(b_late)} \le K \tau"]
 (output / "16_hand_boundary.tex").write_text(
     "\\begin{align}\n" + " \\\\\n".join(lines) + "\n\\end{align}\n", encoding="utf-8"
 )

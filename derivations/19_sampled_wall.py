@@ -182,11 +182,7 @@ for ratio in (Rational(1, 5), Rational(1), Rational(7, 4)):
 # %%
 output = Path(sys.argv[1] if len(sys.argv) > 1 else "derived")
 output.mkdir(parents=True, exist_ok=True)
-formulas = {
-    "P(z)": polynomial.collect(z),
-    r"K_\mathrm{max}": critical,
-    r"\alpha": boundary,
-}
+formulas = {"P(z)": polynomial.collect(z), r"K_\mathrm{max}": critical, r"\alpha": boundary}
 (output / "19_sampled_wall.tex").write_text(
     "\\begin{align}\n"
     + " \\\\\n".join(f"{name} &= {latex(form)}" for name, form in formulas.items())

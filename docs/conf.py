@@ -47,7 +47,7 @@ autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
 nitpick_ignore_regex = [
     # types of other packages, of the package's own inside, and of what a signature calls by a short name
-    (r"py:.*", r"(?!haptisym\.\w+$).*"),
+    (r"py:.*", r"(?!haptisym\.\w+$).*")
 ]
 
 html_theme = "furo"

@@ -59,17 +59,7 @@ ASKED = (
     "src",
 )
 """The tests that are asked: not those of how the source is written, of pages and of pictures."""
-LOADED = (
-    "numpy",
-    "sympy",
-    "flint",
-    "scipy.optimize",
-    "mpmath",
-    "pint",
-    "click",
-    "rich.console",
-    "matplotlib.figure",
-)
+LOADED = ("numpy", "sympy", "flint", "scipy.optimize", "mpmath", "pint", "click", "rich.console", "matplotlib.figure")
 """What every run of tests imports, imported once before it is forked."""
 
 SWAPPED = {

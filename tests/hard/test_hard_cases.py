@@ -16,15 +16,7 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym.verbs.cost.hardcosts import FAMILIES, HardCase, hard_cases, put
-from haptisym.verbs.cost.methods import (
-    CROSSINGS,
-    DOUBLE,
-    NAIVE,
-    RATIO_METHODS,
-    Crossings,
-    RatioQuestion,
-    right_digits,
-)
+from haptisym.verbs.cost.methods import CROSSINGS, DOUBLE, NAIVE, RATIO_METHODS, Crossings, RatioQuestion, right_digits
 
 MP = mpmath.mp.clone()
 MP.dps = 1500

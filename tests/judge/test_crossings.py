@@ -12,16 +12,7 @@ from typing import Any
 import pytest
 import strategies
 import sympy
-from answers import (
-    floats,
-    intervals,
-    is_outside_model,
-    is_transparent,
-    number_below,
-    of_part,
-    percepts_at,
-    told,
-)
+from answers import floats, intervals, is_outside_model, is_transparent, number_below, of_part, percepts_at, told
 from hypothesis import given
 from hypothesis import strategies as st
 from oracles import DIGITS, MP, Case, Element, Facts, Hertz, digits_of, excess_roots, in_square, rounded, sign
@@ -217,10 +208,7 @@ def test_points_outside_the_band_are_not_reported() -> None:
 
 def test_an_opaque_start_has_no_bandwidth() -> None:
     result = on_a_spring("0.5 - 0.1*W")
-    assert [c[:3] for c in told(result)] == [
-        ("real", 2.0, "returns"),
-        ("real", float(MP.sqrt(6)), "exceeds"),
-    ]
+    assert [c[:3] for c in told(result)] == [("real", 2.0, "returns"), ("real", float(MP.sqrt(6)), "exceeds")]
     assert result.bandwidth is None
     assert intervals(result.transparent) == [(2.0, float(MP.sqrt(6)))]
 
@@ -705,10 +693,7 @@ def test_a_series_effect_may_be_split(case: Case, data: st.DataObject) -> None:
     names = {"a": f"{one.numerator}/{one.denominator}", "b": f"{other.numerator}/{other.denominator}"}
     first, second = "a/(s + a)", "(s + b)/(s + 2*b)"
     whole = effects.series(f"({first})*({second})", parameters=names)
-    halves = [
-        effects.series(first, parameters={"a": names["a"]}),
-        effects.series(second, parameters={"b": names["b"]}),
-    ]
+    halves = [effects.series(first, parameters={"a": names["a"]}), effects.series(second, parameters={"b": names["b"]})]
     chain = [*map(effect_of, case.between)]
     assert_same(with_effects(case, [whole, *chain]), with_effects(case, [*halves, *chain]))
 
@@ -718,8 +703,7 @@ def test_two_shunts_are_one(case: Case, one: Fraction, other: Fraction) -> None:
     chain = [*map(effect_of, case.between)]
     apart = [effects.shunt(m=one, b=other), effects.shunt(m=other, k=one)]
     assert_same(
-        with_effects(case, [*apart, *chain]),
-        with_effects(case, [effects.shunt(m=one + other, b=other, k=one), *chain]),
+        with_effects(case, [*apart, *chain]), with_effects(case, [effects.shunt(m=one + other, b=other, k=one), *chain])
     )
 
 

@@ -158,8 +158,7 @@ def test_a_decimal_number_shows_as_many_digits_as_asked_for(
 
 
 @pytest.mark.parametrize(
-    ("value", "count", "even"),
-    [("0.125", 2, "0.12"), ("0.375", 2, "0.38"), ("2.5", 1, "2"), ("12.25", 3, "12.2")],
+    ("value", "count", "even"), [("0.125", 2, "0.12"), ("0.375", 2, "0.38"), ("2.5", 1, "2"), ("12.25", 3, "12.2")]
 )
 def test_a_tie_between_two_decimals_goes_to_the_even_one(value: str, count: int, even: str) -> None:
     assert exact(Fraction(value)).digits(count) == even

@@ -120,10 +120,7 @@ EFFECT: dict[str, tuple[dict[str, Any], Callable[[P, complex, complex], complex]
     ),
     "shunt": ({"m": 0.1, "b": 1, "k": 1}, lambda p, s, H: H + p["m"] * s**2 + p["b"] * s + p["k"]),
     "compliance": ({"k": 10, "b": 1}, lambda p, s, H: _in_a_row(H, p["k"] + p["b"] * s)),
-    "coulomb-friction": (
-        {"force": 1, "amplitude": 0.1},
-        lambda p, s, H: H + 4j * p["force"] / (pi * p["amplitude"]),
-    ),
+    "coulomb-friction": ({"force": 1, "amplitude": 0.1}, lambda p, s, H: H + 4j * p["force"] / (pi * p["amplitude"])),
     "admittance-display": (
         {"P": "w/(s + w)", "parameters": {"w": 10}, "tau": 0.1},
         lambda p, s, H: H * (s + p["w"]) / p["w"] * cmath.exp(s * p["tau"]),

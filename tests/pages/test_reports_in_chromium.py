@@ -335,9 +335,7 @@ def edited(text: str) -> str:
 
 
 @pytest.mark.core
-def test_every_shipped_scene_has_the_same_digits_in_webassembly(
-    site: Path,
-) -> None:
+def test_every_shipped_scene_has_the_same_digits_in_webassembly(site: Path) -> None:
     node = shutil.which("node")
     required("node", node)
     texts = {name: scene_text(name)[0] for name in (*hs.scene_names(), *hs.family_names())}

@@ -210,10 +210,7 @@ def test_a_sum_with_a_number_holds_it_and_a_number_has_no_slopes(sides: int, ord
 @with_many_digits
 def test_exact_numbers_that_have_no_float_near_them_are_held_where_they_are_put_in(order: int) -> None:
     """From 10^-420 on, many of which are 0 as floats: sums and products with them hold those of the numbers themselves."""
-    sizes = [
-        Integer(0),
-        *(Rational(sign * 7, 3) * Rational(10) ** n for n in (-420, -309, -16, 9) for sign in (1, -1)),
-    ]
+    sizes = [Integer(0), *(Rational(sign * 7, 3) * Rational(10) ** n for n in (-420, -309, -16, 9) for sign in (1, -1))]
     like = constant(1.0, 1, 1, slopes=order)
     for x, y in product(sizes, repeat=2):
         own = like.number(floated(x))

@@ -132,8 +132,7 @@ Q = Symbol("q", positive=True)
 
 
 @pytest.mark.parametrize(
-    ("top", "why"),
-    [(0 * s, "force is zero"), (s**2 + I * s + 3, "describing function"), (s**2 + Q * s + 3, "")],
+    ("top", "why"), [(0 * s, "force is zero"), (s**2 + I * s + 3, "describing function"), (s**2 + Q * s + 3, "")]
 )
 def test_of_no_dynamics_at_all_and_with_j_among_its_numbers_no_roots_are_told(top: Expr, why: str) -> None:
     ring = Ring.of([s, top])

@@ -292,10 +292,7 @@ def test_discs_that_cannot_be_weights_are_refused() -> None:
     [
         (["fu2019"], "its simulated bench run is fu2019-bench"),
         (["zener-tissue"], "simulated bench runs are delayed-spring-bench, fu2019-bench, fu2019-clipped-bench"),
-        (
-            ["fu2019-bench"],
-            "name the effects to fit, as --effect delay, or --degrees 1 2; effects are first-order-lag",
-        ),
+        (["fu2019-bench"], "name the effects to fit, as --effect delay, or --degrees 1 2; effects are first-order-lag"),
         (["fu2019-bench", "--effect", "delay:tau=1 ms"], "leave out the value of at least one"),
         (["fu2019-bench", "--model"], "Environments are mass-spring-damper"),
         (["fu2019-bench", "--model", "zener"], "effects are first-order-lag"),

@@ -136,8 +136,7 @@ def scaled(case: Case, *, force: Fraction = Fraction(1), time: Fraction = Fracti
     def one(element: Element) -> Element:
         scales = KINDS[element.kind]
         return Element(
-            element.kind,
-            {n: x * force ** scales[n].force * time ** scales[n].time for n, x in element.values.items()},
+            element.kind, {n: x * force ** scales[n].force * time ** scales[n].time for n, x in element.values.items()}
         )
 
     low, high = case.band

@@ -442,10 +442,7 @@ def code(expressions, symbols, language, name="f"):
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
 def test_whole_powers_are_products_and_numbers_have_all_their_digits(language):
     a, b = hs.symbols("a b")
-    text = code_only(
-        code({"y": a**3 / (3 * (a + b) ** 2), "z": Integer(10) ** 30 * a}, [a, b], language),
-        language,
-    )
+    text = code_only(code({"y": a**3 / (3 * (a + b) ** 2), "z": Integer(10) ** 30 * a}, [a, b], language), language)
     assert "0.3333333333333333" in text
     assert "1e+30" in text
     assert "pow" not in text

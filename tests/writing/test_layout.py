@@ -44,11 +44,7 @@ import haptisym as hs
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import PolynomialRing, X, omega, s
 from haptisym.pages.words import apart
-from haptisym.writing.boxes import (
-    Numeral,
-    Ratio,
-    text,
-)
+from haptisym.writing.boxes import Numeral, Ratio, text
 from haptisym.writing.latex import escape, formula, tex
 from haptisym.writing.layout import QUANTITIES, approximate, decimal, equation, is_short, number, plain, rounded
 from haptisym.writing.mathml import mathml, readable

@@ -30,14 +30,7 @@ from haptisym.kernel.delayterms import (
     taylor_coefficients,
 )
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import (
-    MOST_BITS,
-    SURE_BITS,
-    Ball,
-    RealNumber,
-    at_rising_precision,
-    expression_ball,
-)
+from haptisym.kernel.reals import MOST_BITS, SURE_BITS, Ball, RealNumber, at_rising_precision, expression_ball
 from haptisym.kernel.rings import PolynomialRing, omega
 from haptisym.kernel.zeros import (
     SeriesFactor,

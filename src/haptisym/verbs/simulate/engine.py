@@ -23,16 +23,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.model.motions import Motion
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.network import MOTION, Exact, Network, Step, Switch, at_rest, float_of
-from haptisym.verbs.simulate.statespace import (
-    NODES,
-    Drive,
-    Linear,
-    Reading,
-    Record,
-    at_end,
-    linear_systems,
-    series,
-)
+from haptisym.verbs.simulate.statespace import NODES, Drive, Linear, Reading, Record, at_end, linear_systems, series
 
 _GENERATIONS = 4  # of break points that a jump leaves behind delay lines: each passage through a filter smooths it
 Systems: TypeAlias = dict[frozenset[int], Linear | None]
