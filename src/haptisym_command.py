@@ -5,21 +5,6 @@ from __future__ import annotations
 import gc
 import os
 import signal
-import sys
-from importlib import import_module
-from types import ModuleType
-
-
-class _Tensors(ModuleType):
-    """In place of SymPy's tensors, which its first sum of all loads, and with them an eighth of a short command's time."""
-
-    TensExpr = TensAdd = type("TensExpr", (), {})
-
-    def __getattr__(self, name: str) -> object:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        del sys.modules[self.__name__]
-        return getattr(import_module(self.__name__), name)
 
 
 def main() -> None:
@@ -27,7 +12,6 @@ def main() -> None:
     is_ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # not so where the shell ignores it for us
     if is_ours:
         signal.signal(signal.SIGINT, _leave)
-    sys.modules["sympy.tensor.tensor"] = _Tensors("sympy.tensor.tensor")
     gc.disable()  # all that is loaded stays: it need not be looked through, over and over, for what could be thrown away
     from haptisym.cli import main as run
 
