@@ -89,6 +89,7 @@ def test_ctrl_c_that_a_package_drops_comes_again_with_the_next_report_of_progres
     probe = """
 import signal
 from haptisym.commands.terminal import interrupts, progress
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell without jobs ignores it in the background
 with interrupts(), progress("sets") as told:
     try:
         signal.raise_signal(signal.SIGINT)
