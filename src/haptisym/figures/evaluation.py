@@ -66,7 +66,7 @@ from haptisym.figures.layers import (
 from haptisym.judge.bandwidths import Bandwidths
 from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.crossings import Curve as Dynamics
-from haptisym.judge.evaluation import Compared, Evaluation, half_widths
+from haptisym.judge.evaluation import Compared, Evaluation, different, half_widths, region_label
 from haptisym.judge.peaks import Peaks
 from haptisym.judge.percepts import NOT_NAMED, felt_of
 from haptisym.judge.regions import Cornered, Joint, Sided
@@ -708,11 +708,11 @@ def regions(e: Evaluation) -> Chart:
     if not e.regions:
         raise NothingToDrawError("kind: no regions were compared: ask for them with evaluate(scene, regions=True)")
     f = e.distortion.compile()
-    rows = list(zip(e.regions, REGIONS, strict=False))
+    rows = list(zip(different(e.regions), REGIONS, strict=False))
     shapes, reach = list[Layer](), 0.0
     for x, (color, stroke, _) in rows:
         shape, corners = _region(e, x)
-        entry = Words(label=x.name, look=_line(color, stroke, 1.0))
+        entry = Words(label=region_label(x), look=_line(color, stroke, 1.0))
         look: dict[str, Any] = {"linewidth": 1.0, "linestyle": stroke, "zorder": 2}
         shapes += [*([replace(shape, color=color, look=look)] if shape else []), entry]
         reach = max(reach, 1.6 * float(np.abs(corners).max()))

@@ -17,6 +17,7 @@ from haptisym.figures.evaluation import REGIONS
 from haptisym.figures.files import Drawings, drawings_of, sheet
 from haptisym.figures.layers import Above, Axis, Band, Chart, Curve, Layer, Limit, Mark, On, Words, frequency
 from haptisym.judge.crossings import noticed
+from haptisym.judge.evaluation import different, region_label
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.programs.values import Array
 from haptisym.verbs.family.answers import FamilyAnswers
@@ -97,13 +98,15 @@ def regions(w: FamilyEvaluation) -> Chart:
     names = [*w.family, "all together"]
     low, high = (float(w.chart.points[i].omega) for i in (0, -1))
     layers, empty = list[Layer](), np.ones(len(names), bool)
-    for i, (x, (color, _, shape)) in enumerate(zip(w.regions, REGIONS, strict=False)):
+    for i, (x, (color, _, shape)) in enumerate(zip(different(w.regions), REGIONS, strict=False)):
         widths = [*(x.answers[name].bandwidth for name in w.family), x.bandwidth]
         at = [(float(b), row + 0.2 * (i - 1.5)) for row, b in enumerate(widths) if b is not None]
         empty &= np.array([b is None for b in widths])
         look = {"zorder": 3, "clip_on": False}
-        marks = Mark([a for a, _ in at], [b for _, b in at], color, shape, 3.4, look=look, label=x.name, styled=True)
-        layers.append(marks if at else Words(label=f"{x.name}: none"))
+        marks = Mark(
+            [a for a, _ in at], [b for _, b in at], color, shape, 3.4, look=look, label=region_label(x), styled=True
+        )
+        layers.append(marks if at else Words(label=f"{region_label(x)}: none"))
     layers += [_Said("no bandwidth", int(row)) for row in np.flatnonzero(empty)]
     layers.append(Limit(len(names) - 1.5, width=0.5))
     rows = [fill(x, _BROAD, max_lines=3, placeholder="…") for x in names]

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, TypeVar
 
 from sympy import Expr, S
 
@@ -84,6 +84,28 @@ class Compared(Shown):
 
 
 OWN = "the scene's own"
+"""The region of the scene, in documents."""
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+    @property
+    def threshold(self) -> Threshold: ...
+
+
+_N = TypeVar("_N", bound=_Named)
+
+
+def region_label(x: _Named) -> str:
+    """What a region is called on a page and in a figure."""
+    return "of the scene" if x.name == OWN else x.name
+
+
+def different(found: Sequence[_N]) -> list[_N]:
+    """Regions without the scene's where that is one of the others."""
+    others = [x.threshold for x in found if x.name != OWN]
+    return [x for x in found if x.name != OWN or x.threshold not in others]
 
 
 def compared(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> tuple[Compared, ...]:

@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from sympy import Add, Expr, Rational, Symbol
 
 from haptisym.judge.bandwidths import Bandwidths, Jump
 from haptisym.judge.crossings import JOINT, Criterion, Crossing, CrossingKind, noticed
-from haptisym.judge.evaluation import OWN, Compared, Evaluation
+from haptisym.judge.evaluation import Compared, Evaluation, different, region_label
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.judge.peaks import Peaks
 from haptisym.judge.regions import Joint
@@ -467,7 +467,7 @@ def regions(e: Evaluation) -> Iterator[Block]:
     if not e.regions:
         return
     rows = w.table(
-        _different(e.regions), "Bandwidth and first crossing by region, proven.", *_REGION,
+        different(e.regions), "Bandwidth and first crossing by region, proven.", *_REGION,
         w.hertz(lambda x: _width(e.chart, x.bandwidth), "bandwidth"),
         w.hertz(lambda x: w.cell(x.crossing.omega) if x.crossing else "none", "first crossing"),
         w.Field("what happens there", lambda x: event(x.crossing, _KINDS.get(x.name)) if x.crossing else ""),
@@ -515,18 +515,7 @@ def deciding(e: Evaluation) -> Iterator[Block]:
     yield doc.Section("Where does the display decide?", (display,), "display-decides")
 
 
-def _region_name(x: Compared | FamilyCompared) -> str:
-    return "of the scene" if x.name == OWN else x.name
-
-
-_REGION = w.Field("region", _region_name), w.Field("what it is", lambda x: w.limits(x.threshold), full=True)
-_T = TypeVar("_T", "Compared", "FamilyCompared")
-
-
-def _different(found: Sequence[_T]) -> list[_T]:
-    """Without the scene's region where that is one of the others."""
-    others = [x.threshold for x in found if x.name != OWN]
-    return [x for x in found if x.name != OWN or x.threshold not in others]
+_REGION = w.Field("region", region_label), w.Field("what it is", lambda x: w.limits(x.threshold), full=True)
 
 
 def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
@@ -534,7 +523,7 @@ def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
     if not many.regions:
         return
     worst = w.table(
-        _different(many.regions), "Common bandwidth by region, and what limits it, proven.", *_REGION,
+        different(many.regions), "Common bandwidth by region, and what limits it, proven.", *_REGION,
         w.hertz(lambda x: _width(many.chart, x.bandwidth), "bandwidth"),
         w.Field("limited by", lambda x: listed(f"{y.environment} ({y.criterion.name})" for y in x.first)),
     )  # fmt: skip
@@ -545,7 +534,7 @@ def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
 
     each = w.table(
         [*many.family, together], ("Bandwidth of each environment by region, ", FREQUENCY_UNIT, ", proven."),
-        w.Field("environment", str), *(w.number(_region_name(x), partial(width, x=x)) for x in _different(many.regions)),
+        w.Field("environment", str), *(w.number(region_label(x), partial(width, x=x)) for x in different(many.regions)),
     )  # fmt: skip
     figure = w.drawing("regions", _WIDTHS, "files:draw_figure", many, "regions")
     yield doc.Section(
