@@ -25,7 +25,7 @@ ON_PAGE = {
     r"; see <code>haptisym tolerances</code>": "; its ranges are for the command line",
     r"see <code>haptisym derive</code>": "see the formulas that are derived below",
     r"haptisym stability decides (that|that loop) in a hand": r"the question about a hand, below, decides \1",
-    r"a hand closes the loop: haptisym stability": "a hand closes the loop: the question about a hand, below",
+    r"a hand closes the loop \(haptisym stability\)": "a hand closes the loop (the question about a hand, below)",
     r", haptisym simulate runs the loop|; haptisym\.verify compares them with independent evaluations": "",
     r" --of prints (it|one of: [^.]*)\.": "",
     r"in --json": "in the JSON",

@@ -681,9 +681,7 @@ def _hand(scene: Scene) -> list[str]:
     clocks = [x.name for x in scene.effects if x.model in CLOCKS]
     if not clocks:
         return []
-    return [
-        f"sampled ({', '.join(clocks)}): this is for prescribed motion; a hand closes the loop: haptisym stability."
-    ]
+    return [f"sampled ({', '.join(clocks)}): for prescribed motion; a hand closes the loop (haptisym stability)."]
 
 
 def _bands(scene: Scene) -> list[str]:
