@@ -15,6 +15,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
+from functools import cache
 from inspect import cleandoc
 from pathlib import Path
 from pkgutil import resolve_name
@@ -313,14 +314,16 @@ def keep_text(what: str, path: Path | None, text: Callable[[], str]) -> None:
         keep(what, path, lambda: path.write_text(content, encoding="utf-8"))
 
 
-def keep_pages(found: Answer, ask: Ask) -> None:
-    """Write the page of an answer to the files that ``--latex`` and ``--report`` name."""
+def keep_pages(found: Answer, ask: Ask) -> Callable[[], Any]:
+    """Write the page of an answer to the files that ``--latex`` and ``--report`` name; the function that gives it, made once."""
+    page = cache(found.document)
     if ask.latex is not None:
         latex: Callable[..., str] = resolve_name("haptisym.writing.latex:latex")
-        keep("LaTeX", ask.latex, lambda: ask.latex.write_text(latex(found.document()), encoding="ascii"))
+        keep("LaTeX", ask.latex, lambda: ask.latex.write_text(latex(page()), encoding="ascii"))
     if ask.report is not None:
-        save = resolve_name("haptisym.pages.report:save_report")
-        keep("report", ask.report, lambda: save(found, ask.report))
+        save = resolve_name("haptisym.pages.report:save")
+        keep("report", ask.report, lambda: save(page(), found.to_json(), ask.report))
+    return page
 
 
 def hand_over(found: Answer, ask: Ask) -> None:
@@ -331,11 +334,11 @@ def hand_over(found: Answer, ask: Ask) -> None:
     is_drawn = draw(found, ask)
     if getattr(ask, "certificate", None) is not None:
         keep_text("certificate", ask.certificate, found.certificate)
-    keep_pages(found, ask)
+    page = keep_pages(found, ask)
     if ask.json:
         say_document(found.to_json())
     else:
-        say(found.document(), ask.digits, formulas=bool(ask.formulas))
+        say(page(), ask.digits, formulas=bool(ask.formulas))
     end(found)
     if not is_drawn:
         sys.exit(2)

@@ -204,11 +204,11 @@ def derive(ask: Ask) -> None:
         raise SceneError(f"{what}: leave out one of them")
     kept = ask.keep or (() if ask.mode == "numeric" else None)
     d = replace(of(ask.scene, kept), of=ask.of)
-    keep_pages(d, ask)
+    page = keep_pages(d, ask)
     if language == "json":
         say_document(d.to_json())
     elif language == "text":
-        say(d.document(), ask.digits)
+        say(page(), ask.digits)
     else:
         write(_in(language, d, kept))
 
@@ -591,8 +591,7 @@ def metrics(ask: Ask) -> Answer | None:
     from haptisym.writing.latex import piece
 
     draw(found, ask)
-    keep_pages(found, ask)
-    write(piece(found.document()) + "\n")
+    write(piece(keep_pages(found, ask)()) + "\n")
     end(found)
     return None
 

@@ -75,8 +75,8 @@ class Solution(Shown):
         return tuple(sorted(found, key=lambda x: (count_ops(x), str(x))))
 
 
-def solve(function: RealFunction) -> tuple[Solution, ...]:
-    """All positive zeros of a real function, as formulas where there are readable ones.
+def solve(function: RealFunction, *, readable: bool = False) -> tuple[Solution, ...]:
+    """All positive zeros of a real function, as formulas where there are readable ones; ``readable`` : these alone, sooner.
 
     >>> from sympy import symbols
     >>> from haptisym.kernel.dynamics import Ring
@@ -88,7 +88,8 @@ def solve(function: RealFunction) -> tuple[Solution, ...]:
     """
     axis = function.axis
     factors = axis.factors(function.function.numerator)[1]
-    return (*(x for f, order in factors for x in _solved(f, order, axis)), *_half_turns(function))
+    solved = (x for f, order in factors for x in _solved(f, order, axis, readable=readable))
+    return (*solved, *_half_turns(function))
 
 
 def _half_turns(function: RealFunction) -> list[Solution]:
@@ -102,17 +103,17 @@ def _half_turns(function: RealFunction) -> list[Solution]:
     return found
 
 
-def _solved(polynomial: Polynomial, order: int, axis: Axis) -> list[Solution]:
+def _solved(polynomial: Polynomial, order: int, axis: Axis, *, readable: bool) -> list[Solution]:
     degrees = [int(n) for n in polynomial.degrees()]
     turning = [i for i, angle in enumerate(axis.angles) if not angle.constant and degrees[axis.size + i]]
     powers = [i for i in range(len(axis.orders)) if degrees[axis.size + len(axis.angles) + i]]
     own = bool(degrees[0])
-    equation = _equation(polynomial, axis)
+    found: _Found = None
     if polynomial == axis.variable or not (own or turning or powers):
         return []
     if own + len(turning) + len(powers) > 1:
-        return [Solution(None, equation, order=order)]
-    if turning:
+        pass
+    elif turning:
         found = _angles(polynomial, axis, turning[0])
     elif powers:
         index = axis.size + len(axis.angles) + powers[0]
@@ -121,9 +122,10 @@ def _solved(polynomial: Polynomial, order: int, axis: Axis) -> list[Solution]:
             found = None  # the sign of the root depends on the constant angle, which stays a name here
     else:
         found = _frequencies(polynomial, axis)
-    if found is None:
-        return [Solution(None, equation, order=order)]
-    return [Solution(x, equation, period, order) for x, period in found]
+    if found is None and readable:
+        return []
+    equation = _equation(polynomial, axis)
+    return [Solution(x, equation, period, order) for x, period in ([(None, S.Zero)] if found is None else found)]
 
 
 _Found: TypeAlias = "list[tuple[Expr, Expr]] | None"

@@ -343,8 +343,11 @@ def _when(d: Derivation) -> doc.Section:
         if terms > MOST_TERMS:
             found.notes.append((named(f"p_{letter}"), f" has {terms} terms; --of prints it."))
             continue
-        polynomial = d[f"p_{letter}"]
-        if (operations := count_ops(polynomial)) <= LONGEST:
+        written = d.excess(part).written
+        terms = sum(len(factor) for factor, _ in written.ring.factors(written.numerator)[1])
+        if terms > LONGEST:  # each takes an operation at least; to put them together in SymPy takes seconds
+            found.notes.append((named(f"p_{letter}"), f" has {terms} terms; --of prints it."))
+        elif (operations := count_ops(polynomial := d[f"p_{letter}"])) <= LONGEST:
             found.lines.append(_named(f"p_{letter}", polynomial))
         else:
             found.notes.append((named(f"p_{letter}"), f" takes {operations} operations; --of prints it."))
@@ -357,7 +360,7 @@ def _solved_in_sections(d: Derivation) -> doc.Section:
     found = Written()
     for part in Part if d.steps.operations <= MOST_STEPS else ():
         if len(d.excess(part).function.numerator) <= MOST_TERMS:
-            readable = [x for x in d.crossings(part) if x.omega is not None]
+            readable = d.crossings(part, readable=True)
             found.solve(quantity(f"omega_{_RATIOS[part][-1]}"), readable, named(_RATIOS[part]))
     return found.section("Crossings, solved")
 

@@ -465,9 +465,9 @@ class Derivation(Answer):
         assert isinstance(function, RealFunction)
         return function
 
-    def crossings(self, of: Part | Criterion) -> tuple[Solution, ...]:
-        """Where the ratio meets its threshold: formulas, or for factors without a readable one the equation itself."""
-        return solve(self.excess(of))
+    def crossings(self, of: Part | Criterion, *, readable: bool = False) -> tuple[Solution, ...]:
+        """Where the ratio meets its threshold: formulas, and unless ``readable``, of factors without one the equation itself."""
+        return solve(self.excess(of), readable=readable)
 
     def stiffness(self, system: str) -> RealFunction:
         """Re H of the environment ("env") or of what is felt ("perc")."""
