@@ -137,7 +137,7 @@ class _Cells:
         polynomial = loop.top / loop.ring.variable**form.shared
         self.axis = OnAxis(loop.ring, polynomial, {loop.symbol: (low, high)})
         self.found: list[Meeting] = []
-        self._known: list[tuple[Array, Array]] = []
+        self._known = np.zeros((2, 0, 2))
         """Middle and size of each box that holds one pair."""
 
     @cached_property
@@ -183,8 +183,8 @@ class _Cells:
         """Whether a cell lies in a box with a known pair, or beside omega = 0 and holds none."""
         middle, half = self._box(cells)
         found = np.zeros(len(cells), bool)
-        for box in self._known:
-            found |= _inside(middle, half, *box)
+        for center, size in self._known.swapaxes(0, 1):
+            found |= _inside(middle, half, center, size)
         for i in np.flatnonzero(~found & (cells[:, 0, 0] == 0)):
             found[i] = self.form.is_clear_at_0(*_balls(middle[i], half[i]))
         return found
@@ -193,15 +193,15 @@ class _Cells:
         """Try Newton's step about where a cell may hold a pair."""
         middle, half = self._box(cells)
         for i, t in likely:
-            if any(_inside(middle[i], half[i], *box) for box in self._known):
+            if _inside(middle[i], half[i], *self._known).any():
                 continue
             box = middle[i] + t * half[i], _WIDER * half[i]
             pair = self.form.only(*_balls(*box))
             if pair is not None and (value := self._value(pair)) is not None:
                 place = np.array([float(x.mid()) for x in pair.at(_BITS)])
-                if not any(_inside(place, self._lost, *known) for known in self._known):
+                if not _inside(place, self._lost, *self._known).any():
                     self.found.append(Meeting(value, pair.frequency))
-                self._known.append(box)
+                self._known = np.concatenate([self._known, np.array(box)[:, None]], 1)
 
     def _value(self, pair: Pair) -> RealNumber | None:
         """Of the open number; where it looks like 0 only if it is proven to be."""

@@ -227,13 +227,26 @@ class Characteristic:
                 found.append(_Term(row, p - self.shared, lag, (p.diff(q), lag.diff(q))))
         return found
 
+    @cached_property
+    def _in_balls(self) -> dict[int, list[tuple[list[Ball], list[Ball | Expr]]]]:
+        return {}
+
+    def _constants(self) -> list[tuple[list[Ball], list[Ball | Expr]]]:
+        """The terms' rows and their powers, lags and slopes: what does not hold q as balls, once for a working precision."""
+        if flint.ctx.prec not in self._in_balls:
+            self._in_balls[flint.ctx.prec] = [
+                (_balls(x.row), [y if y.free_symbols else expression_ball(y) for y in (x.power, x.lag, *x.slopes)])
+                for x in self._terms
+            ]
+        return self._in_balls[flint.ctx.prec]
+
     def value(self, omega: Ball, q: Ball) -> tuple[Ball, Ball, Ball]:
         """f and its slopes along omega and q, at the current working precision; omega > 0."""
         known, log = {self.loop.symbol: q}, acb(omega.log(), arb.pi() / 2)
         total = along = across = acb(0)
-        for term in self._terms:
-            p, lag, dp, dlag = (expression_ball(x, known) for x in (term.power, term.lag, *term.slopes))
-            c, dc = _horner(term.row, q)
+        for row, of in self._constants():
+            p, lag, dp, dlag = (x if isinstance(x, arb) else expression_ball(x, known) for x in of)
+            c, dc = _horner(row, q)
             wave = (log * p - acb(0, omega * lag)).exp()
             total += c * wave
             along += c * wave * acb(p / omega, -lag)
@@ -310,15 +323,19 @@ class Characteristic:
         for x in self._terms:
             p, lag = int(x.power), expression_ball(x.lag, {self.loop.symbol: q})
             each = (comb(n, i) * perm(p, i) * s ** (p - i) * (-lag) ** (n - i) for i in range(min(n, p) + 1))
-            total += _horner(x.row, q)[0] * sum(each, acb(0)) * (-s * lag).exp()
+            total += _horner(_balls(x.row), q)[0] * sum(each, acb(0)) * (-s * lag).exp()
         return total
 
 
-def _horner(row: Row, q: Ball) -> tuple[Ball, Ball]:
+def _balls(row: Row) -> list[Ball]:
+    return [*map(expression_ball, row)]
+
+
+def _horner(row: Sequence[Ball], q: Ball) -> tuple[Ball, Ball]:
     """A polynomial and its slope."""
     value = slope = arb(0)
     for c in reversed(row):
-        value, slope = value * q + expression_ball(c), slope * q + value
+        value, slope = value * q + c, slope * q + value
     return value, slope
 
 
@@ -615,7 +632,7 @@ class BesideChains:
             if inverse and not a > 0:
                 return None
             q = (1 / a).union(arb(0)) if high is None else a.union(high.ball(_BITS))
-            own = [_horner(row[::-1] if inverse else row, q)[0].lower() for row in self.rows]
+            own = [_horner(_balls(row[::-1] if inverse else row), q)[0].lower() for row in self.rows]
             weights = arb_poly([own[0].max(arb(0)), *own[1:2], *(x.min(arb(0)) for x in own[2:])])
             start = expression_ball(last) / 1024
             first = bisect_left(range(_STEPS), 1, key=lambda i: weights((start * arb(1.25) ** i) ** -2) > 0)
