@@ -130,10 +130,13 @@ class ValueAt(RealNumber):
 
     function: RealFunction
     omega: RealNumber
+    _known: dict[int, Ball] = field(default_factory=dict, init=False, compare=False)
 
     def ball(self, bits: int) -> Ball:
-        with flint.ctx.workprec(bits):
-            return self.function.ball(self.omega.ball(bits))
+        if bits not in self._known:
+            with flint.ctx.workprec(bits):
+                self._known[bits] = self.function.ball(self.omega.ball(bits))
+        return self._known[bits]
 
 
 @dataclass(frozen=True, repr=False)
