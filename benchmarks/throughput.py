@@ -1,11 +1,11 @@
 """What a float costs: nanoseconds a frequency for both ratios of fu2019, and what the levels of accuracy cost and leave open.
 
-Run: python benchmarks/throughput.py [frequencies]
+Run: python benchmarks/throughput.py [frequencies ...]
 
-Contenders run interleaved, each once a round; medians. Every contender computes both ratios at 10^6 frequencies from 1e-2 to 1e3
-rad/s, with the scene's numbers in place. The essential traffic is 24 bytes a frequency: one double read, two written. "memory"
-is that stream alone, written by Numba. control.frequency_response gives the two responses H_env and H_perc, from which the ratios
-are one line of NumPy that is counted too.
+Contenders run interleaved, each once a round; medians. Every contender computes both ratios at 10^3 and 10^6 frequencies from
+1e-2 to 1e3 rad/s, with the scene's numbers in place. The essential traffic is 24 bytes a frequency: one double read, two
+written. "memory" is that stream alone, written by Numba. control.frequency_response gives the two responses H_env and H_perc,
+from which the ratios are one line of NumPy that is counted too.
 """
 
 from __future__ import annotations
@@ -130,7 +130,13 @@ def openness(count: int) -> None:
         print(f"  {name:<30} {double:14.0f} {certified:10.0f} {100 * left / count:7.2f} %")
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """As many frequencies as a chart has, and as many as a sweep, or those that are named."""
     print(machine())
-    speed(int(float(sys.argv[1])) if len(sys.argv) > 1 else 1_000_000)
+    for count in map(float, sys.argv[1:] or ("1e3", "1e6")):
+        speed(int(count))
     openness(2000)
+
+
+if __name__ == "__main__":
+    main()
