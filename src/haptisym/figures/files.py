@@ -1,8 +1,8 @@
 """Charts as sheets and files: one column of a journal wide, with room for legends; what every answer draws on axes of the caller.
 
 A sheet is laid out twice: framed, so that words are fitted to axes of their final width, and filled, with room for the legends.
-PDF files hold of each font the letters that a figure uses, without the tables by which letters are set: matplotlib has placed
-them, and to read and cut down these tables takes most of the time of a file.
+PDF files hold of each font the letters that a figure uses, without the tables by which letters are found and set: matplotlib
+has placed them, and to read and cut down these tables takes most of the time of a file.
 """
 
 from __future__ import annotations
@@ -199,6 +199,8 @@ def _letters_alone(target: Path) -> Iterator[None]:
         font = load(*given)
         for table in {*_SETTING} & {*font.keys()}:
             del font[table]
+        font["cmap"] = fonts.ttLib.newTable("cmap")  # which glyph a letter is, matplotlib knows: it asks for glyphs
+        font["cmap"].tableVersion, font["cmap"].tables = 0, []
         return font
 
     fonts.load_font = bare
