@@ -1142,7 +1142,7 @@ def test_a_wall_that_grows_in_a_hand_is_called_stable_under_imposed_motion_only(
     assert growth_in_a_hand() == pytest.approx(1.076, abs=5e-4)
     found = hs.evaluate(STIFF)
     assert found.stable is True
-    assert "hand and display together are a sampled loop" in " ".join(found.caveats)
+    assert "for prescribed motion; a hand closes the loop" in " ".join(found.caveats)
     (held,) = hs.stability(STIFF, Hand("this one", "0.1 kg", "2 N*s/m", "50 N/m")).held
     assert held.stable is False
 

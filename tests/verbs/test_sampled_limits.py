@@ -350,9 +350,22 @@ def test_where_a_number_has_no_end_on_a_side_nothing_is_said_to_be_left() -> Non
 
 @pytest.mark.slow
 def test_beyond_what_was_looked_at_nothing_is_said() -> None:
+    given = {"environment.k": 18000.0, "effects.sampled-loop.T": 1e-3, "effects.shunt.m": 0.04, "effects.shunt.b": 0.8}
+    given |= {"hand.m": 0.0, "hand.b": 8.0}
+
+    def radius(**moved: float) -> float:
+        n = given | moved
+        M, B, T = n["effects.shunt.m"] + n["hand.m"], n["effects.shunt.b"] + n["hand.b"], n["effects.sampled-loop.T"]
+        step = expm(np.array([[0, 1, 0], [-400 / M, -B / M, 1 / M], [0, 0, 0]]) * T)
+        step = step @ np.array([[1, 0, 0], [0, 1, 0], [-n["environment.k"], 0, 0]])
+        return float(max(abs(np.linalg.eigvals(step))))
+
     found = hs.stability(spring(18000, hand=P3))  # 9 is more than 8.8
     [row] = found.to_dict()["held"]
-    assert {x["path"] for x in row["critical"]} == {"environment.k", "hand.m", "hand.b"}
+    assert radius() < 1
+    assert {x["path"] for x in row["critical"]} == {*given}
+    for path, value, side in ((x["path"], x["value"], x["stable_side"]) for x in row["critical"] if x["value"] > 0):
+        assert [radius(**{path: value * off}) < 1 for off in (1 - 1e-6, 1 + 1e-6)] == [side == "below", side == "above"]
     looked = {x["path"]: (x["from"], x["to"]) for x in row["looked_at"]}
     assert (looked["hand.k"][0], looked["hand.b"][1]) == (None, None)
     assert looked["hand.k"][1] >= 500 * 400
