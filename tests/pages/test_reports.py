@@ -110,7 +110,7 @@ def test_a_page_is_well_formed_refers_to_nothing_outside_and_holds_its_record(na
 @pytest.mark.slow
 @pytest.mark.core
 def test_a_page_with_its_drawings_is_whole_too_and_small(tmp_path: Path) -> None:
-    report.save_report(evaluated("fu2019"), tmp_path / "x.html")
+    report.save(evaluated("fu2019").document(), evaluated("fu2019").to_json(), tmp_path / "x.html")
     text = (tmp_path / "x.html").read_text(encoding="utf-8")
     is_whole(text)
     assert len(text.encode()) < 1_500_000
@@ -359,10 +359,10 @@ def test_other_names_and_a_missing_program_are_errors_that_say_so(
 ) -> None:
     answer = hs.peaks("steering-wheel")
     with pytest.raises(hs.SceneError, match=r'"x\.docx" must end in|must end in \.html or \.pdf'):
-        report.save_report(answer, tmp_path / "x.docx")
+        report.save(answer.document(), answer.to_json(), tmp_path / "x.docx")
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(hs.SceneError, match=r"needs pdflatex.*\.html"):
-        report.save_report(answer, tmp_path / "x.pdf")
+        report.save(answer.document(), answer.to_json(), tmp_path / "x.pdf")
     assert not [*tmp_path.iterdir()]
 
 

@@ -31,7 +31,7 @@ from marks import required
 import haptisym as hs
 from haptisym.cli import app
 from haptisym.model.scenefile import scene_text
-from haptisym.pages.report import save_report
+from haptisym.pages.report import save
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
@@ -102,7 +102,7 @@ def says(opened: Browser, e: hs.Evaluation) -> None:
 def test_a_page_with_its_drawings_loads_without_a_complaint_asks_for_nothing_and_fits(
     shown: Any, tmp_path: Path
 ) -> None:
-    save_report(evaluated("fu2019"), tmp_path / "x.html")
+    save(evaluated("fu2019").document(), evaluated("fu2019").to_json(), tmp_path / "x.html")
     opened = shown((tmp_path / "x.html").read_text(encoding="utf-8"))
     assert opened.complaints() == []
     assert len(opened.requests()) == 1

@@ -315,7 +315,7 @@ def keep_text(what: str, path: Path | None, text: Callable[[], str]) -> None:
 
 
 def keep_pages(found: Answer, ask: Ask) -> Callable[[], Any]:
-    """Write the page of an answer to the files that ``--latex`` and ``--report`` name; the function that gives it, made once."""
+    """Write the page of an answer to the files that ``--latex`` and ``--report`` name; a function that gives it, made once."""
     page = cache(found.document)
     if ask.latex is not None:
         latex: Callable[..., str] = resolve_name("haptisym.writing.latex:latex")

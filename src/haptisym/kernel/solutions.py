@@ -108,11 +108,10 @@ def _solved(polynomial: Polynomial, order: int, axis: Axis, *, readable: bool) -
     turning = [i for i, angle in enumerate(axis.angles) if not angle.constant and degrees[axis.size + i]]
     powers = [i for i in range(len(axis.orders)) if degrees[axis.size + len(axis.angles) + i]]
     own = bool(degrees[0])
-    found: _Found = None
     if polynomial == axis.variable or not (own or turning or powers):
         return []
     if own + len(turning) + len(powers) > 1:
-        pass
+        found = None
     elif turning:
         found = _angles(polynomial, axis, turning[0])
     elif powers:

@@ -27,16 +27,12 @@ from haptisym.writing.latex import latex
 from haptisym.writing.plain import said
 
 
-def save_report(answer: Answer, path: str | Path) -> None:
+def save(document: Document, record: str, path: str | Path) -> None:
     """Write the report of an answer to a file: ``.html`` a page, ``.pdf`` the LaTeX document, set by pdflatex.
 
-    Raises SceneError if the name ends otherwise, and for a PDF if there is no pdflatex; OSError if it cannot be written.
+    ``document`` : the page; ``record`` : the answer's document of JSON. Raises SceneError if the name ends otherwise, and for a
+    PDF if there is no pdflatex; OSError if it cannot be written.
     """
-    save(answer.document(), answer.to_json(), path)
-
-
-def save(document: Document, record: str, path: str | Path) -> None:
-    """The same of a page; ``record`` : the answer's document of JSON."""
     target = checked_report(path)
     if target.suffix.lower() == ".pdf":
         target.write_bytes(pdf(document))
