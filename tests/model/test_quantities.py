@@ -88,12 +88,38 @@ EXACT: list[tuple[str, Dimension, Expr]] = [
     ("-45 g", Dimension.MASS, Rational(-45, 1000)),
     ("3 (N)/(m)", Dimension.STIFFNESS, Rational(3)),
     ("12 N*s^0.5/m", Dimension.ANY, Rational(12)),
+    ("8 Nm/rad", Dimension.STIFFNESS, Rational(8)),
+    ("0.4 Nms/rad", Dimension.DAMPING, Rational(2, 5)),
+    ("0.05 kgm^2", Dimension.MASS, Rational(1, 20)),
+    ("2 kg.m2", Dimension.MASS, Rational(2)),
+    ("3 gcm²", Dimension.MASS, Rational(3, 10**7)),
+    ("1 N-m/rad", Dimension.STIFFNESS, Rational(1)),
+    ("1 N.m.rad-1", Dimension.STIFFNESS, Rational(1)),
+    ("140 mNm/deg", Dimension.STIFFNESS, Rational(126, 5) / pi),
+    ("7 Nmm/rad", Dimension.STIFFNESS, Rational(7, 1000)),
+    ("2 kNs/m", Dimension.DAMPING, Rational(2000)),
+    ("1 lbfs/in", Dimension.DAMPING, Rational("4.4482216152605") / Rational("0.0254")),
+    ("1 ozf-in", Dimension.FORCE, Rational("4.4482216152605") / 16 * Rational("0.0254")),
+    ("3 ms", Dimension.TIME, Rational(3, 1000)),  # not metres times seconds
 ]
 
 
 @pytest.mark.parametrize(("text", "dimension", "value"), EXACT, ids=[text for text, _, _ in EXACT])
 def test_units_are_read_exactly(text: str, dimension: Dimension, value: Expr) -> None:
     assert quantity(text, dimension).value == value
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "told"),
+    [
+        ("1 N*m/dge", Dimension.STIFFNESS, 'did you mean "N*m/deg"?'),  # not N*m/rad, which is 57 times less
+        ("1 NM/rad", Dimension.STIFFNESS, 'did you mean "Nm/rad"?'),
+        ("2 radd/s", Dimension.FREQUENCY, 'did you mean "rad/s"?'),
+        ("2 kg*m^2/foo", Dimension.MASS, 'unknown unit "kg*m^2/foo". Masses'),
+    ],
+)
+def test_a_unit_that_is_proposed_has_the_size_of_what_was_written(text: str, dimension: Dimension, told: str) -> None:
+    assert told in refusal(quantity, text, dimension)
 
 
 PREFIXES = {"T": 12, "G": 9, "M": 6, "k": 3, "h": 2, "da": 1, "d": -1, "c": -2, "m": -3, "µ": -6, "u": -6, "n": -9}

@@ -204,6 +204,10 @@ SAME = {
     "in halves": TABLE + "".join(f"{x},0,0\n" for x in LEVELS) + "6.2,0,0\n",
     "quoted": TABLE.replace("4.4", '"4.4"'),
     "trials": "level,response\n" + TRIALS_OF,
+    "two words": "level,answer\n" + TRIALS_OF.replace(",1\n", ",Comp\n").replace(",0\n", ",Ref\n"),
+    "1 or 2": "level,answer\n" + TRIALS_OF.replace(",1\n", ",2\n").replace(",0\n", ",1\n"),
+    "1 or -1": "level,answer\n" + TRIALS_OF.replace(",0\n", ",-1\n"),
+    "per cent of n": "level,n,percent_more\n" + "".join(f"{x},{TRIALS},{100 * k / TRIALS}\n" for x, k in zip(LEVELS, COUNTS, strict=True)),
     "words": "stimulus,correct\n" + TRIALS_OF.replace(",1\n", ",True\n").replace(",0\n", ",no\n"),
     "PsychoPy": "participant,comparison,trials.thisN,key_resp.keys,key_resp.corr,key_resp.rt\n7,,,,,\n"
     + "".join(f"7,{line.split(',')[0]},{i},up,{line.split(',')[1]},0.5\n" for i, line in enumerate(TRIALS_OF.split())),
@@ -215,6 +219,23 @@ SAME = {
 @pytest.mark.parametrize("text", SAME.values(), ids=SAME)
 def test_tables_that_say_the_same_are_read_the_same(text: str, file: Callable[..., Path]) -> None:
     assert read_answers(file(text), {}, {}).rows == ROWS
+
+
+def test_of_two_intervals_the_one_that_is_no_standard_is_the_level_and_a_word_means_more(
+    file: Callable[..., Path],
+) -> None:
+    lines = [line.split(",") for line in TRIALS_OF.split()]
+    first = [f"{x},5.01,{2 - int(a)}\n" for x, a in lines[::2]]  # the comparison comes first
+    second = [f"5.01,{x},{1 + int(a)}\n" for x, a in lines[1::2]]
+    table = file("k1,k2,answer\n" + "".join(first + second) + "5.01,5.01,1\n")
+    assert hs.jnd(table, reference=5.01).answers.rows == ROWS
+    assert "add --reference" in refusal(hs.jnd, table)
+    assert "line 2: neither 4.4 nor 5.01 is the level" in refusal(hs.jnd, table, reference=5)
+    words = file("level,answer\n" + TRIALS_OF.replace(",1\n", ",links\n").replace(",0\n", ",rechts\n"))
+    assert hs.jnd(words, more="links").answers.rows == ROWS
+    assert "name the one for more, as --more links" in refusal(hs.jnd, words)
+    assert "no answer is" in refusal(hs.jnd, words, more="up")
+    assert "is no whole number of responses" in refusal(hs.jnd, file("level,n,percent\n5,8,12.5\n6,8,13.1\n"))
 
 
 def test_columns_can_be_named_and_lines_chosen(file: Callable[..., Path]) -> None:

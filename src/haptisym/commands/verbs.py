@@ -763,6 +763,7 @@ def _by_role(ctx: click.Context, param: click.Parameter, given: tuple[str, ...])
     ),
     option("--unit ROLE=UNIT", "Unit of a column, as magnitude=dB; repeatable.", multiple=True, callback=_by_role),
     option("--quantity NAME", "What the response is, as impedance (stiffness if not given)."),
+    option("--sign -1", "The force was measured as the reaction: turn its sign round.", type=int),
     option("--title TEXT", "Title of the scene that is written.", default=""),
     JSON,
     output("--scene FILE", "Write the fitted scene, each parameter with its range."),
@@ -790,7 +791,9 @@ def identify(ask: Ask) -> Answer:
     """
     from haptisym.verbs.identify import entry
 
-    records = {key: x for key in ("estimator", "segment", "columns", "unit", "quantity") if (x := getattr(ask, key))}
+    records = {
+        key: x for key in ("estimator", "segment", "columns", "unit", "quantity", "sign") if (x := getattr(ask, key))
+    }
     measured = entry.opened(ask.file, ask.averages, ask.confidence, **records)
     not_over(measured.files, {key: getattr(ask, key) for key in ("scene", "figure", "latex", "report")})
     asked: dict[str, Any] = {"degrees": ask.degrees, "band": ask.band, "title": ask.title}
@@ -831,6 +834,7 @@ class _Number(click.ParamType[object]):
     option("--count COLUMN", "Column of the counted responses, k."),
     option("--trials COLUMN", "Column of all responses, n."),
     option("--answer COLUMN", "Column of single responses, 1 or 0."),
+    option("--more WORD", "Response that means more, where responses are two words."),
     option("--where COLUMN=VALUE", "Use only rows with this value; repeatable.", multiple=True),
     figure("answers and curve"),
     JSON,
@@ -863,7 +867,8 @@ def jnd(ask: Ask) -> Answer:
     if ask.data is None:
         raise SceneError("jnd: name a file of answers as DATA, or ask for --published")
     same = {
-        key: getattr(ask, key) for key in ("proportion", "alternatives", "guess", "reference", "confidence", "method")
+        key: getattr(ask, key)
+        for key in ("proportion", "alternatives", "guess", "reference", "confidence", "method", "more")
     }
     columns = {key: x for key in ("level", "count", "trials", "answer") if (x := getattr(ask, key)) is not None}
     lapse = None if isinstance(ask.lapse, str) else ask.lapse

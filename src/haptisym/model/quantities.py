@@ -16,12 +16,14 @@ Units are exact by their definitions: a rational number times a power of pi, and
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
 from functools import cache
+from itertools import chain, islice, product
 from math import ceil
 from numbers import Real
 from operator import add, mul, sub, truediv
@@ -272,23 +274,125 @@ _JUXTAPOSED = re.compile(r"(?<=[\w)°%])\s+(?=[^\W\d]|[(°%])")  # "N s/m" is N*
 _PLAIN = str.maketrans({"·": "*", "×": "*", "⋅": "*", "²": "^2", "³": "^3"})
 
 
-def read_unit(unit: str, text: str, hint: str) -> tuple[Expr, dict[str, Fraction]]:
-    """Its value in SI and its base dimensions, exact. ``text``, ``hint``: the text and the end of an error."""
+Powers: TypeAlias = dict[str, Fraction]
+
+
+def read_unit(unit: str, text: str, hint: str, fits: Callable[[Powers], bool] = lambda _: True) -> tuple[Expr, Powers]:
+    """Its value in SI and its base dimensions, exact. ``text``, ``hint``: the text and the end of an error.
+
+    A unit is read as it is written where that ``fits`` the dimension that is wanted, and else as engineers write it (``Nms/rad``,
+    ``N-m``, ``kg.m2``, ``g`` of an acceleration). Raises SceneError where it is unknown, or where two such readings fit that
+    differ in size.
+
+    >>> read_unit("Nm/rad", "8 Nm/rad", "") == read_unit("N*m/rad", "8 N*m/rad", "")
+    True
+    """
     plain = _JUXTAPOSED.sub("*", unit.translate(_PLAIN))
-    try:
-        size = evaluate(plain, number=_unit_number, name=_named_unit, sums=False)
-    except (ExpressionError, ArithmeticError):
-        usual = re.findall(r"[^\s,.]+(?=[,.])", hint)  # of the dimension: they are meant first
-        same = next((f'did you mean "{x}"?' for x in _SPELT if x.lower() == unit.lower()), "")
-        bare = next((f'did you mean "{x}"?' for x in usual if x.replace("*", "") == unit.replace("*", "")), "")
-        near = same or bare or (meant(unit, usual) or meant(unit, [*_units(), *_SPELT])).rstrip()
-        raise SceneError(f"unknown unit {quoted(unit)}{f': {near}' if near else '.'}{hint}") from None
+    if (known := _reading(plain, text, fits)) is not None:
+        return known
+    near = _proposal(plain, fits)
+    raise SceneError(f"unknown unit {quoted(unit)}{f': {near}' if near else '.'}{hint}")
+
+
+def _reading(plain: str, text: str, fits: Callable[[Powers], bool]) -> tuple[Expr, Powers] | None:
+    """The one meaning of a unit that fits, or any where none does; None where it is unknown."""
+    found: dict[tuple[Expr, tuple[tuple[str, Fraction], ...]], str] = {}
+    for one in chain([plain], _as_engineers_write(plain)):
+        try:
+            value, powers = _unit_value(evaluate(one, number=_unit_number, name=_named_unit, sums=False), text)
+        except (ExpressionError, ArithmeticError):
+            continue
+        if one == plain and fits(powers):
+            return value, powers
+        found.setdefault((value, tuple(sorted(powers.items()))), one)
+    fitting = [x for x in found if fits(dict(x[1]))]
+    if len(fitting) > 1:
+        both = " or ".join(f'"{found[x]}"' for x in fitting[:2])
+        raise SceneError(f"{quoted(text)} has two meanings: write {both}")
+    for value, own in [*fitting, *found]:  # where none fits, whoever asked says what the dimension is
+        return value, dict(own)
+    return None
+
+
+def _unit_value(size: _Size, text: str) -> tuple[Expr, Powers]:
     turns, *powers = size.powers
     if turns.denominator != 1 or (isinstance(size.factor, float) and size.factor != 1.0):
         raise SceneError(f"{quoted(text)}: use m, s, kg, N, rad in a fractional power")
     exact = Fraction(size.factor)
     value = Rational(exact.numerator, exact.denominator) * pi ** Integer(int(turns))
     return value, {name: x for name, x in zip(("mass", "length", "time"), powers, strict=True) if x}
+
+
+_BETWEEN = re.compile(r"(?<=\w)[-.](?=[^\W\d_])")  # "N-m", "N.m", "m2.s"
+_POWER_BEHIND = re.compile(r"(?<=[^\W\d_])(-?\d)(?!\d)")  # "m2", "s-1"
+_RUN_TOGETHER = re.compile(r"[^\W\d_]+")
+_LONGEST_RUN = 8  # letters ("kgfcmsec"): a longer word would have more readings than anybody means
+_GRAVITY = re.compile(r"\b(m?)g\b")
+
+
+def _as_engineers_write(plain: str) -> Iterator[str]:
+    """Other readings of a unit: signs between names as products, names run together taken apart, g as an acceleration."""
+    spelt = _POWER_BEHIND.sub(r"^\1", _BETWEEN.sub("*", plain))
+    spelt = re.sub(r"\^(-\d)", r"^(\1)", spelt)
+    words = list(dict.fromkeys(_RUN_TOGETHER.findall(spelt)))
+    ways = [[word, *_taken_apart(word)] for word in words if len(word) <= _LONGEST_RUN]
+    for chosen in islice(product(*ways), _MOST_READINGS):
+        parts = dict(zip(words, chosen, strict=False))
+        yield _respelt(spelt, parts)
+    if _GRAVITY.search(spelt):
+        yield _GRAVITY.sub(r"\1g_n", spelt)
+
+
+_MOST_READINGS = 200
+"""Of a unit: a word of eight letters can be taken apart in 127 ways at most."""
+
+
+def _respelt(unit: str, parts: Mapping[str, str]) -> str:
+    """A unit with some of its names written otherwise."""
+    return _RUN_TOGETHER.sub(lambda found: parts.get(found[0], found[0]), unit)
+
+
+def _taken_apart(word: str) -> Iterator[str]:
+    """``Nms`` as ``N*ms`` and ``N*m*s``: all ways in which units that are written one after the other give a word."""
+    for i in range(1, len(word)):
+        first, rest = word[:i], word[i:]
+        if not _is_named(first):
+            continue
+        if _is_named(rest):
+            yield f"{first}*{rest}"
+        yield from (f"{first}*{other}" for other in _taken_apart(rest))
+
+
+def _is_named(name: str) -> bool:
+    try:
+        _named_unit(name)
+    except KeyError:
+        return False
+    return True
+
+
+def _proposal(plain: str, fits: Callable[[Powers], bool]) -> str:
+    """What may be meant: the unit with the names that are none spelt otherwise, where that fits.
+
+    All else stays as it was written, so that a proposal has the size of what was meant.
+    """
+    words = list(dict.fromkeys(_RUN_TOGETHER.findall(plain)))
+    ways = [[word] if _is_named(word) else _near(word) for word in words]
+    for chosen in islice(product(*ways), _MOST_READINGS):
+        parts = dict(zip(words, chosen, strict=True))
+        one = _respelt(plain, parts)
+        with suppress(SceneError):
+            known = None if one == plain else _reading(one, one, fits)
+            if known is not None and fits(known[1]):
+                return f'did you mean "{one}"?'
+    return ""
+
+
+def _near(word: str) -> list[str]:
+    """Names of units that one which is none may stand for: in other letters, and then in another spelling."""
+    same = [x for x in _SPELT if x.lower() == word.lower()]
+    likely = re.search('"(.*)"', meant(word, [*_units(), *_SPELT]))
+    return [*same, word[0] + word[1:].lower(), *([likely[1]] if likely else [])]
 
 
 @dataclass(frozen=True, slots=True)
@@ -342,6 +446,7 @@ _DEFINED = (
     ("revolution rev", "2", "pi*rad"), ("revolutions_per_minute rpm", "1", "rev/min"), ("percent %", "0.01", "rad"),
     ("newton N", "1", "kg*m/s^2"), ("joule J", "1", "N*m"), ("force_pound lbf", "9.80665", "lb*m/s^2"),
     ("force_ounce ozf", "1/16", "lbf"), ("force_kilogram kgf", "9.80665", "N"), ("slug", "1", "lbf*s^2/ft"),
+    ("standard_gravity g_n G", "9.80665", "m/s^2"),
 )  # fmt: skip
 """Names, and what they are of a unit that stands before: exact, by definition."""
 
@@ -555,7 +660,7 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
     value, unit = _rational(match, text), match[3]
     if not unit:
         return Quantity(value)
-    factor, exponents = read_unit(unit, text, expected(dimension))
+    factor, exponents = read_unit(unit, text, expected(dimension), lambda powers: _has_dimension(powers, dimension))
     if dimension is Dimension.TIME and exponents == {"time": -1} and value > 0:
         raise SceneError(
             f"{quoted(text)} is not a time; its period is {2 * pi / (value * factor)} s.{expected(dimension)}"
@@ -563,6 +668,10 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
     motion = _motion(exponents, text, dimension)
     written = None if factor == 1 else Unit(_JUXTAPOSED.sub("*", unit.translate(_PLAIN)), factor)
     return Quantity(_sized(value * factor, text), motion, tuple(sorted(exponents.items())), written)
+
+
+def _has_dimension(powers: Powers, dimension: Dimension) -> bool:
+    return dimension is Dimension.ANY or powers in _dimension_exponents(dimension)
 
 
 def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> MotionKind | None:

@@ -23,7 +23,10 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import partial
 from itertools import chain, islice
 from pathlib import Path
 from typing import Any, NamedTuple, TextIO
@@ -74,12 +77,14 @@ def _near(path: Path) -> str:
 class Layout:
     """What a scene states about a file. SceneError for what is none.
 
-    ``columns`` : role to header or number from 1. ``unit`` : role to unit. ``quantity`` : of the response.
+    ``columns`` : role to header or number from 1. ``unit`` : role to unit. ``quantity`` : of the response. ``sign`` : -1 where
+    the force that was measured is the reaction to the one that is meant.
     """
 
     columns: Mapping[str, str | int] = field(default_factory=dict)
     unit: Mapping[str, str] = field(default_factory=dict)
     quantity: str | None = None
+    sign: int = 1
 
     def __post_init__(self) -> None:
         for key, kinds in (("columns", str | int), ("unit", str)):
@@ -96,6 +101,8 @@ class Layout:
         if self.quantity is not None and self.quantity not in list(_QUANTITIES):
             near, valid = meant(str(self.quantity), _QUANTITIES), ", ".join(_QUANTITIES)
             raise SceneError(f"quantity: {quoted(self.quantity)} is unknown: {near}valid are {valid}")
+        if isinstance(self.sign, bool) or self.sign not in (1, -1):
+            raise SceneError(f"sign: {quoted(self.sign)} must be 1, or -1 for a force that is measured as the reaction")
 
 
 _QUANTITIES = {
@@ -104,13 +111,13 @@ _QUANTITIES = {
 }  # fmt: skip
 """The order of the derivative of motion, and the power of force over it."""
 _RESPONSE = {
-    "frequency": "omega w frequency freq f hz angular_frequency",
-    "H": "h frf txy tf response z " + " ".join(_QUANTITIES).replace("-", "_"), "real": "real re",
+    "frequency": "omega w wout frequency freq f hz angular_frequency x_value",
+    "H": "h frf txy tf response responsedata z " + " ".join(_QUANTITIES).replace("-", "_"), "real": "real re",
     "imag": "imag im imaginary", "magnitude": "magnitude mag gain amplitude modulus abs spl |h|",
     "phase": "phase angle arg", "coherence": "coherence coh cxy gamma2", "radius": "radius",
 }  # fmt: skip
 _RECORD = {
-    "time": "t time timestamp",
+    "time": "t time timestamp x_value",
     "position": "position pos x q displacement",
     "force": "force effort torque f",
     "reference": "reference ref",
@@ -126,7 +133,8 @@ _SUFFIXES = {
 
 _HERTZ = {"hz": 2 * np.pi, "khz": 2000 * np.pi}
 _RADIANS = {"rad/s": 1.0, "1/s": 1.0, "rad/sec": 1.0}
-_DEGREES = dict.fromkeys(("deg", "°", "degree", "degrees"), np.pi / 180)
+_DEGREES = dict.fromkeys(("deg", "°", "degree", "degrees", "*"), np.pi / 180)
+"""``*`` is how Digilent's WaveForms writes the sign of degrees."""
 _RAD = dict.fromkeys(("rad", "radian", "radians"), 1.0)
 
 
@@ -205,12 +213,19 @@ def _place(columns: Sequence[Column], role: str, wanted: str | int) -> int:
 
 
 def _unit(role: str, column: Column, layout: Layout) -> str:
-    """What the header states, or else the scene."""
+    """What the header states, or else the scene, which also has the word where the header is not understood."""
     own = "" if column.unit == "-" else column.unit
     stated = layout.unit.get(role, "")
-    if own and stated and own.lower() != stated.lower():
+    if not (own and stated) or own.lower() == stated.lower():
+        return own or stated
+    try:
+        understood = _scale(role, own, column, layout)
+    except SceneError:
+        return stated
+    wanted = _scale(role, stated, column, layout)
+    if (wanted.factor, wanted.decibel) != (understood.factor, understood.decibel):
         raise SceneError(f"unit: {role}: the file has {quoted(own)}: leave out {quoted(stated)}")
-    return own or stated
+    return own
 
 
 # Units.
@@ -268,13 +283,17 @@ def _frequency_scale(unit: str, column: Column) -> Scale:
     if column.bare == "omega":
         hint = ": call the column frequency_hz" if unit.lower() in _HERTZ else ""
         return Scale(_listed("omega", unit or "rad/s", _RADIANS, hint), "rad/s")
-    if not unit and column.bare in ("w", "angular_frequency"):
-        return Scale(1.0, "rad/s (assumed)")
-    if not unit and column.name.lower() != "hz":
-        if not re.search("[a-z]", column.bare):
-            raise SceneError('the frequency has no unit: add unit = { frequency = "Hz" }, or "rad/s"')
-        return Scale(2 * np.pi, "Hz (assumed)")
-    factor = _listed(column.text, unit or "Hz", _HERTZ | _RADIANS)
+    if not unit and column.bare in ("w", "wout", "angular_frequency"):  # as MATLAB and python-control name them
+        return Scale(1.0, "rad/s")
+    if not unit and column.bare not in ("hz", "x_value"):  # LabVIEW writes spectra over Hz
+        raise SceneError(f'{column.text}: the frequency has no unit: add unit = {{ frequency = "Hz" }}, or "rad/s"')
+    known = _HERTZ | _RADIANS
+    if unit and unit.lower() not in known:
+        try:
+            return Scale(float(quantity(f"1 {unit}", Dimension.FREQUENCY).value), unit)
+        except SceneError as error:
+            raise error.within(column.text) from None
+    factor = known[(unit or "Hz").lower()]
     return Scale(factor, "rad/s" if factor == 1 else "Hz" if factor < 10 else "kHz")
 
 
@@ -294,26 +313,30 @@ def _size_scale(role: str, unit: str, column: Column, layout: Layout) -> Scale:
         if (order, power) == (0, 1):
             read = quantity(f"1 {own}", Dimension.STIFFNESS)
             return Scale(float(read.value), unit, read.motion, bool(decibel))
-        value, powers = read_unit(own, own, "")
+        value, powers = read_unit(own, own, "", partial(_measures, order, power))
     except SceneError as error:
         raise SceneError(f"{column.text}: {str(error).rstrip('.')}{_otherwise(own)}") from None
     length = power * powers.get("length", 0)
-    if (power * powers.get("mass", 0), power * powers.get("time", 0)) != (1, order - 2) or length not in (0, 2):
+    if not _measures(order, power, powers):
         raise SceneError(
             f"{column.text}: {quoted(own)} is no unit of {layout.quantity}{_otherwise(own, layout.quantity)}"
         )
     return Scale(float(value), unit, MotionKind.ROTATION if length else MotionKind.TRANSLATION, bool(decibel))
 
 
+def _measures(order: int, power: int, powers: Mapping[str, Fraction]) -> bool:
+    """Whether base dimensions are those of force over the derivative of this order, along a line or about an axis."""
+    mass, length, time = (power * powers.get(x, 0) for x in ("mass", "length", "time"))
+    return (mass, time) == (1, order - 2) and length in (0, 2)
+
+
 def _otherwise(unit: str, own: str | None = "stiffness") -> str:
     """A hint where the unit is that of another quantity."""
-    try:
-        _, powers = read_unit(unit, unit, "")
-    except SceneError:
-        return ""
     for name, (order, power) in _QUANTITIES.items():
-        if name != own and (power * powers.get("mass", 0), power * powers.get("time", 0)) == (1, order - 2):
-            return f'; this is {name.replace("-", " ")}: add quantity = "{name}"'
+        fits = partial(_measures, order, power)
+        with suppress(SceneError):
+            if name != own and fits(read_unit(unit, unit, "", fits)[1]):
+                return f'; this is {name.replace("-", " ")}: add quantity = "{name}"'
     return ""
 
 
@@ -378,11 +401,10 @@ def _read_text(path: Path, layout: Layout, check: Check, example: str) -> Given:
     try:
         refuse(path)
         with path.open(encoding="utf-8-sig") as file:
-            head = _head(file, path, layout, example)
-            roles = check(head.columns, layout)
+            head, roles = _understood_head(file, path, layout, check, example)
             head = _with_units(file, head, roles)
             scales = _scales(head.columns, roles, layout)
-            rows = _rows(path, file, head, roles, scales)
+            rows, blank = _rows(path, file, head, roles, scales)
     except UnicodeDecodeError:
         raise SceneError("not text in UTF-8: save it as CSV in UTF-8") from None
     except SceneError:
@@ -394,14 +416,58 @@ def _read_text(path: Path, layout: Layout, check: Check, example: str) -> Given:
         with path.open(encoding="utf-8-sig") as again:
             return f"line {next(islice(_numbered(islice(again, head.line - 1, None), head.line), row, None))[0]}"
 
-    has_commas = head.separator != "," and "," in head.first
-    return Given(path, head.columns, roles, scales, rows, place, ("decimal commas",) if has_commas else ())
+    notes = ["decimal commas"] if head.separator != "," and "," in head.first else []
+    notes += [f"{counted(blank, 'blank row')} left out"] if blank else []
+    return Given(path, head.columns, roles, scales, rows, place, tuple(notes))
 
 
-def _head(file: TextIO, path: Path, layout: Layout, example: str) -> Head:
-    """The header: the first line, or a comment before a line of numbers that has as many cells."""
+def _understood_head(
+    file: TextIO, path: Path, layout: Layout, check: Check, example: str
+) -> tuple[Head, dict[str, int]]:
+    """The header and its roles: at the top, or else above the first line of numbers, after what an instrument writes before."""
+    try:
+        head = _head(file, path, layout, example)
+        return head, check(head.columns, layout)
+    except SceneError:
+        file.seek(0)
+        start = _line_of_header(file)
+        if start is None:
+            raise
+    file.seek(0)
+    head = _head(file, path, layout, example, start)
+    return head, check(head.columns, layout)
+
+
+def _line_of_header(file: TextIO) -> int | None:
+    """Which line names the columns, where others come before it: the last one above the numbers, or the one above its units."""
+    before: list[tuple[int, list[str]]] = []
+    for at, line in _numbered(file, 1):
+        cells = [x for x in _cells(line, _separator(line)) if x]
+        if len(cells) > 1 and all(map(_is_number, cells)):
+            break
+        before = [*before[-1:], (at, _names(line))]
+    else:
+        return None
+    if len(before) < 2:
+        return None
+    (above, names), (last, cells) = before
+    has_units = len(names) == len(cells) and all(map(_is_unit, cells))
+    return above if has_units else last
+
+
+def _is_unit(cell: str) -> bool:
+    if cell.lower() in ("", "-", "db", *_HERTZ, *_RADIANS, *_DEGREES, *_RAD):
+        return True
+    with suppress(SceneError):
+        read_unit(cell, cell, "")
+        return True
+    return False
+
+
+def _head(file: TextIO, path: Path, layout: Layout, example: str, start: int = 1) -> Head:
+    """The header: the first line from ``start`` on, or a comment before a line of numbers that has as many cells."""
     comments: list[str] = []
-    for at, line in enumerate(file, 1):
+    for at, line in enumerate(islice(file, start - 1, None), start):
         if not line.strip():
             continue
         if line.lstrip()[0] in _COMMENTS:
@@ -413,7 +479,10 @@ def _head(file: TextIO, path: Path, layout: Layout, example: str) -> Head:
             number, first = next(_numbered(file, at + 1), (at, ""))
             if not first:
                 break
-            return Head(tuple(map(_column, _names(line))), _separator(first, line), first, number)
+            names = _names(line)
+            if names[-1] == "Comment" and len(_cells(first.rstrip(), _separator(first, line))) < len(names):
+                names.pop()  # LabVIEW names a column for remarks and leaves it out of the lines
+            return Head(tuple(map(_column, names)), _separator(first, line), first, number)
         if len(cells) > 1 and path.suffix.lower() in (".frd", ".zma"):
             kind = "Magnitude (dB)" if path.suffix.lower() == ".frd" else "Magnitude"
             names = ["Frequency (Hz)", kind, "Phase (deg)"]
@@ -447,11 +516,13 @@ def _with_units(file: TextIO, head: Head, roles: Mapping[str, int]) -> Head:
 
 def _rows(
     path: Path, file: TextIO, head: Head, roles: Mapping[str, int], scales: Mapping[str, Scale]
-) -> dict[str, Any]:
+) -> tuple[dict[str, Any], int]:
+    """The numbers of each role, and how many rows without any were left out."""
     used, width, is_complex = sorted(set(roles.values())), len(head.columns), "H" in roles
+    blank: list[int] = []
 
     def lines() -> Iterator[str]:
-        for number, text in _numbered(chain([head.first], file), head.line):
+        for number, text in _numbered(chain([head.first], file), head.line, blank):
             # where another separator stands, a comma can only stand before decimals
             plain = text if head.separator == "," else text.replace(",", ".")
             if len(used) < width and '"' not in text and len(plain.split(head.separator)) != width:
@@ -479,7 +550,7 @@ def _rows(
         raise SceneError(
             f"{head.columns[roles['H']].text}: has no complex numbers, as 799+30j: add a column of the phase"
         )
-    return {role: (row if role == "H" else row.real) * scales[role].factor for role, row in rows.items()}
+    return {role: (row if role == "H" else row.real) * scales[role].factor for role, row in rows.items()}, len(blank)
 
 
 def _without_i(text: str, separator: str | None) -> str:
@@ -488,11 +559,16 @@ def _without_i(text: str, separator: str | None) -> str:
     return re.sub(r"(?<=[\d.])\s*\*?[iIjJ](?![A-Za-z])", "j", bare)
 
 
-def _numbered(lines: Iterable[str], first: int) -> Iterator[tuple[int, str]]:
-    """Those of numbers, as text, and which line it is."""
+def _numbered(lines: Iterable[str], first: int, blank: list[int] | None = None) -> Iterator[tuple[int, str]]:
+    """Those of numbers, as text, and which line it is; the numbers of those with separators alone go to ``blank``."""
     for number, line in enumerate(lines, first):
-        if (text := line.partition("#")[0]).strip() and text.lstrip()[0] not in _COMMENTS:
+        text = line.partition("#")[0]
+        if not text.strip() or text.lstrip()[0] in _COMMENTS:
+            continue
+        if text.strip(' \t,;"\r\n'):
             yield number, text
+        elif blank is not None:
+            blank.append(number)
 
 
 def _refuse_line(number: int, cells: Sequence[str], head: Head, used: Sequence[int]) -> None:
@@ -561,7 +637,11 @@ def _read_mat(path: Path, layout: Layout, check: Check) -> Given:
     if len(structs) == 1 and not {_known_role(x) for x in found} & {"frequency", "time"}:
         own = structs[0].reshape(-1)[0]
         found = {x: np.asarray(own[x]) for x in own.dtype.names}
-    columns = tuple(map(_column, found))
+    unit = ""
+    if {"ResponseData", "Frequency"} <= set(found):  # an frd; its other fields say nothing of the response
+        unit = _unit_of_frd(found)
+        found = {x: found[x] for x in ("Frequency", "ResponseData")}
+    columns = tuple(x._replace(unit=unit) if unit and x.name == "Frequency" else x for x in map(_column, found))
     roles = check(columns, layout)
     scales = _scales(columns, roles, layout)
     names = {role: columns[i].text for role, i in roles.items()}
@@ -570,6 +650,18 @@ def _read_mat(path: Path, layout: Layout, check: Check) -> Given:
         counts = ", ".join(f"{x} has {len(rows[role])}" for role, x in names.items())
         raise SceneError(f"give as many numbers in each variable: {counts}")
     return Given(path, columns, roles, scales, rows, lambda i: f"line {i + 1}")
+
+
+def _unit_of_frd(found: Mapping[str, Any]) -> str:
+    """The unit of the frequencies in an frd of MATLAB, which may refer to that of time."""
+    unit, time = (_word(found.get(x)) for x in ("FrequencyUnit", "TimeUnit"))
+    if time not in ("", "seconds") and (not unit or "TimeUnit" in unit):
+        raise SceneError(f"TimeUnit: the frequencies are per {time}: set FrequencyUnit to rad/s or Hz")
+    return {"": "rad/s", "rad/TimeUnit": "rad/s", "cycles/TimeUnit": "Hz"}.get(unit, unit)
+
+
+def _word(given: Any) -> str:
+    return "" if given is None or not np.size(given) else str(np.ravel(given)[0])
 
 
 def _known_role(name: str) -> str:
@@ -634,6 +726,9 @@ def _measurement(given: Given, layout: Layout, averages: float | None, confidenc
         notes.append("sorted")
     check_lines(omega, H, coherence, radius, place)
     own = Measurement(omega, H, coherence, averages, confidence, radius, given.motion, given.path.name, given.path)
+    if layout.sign < 0:
+        own = replace(own, H=-own.H)
+        notes.append("sign turned round")
     if (layout.quantity or "stiffness") != "stiffness":
         own, left = _converted(own, str(layout.quantity), place)
         notes += [str(layout.quantity).replace("-", " "), left]
@@ -706,12 +801,13 @@ def read_record(path: Path, estimator: str, *, layout: Layout | None = None, **s
             raise SceneError("estimator: joint needs the column reference, the signal that drives the loop")
         rate, note = _rate(given)
         found = estimated(
-            rows["position"], rows["force"], rate, estimator=estimator, reference=rows["reference"] if joint else None,
+            rows["position"], own.sign * rows["force"], rate, estimator=estimator, reference=rows["reference"] if joint else None,
             name=path.name, motion=given.motion, **settings,
         )  # fmt: skip
     except SceneError as error:
         raise error.within(path.name or str(path)) from None
-    return replace(found, path=path, understood=given.understood(note))
+    turned = "sign turned round" if own.sign < 0 else ""
+    return replace(found, path=path, understood=given.understood(note, turned))
 
 
 def _rate(given: Given) -> tuple[float, str]:
@@ -742,7 +838,7 @@ def _rate(given: Given) -> tuple[float, str]:
 
 RECORDS = ("estimator", "segment", "overlap", "window", "every")
 """Keys of a response that is estimated from records in time."""
-LAYOUT = ("columns", "unit", "quantity")
+LAYOUT = ("columns", "unit", "quantity", "sign")
 """Keys of what a file has."""
 
 

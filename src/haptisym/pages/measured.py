@@ -258,6 +258,11 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     yield "perceived", measured_words(felt)
     if felt.understood:
         yield "read", felt.understood
+    if e.is_turned_round:
+        nearer = (
+            "at every point H is nearer to -H_env than to H_env. If the sensor measures the reaction, add sign = -1"
+        )
+        yield "sign", (Strong("turned round?"), " ", nearer)
     if felt.welch and (told := linearity(felt.welch)):
         yield "linear", told
     if e.left_out:

@@ -28,7 +28,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import Viewed, counted
 from haptisym.model.jnd import Published, published_by_name
 from haptisym.programs.values import Array
-from haptisym.verbs.jnd.tables import Answers, Row, condensed, read_answers
+from haptisym.verbs.jnd.tables import Answers, Coding, Row, condensed, read_answers
 
 _NORMAL = NormalDist()
 
@@ -624,6 +624,7 @@ def jnd(
     method: str = "likelihood",
     columns: Mapping[str, str] | None = None,
     where: Mapping[str, str] | None = None,
+    more: str | None = None,
 ) -> Psychometric:
     """Fit psi(x) = guess + (1 - guess - lapse) Phi((x - mu)/sigma) to the responses in a file; return the JND.
 
@@ -633,7 +634,7 @@ def jnd(
     ``guess``, ``lapse`` : shares of responses that do not depend on the level; a lapse of None is fitted, up to 0.1.
     ``reference`` : level of the standard, in the unit of the levels. ``method`` : "likelihood", or "psignifit" (a package), which
     fits guesses and lapses itself. ``columns`` : names of the columns "level", "count", "trials" or "answer"; ``where`` : only
-    lines with these values.
+    lines with these values. ``more`` : the answer that means more, where answers are two words.
 
     Estimated: the interval is that of the profile likelihood at ``confidence``, and may have no upper end. SceneError for a
     table that cannot be read, and for responses without a threshold. Needs SciPy. Source: Wichmann and Hill (2001).
@@ -645,7 +646,9 @@ def jnd(
     ...     print(f"{jnd(table, reference=5).jnd.value:.3f}")
     0.395
     """
-    answers = condensed(data if isinstance(data, Answers) else read_answers(data, columns or {}, where or {}))
+    if not isinstance(data, Answers):
+        data = read_answers(data, columns or {}, where or {}, Coding(more, reference, alternatives is not None))
+    answers = condensed(data)
     choices = answers.alternatives if alternatives is None else alternatives
     if answers.alternatives not in (None, choices):
         raise SceneError(f"{answers.name} gives {answers.alternatives} alternatives, not {choices}")

@@ -10,8 +10,9 @@ import csv
 import json
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from io import TextIOWrapper
 from itertools import chain
 from math import isfinite
@@ -132,23 +133,37 @@ TOLD = ("participant", "subject", "subj", "observer", "session", "condition", "h
 
 @dataclass(frozen=True)
 class Columns:
-    """Where a table has what, by position: ``count`` and ``trials``, or else ``answer``, one to a line."""
+    """Where a table has what, by position: ``count`` and ``trials``, or else ``answer``, one to a line.
+
+    ``second`` : the level of the second interval, where ``level`` is that of the first and answers are intervals.
+    """
 
     level: int
     count: int | None
     trials: int | None
     answer: int | None
+    second: int | None = None
 
     @property
     def used(self) -> tuple[int, ...]:
         """The positions, level first."""
-        return tuple(x for x in (self.level, self.count, self.trials, self.answer) if x is not None)
+        return tuple(x for x in (self.level, self.second, self.count, self.trials, self.answer) if x is not None)
 
 
 def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
-    """The columns that hold level and answers; ``named`` : those that the caller names. SceneError where there are none."""
+    """The columns that hold level and answers; ``named`` : those that the caller names. SceneError where there are none.
+
+    >>> find_columns(["trial", "k1", "k2", "answer"], {})
+    Columns(level=1, count=None, trials=None, answer=3, second=2)
+    """
+    if "level" not in named and (pair := _two_intervals(header)) is not None:
+        answer = _named(header, "answer", named) if "answer" in named else _known(header, "answer")
+        if answer is not None:
+            return Columns(pair[0], None, None, answer, pair[1])
     found = {key: _named(header, key, named) if key in named else _known(header, key) for key in ALIASES}
     level, count, trials, answer = (found[key] for key in ("level", "count", "trials", "answer"))
+    if count is None and "answer" not in named:
+        count = next((i for i, name in enumerate(header) if _is_per_cent(name)), None)
     if level is None:
         raise SceneError(_missing(header, "the levels", "level"))
     if count is not None and trials is not None and "answer" not in named:
@@ -157,6 +172,16 @@ def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
         return Columns(level, None, None, answer)
     lacking = "how many answers counted (k) of how many (n), nor one answer a line"
     raise SceneError(_missing(header, lacking, "count and --trials, or --answer,"))
+
+
+def _two_intervals(header: Sequence[str]) -> tuple[int, int] | None:
+    """Where the levels of two intervals are: the only two columns whose names differ in a last 1 and 2."""
+    firsts = [x for x in header if x.endswith("1") and f"{x[:-1]}2" in header]
+    return (header.index(firsts[0]), header.index(f"{firsts[0][:-1]}2")) if len(firsts) == 1 else None
+
+
+def _is_per_cent(name: str) -> bool:
+    return "%" in name or _plain(name).startswith(("percent", "pct"))
 
 
 def position(header: Sequence[str], name: str) -> int:
@@ -209,7 +234,21 @@ _NOT_TEXT = {
 }
 
 
-def read_answers(path: str | Path, named: Mapping[str, str], where: Mapping[str, str]) -> Answers:
+@dataclass(frozen=True)
+class Coding:
+    """What answers mean: the word for "more", if one was named, and the level of the standard, which two intervals need.
+
+    ``is_forced`` : of a forced choice, where answers are right or wrong, and 1 or 2 would be a choice instead.
+    """
+
+    more: str | None = None
+    reference: float | None = None
+    is_forced: bool = False
+
+
+def read_answers(
+    path: str | Path, named: Mapping[str, str], where: Mapping[str, str], coding: Coding = Coding()
+) -> Answers:
     """The answers in a file. ``named`` : columns by what they hold; ``where`` : only lines with these values. SceneError says
     what is wrong."""
     need("data", path, (str, Path), "give a file of responses, or Answers")
@@ -218,7 +257,7 @@ def read_answers(path: str | Path, named: Mapping[str, str], where: Mapping[str,
         with path.open("rb") as raw:  # opened once, as it may be a pipe
             _refuse(path, raw.peek(8))
             with TextIOWrapper(raw, encoding="utf-8-sig", newline="") as file:
-                return _read(path, file, named, where)
+                return _read(path, file, named, where, coding)
     except SceneError as error:
         raise error.within(path.name) from None
     except IsADirectoryError:
@@ -243,11 +282,11 @@ def _refuse(path: Path, begins: bytes) -> None:
         raise SceneError(f"this is {told}")
 
 
-def _read(path: Path, file: TextIO, named: Mapping[str, str], where: Mapping[str, str]) -> Answers:
+def _read(path: Path, file: TextIO, named: Mapping[str, str], where: Mapping[str, str], coding: Coding) -> Answers:
     first = next((line for line in file if line.strip()), "")
     if not first.lstrip().startswith(("{", "[")):
-        return _from_table(path.name, first, file, named, where)
-    if named or where:
+        return _from_table(path.name, first, file, named, where, coding)
+    if named or where or coding.more is not None:
         raise SceneError("JSON has no columns: leave their names out")
     text = first + file.read(_MOST_CHARACTERS)
     if len(text) >= _MOST_CHARACTERS:
@@ -255,7 +294,9 @@ def _read(path: Path, file: TextIO, named: Mapping[str, str], where: Mapping[str
     return _from_psignifit(path.name, text)
 
 
-def _from_table(name: str, first: str, file: TextIO, named: Mapping[str, str], where: Mapping[str, str]) -> Answers:
+def _from_table(
+    name: str, first: str, file: TextIO, named: Mapping[str, str], where: Mapping[str, str], coding: Coding
+) -> Answers:
     delimiter = max("\t;,", key=first.count)
     try:
         header, *lines = [
@@ -266,7 +307,8 @@ def _from_table(name: str, first: str, file: TextIO, named: Mapping[str, str], w
     _refuse_numbers(header)
     columns, wanted = find_columns(header, named), {position(header, x): y for x, y in where.items()}
     others = {i: set[str]() for i, x in enumerate(header) if x.lower() in TOLD and i not in wanted}
-    rows, half, count = [], 0, 0
+    kept: list[tuple[int, list[str]]] = []
+    half, count = 0, 0
     for number, short in enumerate(lines, 2):
         cells = short + [""] * (len(header) - len(short))
         if not any(short) or any(cells[i] != value for i, value in wanted.items()):
@@ -274,18 +316,17 @@ def _from_table(name: str, first: str, file: TextIO, named: Mapping[str, str], w
         used, count = ["" if cells[i].lower() in _NOTHING else cells[i] for i in columns.used], count + 1
         for i in others if used[-1] else ():
             others[i] |= {cells[i]} - {""}
-        if not all(used):
+        if all(used):
+            kept.append((number, used))
+        else:
             half += any(used)
-            continue
-        try:
-            rows.append(_row(columns, used, has_commas=delimiter != ","))
-        except SceneError as error:
-            raise error.within(f"line {number}") from None
+    rows, told = _rows(header, columns, kept, coding, has_commas=delimiter != ",")
     if wanted and not count:
         raise SceneError(f"no line has {' and '.join(f'{header[i]} = {value[:40]}' for i, value in wanted.items())}")
     if half == count > 0:
         raise SceneError("no line has both a level and a response")
-    notes = [f"{counted(half, 'line')} without a level or an answer left out"] if half else []
+    notes = [told] if told else []
+    notes += [f"{counted(half, 'line')} without a level or an answer left out"] if half else []
     notes += [
         f"{counted(len(x), 'value')} of {header[i]} put together; choose with --where {header[i]}=..."
         for i, x in others.items()
@@ -294,19 +335,85 @@ def _from_table(name: str, first: str, file: TextIO, named: Mapping[str, str], w
     return Answers(name, collected(rows), notes=tuple(notes))
 
 
-def _row(columns: Columns, cells: Sequence[str], *, has_commas: bool) -> tuple[float, int, int]:
-    """Level, answers that count, and of how many."""
-    keys = ("level",) if columns.answer is not None else ("level", "k", "n")
-    level, *counts = (_number(key, x, has_commas=has_commas) for key, x in zip(keys, cells, strict=False))
-    if columns.answer is not None:
-        return level, _is_yes(cells[1]), 1
-    for key, x, text in zip(keys[1:], counts, cells[1:], strict=True):
+def _rows(
+    header: Sequence[str],
+    columns: Columns,
+    kept: Sequence[tuple[int, Sequence[str]]],
+    coding: Coding,
+    *,
+    has_commas: bool,
+) -> tuple[list[tuple[float, int, int]], str]:
+    """Level, answers that count and of how many, of each line; and which answers counted, where that was understood."""
+    read: Callable[[Sequence[str]], tuple[float, int, int]]
+    number = partial(_number, has_commas=has_commas)
+    told = ""
+    if columns.count is not None:
+        if coding.more is not None:
+            raise SceneError("more: the table has counts, not single answers: leave it out")
+        read = partial(_of_counts, number, is_per_cent=_is_per_cent(header[columns.count]))
+    elif columns.second is not None:
+        if coding.reference is None:
+            raise SceneError("two intervals have a level each: add --reference, the level of the standard")
+        read = partial(_of_two_intervals, number, coding.reference)
+    else:
+        more, less = _meaning([cells[-1] for _, cells in kept], coding)
+        told = "" if "1" in more and "0" in less else f'"{next(iter(more))}" counted as more'
+        read = partial(_of_one, number, more, less)
+    found = []
+    for line, cells in kept:
+        try:
+            found.append(read(cells))
+        except SceneError as error:
+            raise error.within(f"line {line}") from None
+    return found, told
+
+
+def _of_one(
+    number: Callable[[str, str], float], more: Collection[str], less: Collection[str], cells: Sequence[str]
+) -> tuple[float, int, int]:
+    """Of a level and one answer."""
+    answer = cells[1].lower()
+    if answer not in (*more, *less):
+        words = "must be 1 or 0 (or true or false, yes or no; of two other words name the one for more, as --more"
+        raise SceneError(f"answer: {quoted(cells[1])} {words} {cells[1][:20]})")
+    return number("level", cells[0]), int(answer in more), 1
+
+
+def _of_two_intervals(
+    number: Callable[[str, str], float], reference: float, cells: Sequence[str]
+) -> tuple[float, int, int]:
+    """Of the levels of two intervals, one of which is the standard, and which was answered; no trial where both are."""
+    levels = [number("level", x) for x in cells[:2]]
+    if cells[2] not in ("1", "2"):
+        raise SceneError(f"answer: {quoted(cells[2])} must be 1 or 2, the interval that was more")
+    if reference not in levels:
+        raise SceneError(f"neither {cells[0]} nor {cells[1]} is the level of the standard, {reference:g}")
+    other = 1 if levels[0] == reference else 0
+    return levels[other], int(cells[2] == str(other + 1)), int(levels[0] != levels[1])
+
+
+def _of_counts(
+    number: Callable[[str, str], float], cells: Sequence[str], *, is_per_cent: bool
+) -> tuple[float, int, int]:
+    """Of a level, k and n, or the percentage that k is of n."""
+    level, k, n = (number(key, x) for key, x in zip(("level", "k", "n"), cells, strict=True))
+    if is_per_cent:
+        k = _whole_share(k, n, cells[1])
+    for key, x, text in zip("kn", (k, n), cells[1:], strict=True):
         if x < 0 or x != int(x) or x > _MOST_TRIALS:
             raise SceneError(f"{key}: {quoted(text)} is no count of responses: give a whole number")
-    count, trials = map(int, counts)
-    if count > trials:
-        raise SceneError(f"k = {count} is more than n = {trials}")
-    return level, count, trials
+    if k > n:
+        raise SceneError(f"k = {int(k)} is more than n = {int(n)}")
+    return level, int(k), int(n)
+
+
+def _whole_share(share: float, n: float, text: str) -> float:
+    """The whole number that is this percentage of n, as far as its digits go."""
+    k = round(share * n / 100)
+    decimals = len(text.replace(",", ".").partition(".")[2])
+    if not 0 <= share <= 100 or (n and abs(100 * k / n - share) > 0.5 * 10.0**-decimals):
+        raise SceneError(f"{quoted(text)} % of {n:g} is no whole number of responses")
+    return float(k)
 
 
 def _number(key: str, text: str, *, has_commas: bool = False) -> float:
@@ -325,14 +432,28 @@ def _refuse_numbers(header: Sequence[str]) -> None:
 
 
 _NOTHING = {"none", "na", "n/a", "null"}  # as programs write what is not there
-_YES = {"1": 1, "1.0": 1, "true": 1, "yes": 1, "0": 0, "0.0": 0, "false": 0, "no": 0}
+_MORE = (
+    "1", "1.0", "true", "yes", "more", "higher", "greater", "larger", "stiffer", "heavier", "comp", "comparison", "test",
+)  # fmt: skip
+_LESS = (
+    "0", "0.0", "false", "no", "less", "lower", "smaller", "softer", "lighter", "ref", "reference", "standard",
+    "-1", "-1.0",
+)  # fmt: skip
 
 
-def _is_yes(text: str) -> int:
-    found = _YES.get(text.strip().lower())
-    if found is None:
-        raise SceneError(f"answer: {quoted(text)} must be 1 or 0 (or true or false, yes or no)")
-    return found
+def _meaning(answers: Iterable[str], coding: Coding) -> tuple[Collection[str], Collection[str]]:
+    """Which answers, in small letters, count as more and which as less: as named, or as two numbers or words say."""
+    given, more = dict.fromkeys(x.lower() for x in answers), coding.more
+    if more is not None:
+        if more.lower() not in given:
+            raise SceneError(f"more: no answer is {quoted(more)}: there are {_listed(list(given))}")
+        others = [x for x in given if x != more.lower()]
+        if len(others) > 1:
+            raise SceneError(f"more: besides {quoted(more)} there are {_listed(others)}: choose lines with --where")
+        return [more.lower()], others
+    if "2" in given and set(given) <= {"1", "2"} and not coding.is_forced:  # the second interval, or the larger number
+        return ["2"], ["1"]
+    return _MORE, _LESS
 
 
 # psignifit 4.

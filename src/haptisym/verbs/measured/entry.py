@@ -505,6 +505,12 @@ class MeasuredEvaluation(Answer):
         """Lines of the perceived response that are not judged: off the band, or without a line of the environment."""
         return len(self.scene.perceived) - len(self)
 
+    @property
+    def is_turned_round(self) -> bool:
+        """Whether the response is nearer to -H_env than to H_env at every line: the reaction to the force may be measured."""
+        felt, wanted = self.lines.perceived, self.lines.environment
+        return len(self) > 1 and bool((np.abs(felt + wanted) < np.abs(felt - wanted)).all())
+
     @cached_property
     def rows(self) -> tuple[Row, ...]:
         """Every line that is judged."""
