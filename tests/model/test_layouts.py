@@ -164,6 +164,9 @@ def test_variables_and_structs_of_matlab_have_the_same_verdicts(
     tmp_path: Path, table: dict[str, Any], expected: list[tuple[str, str]]
 ) -> None:
     savemat(tmp_path / "a.mat", table)
+    if "wout" in table:
+        np.savez(tmp_path / "a.npz", **{key: np.ravel(x) for key, x in table.items()})
+        assert hs.measured(tmp_path / "a.npz").H.tolist() == hs.measured(tmp_path / "a.mat").H.tolist()
     scene = tmp_path / "scene.toml"
     scene.write_text(SCENE.format("a.mat", ""), encoding="utf-8")
     assert pytest.approx(H, rel=1e-12) == hs.measured(tmp_path / "a.mat").H.tolist()

@@ -1186,7 +1186,7 @@ def test_a_column_without_a_unit_beside_one_that_has_one_is_asked_about(tmp_path
 def test_a_response_that_is_there_twice_is_asked_about(tmp_path: Path) -> None:
     path = tmp_path / "both.mat"
     savemat(path, {"omega": [1.0, 2.0], "H": [1 + 1j, 2 + 1j], "real": [1.0, 2.0], "imag": [1.0, 1.0]})
-    with pytest.raises(hs.SceneError, match="it is there twice"):
+    with pytest.raises(hs.SceneError, match="the response is there twice"):
         hs.measured(path)
 
 

@@ -1,4 +1,4 @@
-"""Measured responses and records in files: tables of text and files of MATLAB, and what their columns mean.
+"""Measured responses and records in files: tables of text, files of MATLAB and of NumPy, and what their columns mean.
 
 Each column of a table, or variable of MATLAB, has a role: with a frequency it is part of a response, with a time part of a
 record, from which a response is estimated. A role follows from the name and its unit ("Magnitude (dB)", "position [mm]",
@@ -15,7 +15,8 @@ A disc of radius rho |Y| about Y becomes one about 1/Y within rho/(1 - rho) |1/Y
 
 A table has separators (comma, semicolon, tab, blanks), comments (``#``, ``%``, ``*``), maybe a row of units below its header,
 and numbers, each read by NumPy to the nearest float; every error names file and line. Where the separator is no comma, a comma
-stands before decimals. FRD and ZMA files are Hz, magnitude (dB of 1 N/m; as it is) and degrees. SciPy reads files of MATLAB.
+stands before decimals. A table begins where numbers begin: its header is the line above them, or above a row of units. FRD and
+ZMA files are Hz, magnitude (dB of 1 N/m; as it is) and degrees. SciPy reads files of MATLAB, NumPy its own archives.
 """
 
 from __future__ import annotations
@@ -626,10 +627,10 @@ def _has_comma(cell: str) -> bool:
     return re.fullmatch(r"[+-]?\d*,\d+([eE][+-]?\d+)?", cell) is not None
 
 
-# Files of MATLAB.
+# Files of MATLAB, and archives of NumPy.
 
 
-def _read_mat(path: Path, layout: Layout, check: Check) -> Given:
+def _read_variables(path: Path, layout: Layout, check: Check) -> Given:
     """Variables by their names, or the fields of the one struct. SciPy reads files up to version 7."""
     refuse(path, text=False)
     found = _variables(path)
@@ -670,6 +671,8 @@ def _known_role(name: str) -> str:
 
 
 def _variables(path: Path) -> dict[str, Any]:
+    if path.suffix.lower() == ".npz":
+        return _arrays_of_numpy(path)
     from scipy.io import loadmat
 
     try:
@@ -679,6 +682,15 @@ def _variables(path: Path) -> dict[str, Any]:
     except Exception as error:  # noqa: BLE001  whatever SciPy raises for what is none
         raise SceneError(f"not a readable MATLAB file: {str(error).lower()}") from None
     return {key: np.asarray(x) for key, x in found.items() if not key.startswith("__")}
+
+
+def _arrays_of_numpy(path: Path) -> dict[str, Any]:
+    """Those of an archive of NumPy; never objects, which would run what is in them."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            return dict(archive)
+    except Exception as error:  # noqa: BLE001  whatever NumPy and zipfile raise for what is none
+        raise SceneError(f"not a readable archive of NumPy: {str(error).lower()}") from None
 
 
 def _numbers(key: str, role: str, given: Any) -> Any:
@@ -708,7 +720,8 @@ def _response_roles(columns: Sequence[Column], layout: Layout) -> dict[str, int]
         roles["magnitude"] = roles.pop("H")
     forms = [x for x in ({"H"}, {"real", "imag"}, {"magnitude", "phase"}) if x & set(roles)]
     if len(forms) != 1 or not forms[0] <= set(roles):
-        what = "it is there twice" if len(forms) > 1 else "it is missing"
+        lacking = ", ".join(sorted(forms[0] - set(roles))) if len(forms) == 1 else "the response"
+        what = "the response is there twice" if len(forms) > 1 else f"no column of {lacking}"
         ways = "give the response in columns real, imag or magnitude, phase_deg, or complex as H"
         raise SceneError(f"{what}: {ways}: there are {listed}")
     return roles
@@ -843,7 +856,9 @@ LAYOUT = ("columns", "unit", "quantity", "sign")
 
 
 def _read(path: Path, layout: Layout, check: Check, example: str) -> Given:
-    return _read_mat(path, layout, check) if path.suffix.lower() == ".mat" else _read_text(path, layout, check, example)
+    if path.suffix.lower() in (".mat", ".npz"):
+        return _read_variables(path, layout, check)
+    return _read_text(path, layout, check, example)
 
 
 def read_file(path: Path, averages: float | None, confidence: float, settings: Mapping[str, Any]) -> Measurement:
