@@ -84,7 +84,7 @@ LAYOUTS: dict[str, tuple[str, str, str, str]] = {
                   "10 lines; dB, deg, Hz; not used: Channel 1 Magnitude (dB)"),
     "a preamble, units below": ("a.txt", table("Project: rig 3\nRecorded\t2026-01-02\nAverages\t20\n\nFreq\tReal\tImag\nHz\tN/m\tN/m\n", plain, "\t"),
                                 "", "10 lines; Hz, N/m"),
-    "a preamble": ("a.csv", table("Hammer test\nWindow,Hann\nFrequency (Hz),Real (N/m),Imag (N/m)\n", plain), "", "10 lines; Hz, N/m"),
+    "a preamble": ("a.csv", table("Hammer test\nWindow,Hann\n1024,0.5\nFrequency (Hz),Real (N/m),Imag (N/m)\n", plain), "", "10 lines; Hz, N/m"),
     "LabVIEW": ("a.lvm", table("LabVIEW Measurement\t\nWriter_Version\t2\n***End_of_Header***\t\n\t\nChannels\t2\t\nX_Value\tReal\tImag\tComment\n",
                                plain, "\t"), "", "10 lines; Hz, SI"),
     "blank rows": ("a.csv", table("Frequency (Hz),Real,Imag\n", plain) + ",,\n,,\n", "", "10 lines; Hz, SI; 2 blank rows left out"),

@@ -440,18 +440,22 @@ def _understood_head(
 
 
 def _line_of_header(file: TextIO) -> int | None:
-    """Which line names the columns, where others come before it: the last one above the numbers, or the one above its units."""
+    """Which line names the columns, where others come before it: the last one above the numbers, or the one above its units.
+
+    Numbers begin with two lines in a row that have as many: a preamble may hold a line of numbers, too.
+    """
     before: list[tuple[int, list[str]]] = []
+    above_numbers, width = before, 0
     for at, line in _numbered(file, 1):
         cells = [x for x in _cells(line, _separator(line)) if x]
-        if len(cells) > 1 and all(map(_is_number, cells)):
+        is_numbers = len(cells) > 1 and all(map(_is_number, cells))
+        if is_numbers and len(cells) == width:
             break
+        above_numbers, width = (before, len(cells)) if is_numbers else (above_numbers, 0)
         before = [*before[-1:], (at, _names(line))]
-    else:
+    if len(above_numbers) < 2:
         return None
-    if len(before) < 2:
-        return None
-    (above, names), (last, cells) = before
+    (above, names), (last, cells) = above_numbers
     has_units = len(names) == len(cells) and all(map(_is_unit, cells))
     return above if has_units else last
 
