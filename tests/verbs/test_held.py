@@ -534,6 +534,11 @@ def test_free_air_has_a_verdict_about_shaking_and_no_ratio() -> None:
     for ask in (hs.evaluate, hs.metrics):
         with pytest.raises(hs.SceneError, match="zero at every frequency: add mass"):
             ask(arms())
+    family = hs.SceneFamily(
+        {"spring": hs.Scene(hs.environments.kelvin_voigt(1, 1)), "air": hs.Scene(hs.environments.expression("0*s"))}
+    )
+    with pytest.raises(hs.SceneError, match='^environment "air": the environment is zero'):
+        hs.evaluate_all(family)
 
 
 def test_a_clock_that_holds_nothing_leaves_what_moves_alone() -> None:

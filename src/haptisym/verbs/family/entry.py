@@ -15,6 +15,7 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, noticed
 from haptisym.judge.evaluation import OWN, Compared, Evaluation, evaluate
 from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.errors import within
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, Key, Signed, Signs, chart
@@ -246,7 +247,10 @@ def evaluate_all(
 
 
 def _evaluated(family: SceneFamily, digits: int, *, regions: bool) -> FamilyEvaluation:
-    answers = {name: evaluate(scene, digits) for name, scene in family.scenes.items()}
+    answers = {}
+    for name, scene in family.scenes.items():
+        with within(f'environment "{name}"'):
+            answers[name] = evaluate(scene, digits)
     worst = WorstCase.of(family, family.threshold)
     if not regions:
         return FamilyEvaluation(family, answers, worst, digits)
