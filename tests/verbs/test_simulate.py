@@ -737,11 +737,12 @@ GOOD = "0,0\n1,1\n2,0\n3,1\n4,0\n5,0\n"
 @pytest.mark.parametrize(
     ("text", "line", "message"),
     [
-        (GOOD.replace("3,1", "3,x"), 4, '"x" is not a finite number'), (GOOD.replace("3,1", "3,inf"), 4, '"inf" is not a finite number'),
+        (GOOD.replace("3,1", "3,x"), 4, '"x" is not a number'), (GOOD.replace("3,1", "3,inf"), 4, "not a finite number"),
         (GOOD.replace("3,1", "2,1"), 4, "time does not increase"), (GOOD.replace("3,1", "3.51,1"), 4, "a gap of 1.51 s"),
-        (GOOD.replace("3,1", "3"), 4, "give a time and a displacement"), (GOOD.replace("2,0", "2,0,7"), 3, "give a time and a displacement"),
-        ("t [s],x [m]\n" + GOOD.replace("3,1", "3,x"), 5, '"x" is not a finite number'), ("t [s],x [N]\n" + GOOD, 1, "is not a displacement"),
-        ("t [s],x [mm\n" + GOOD, 1, "write the unit in brackets"), ("0,1\n1,2\n", None, "at least 6"), ("", None, "the file is empty"),
+        (GOOD.replace("3,1", "3"), None, "line 4 has 1 cells"), (GOOD.replace("2,0", "2,0,7"), None, "line 3 has 3 cells"),
+        ("a,b,x\n" + GOOD.replace(",", ",1,"), None, "in columns t and x: there are a, b, x"),
+        ("t [s],x [m]\n" + GOOD.replace("3,1", "3,x"), 5, '"x" is not a number'), ("t [s],x [N]\n" + GOOD, None, "is not a displacement"),
+        ("t [s],x [mm\n" + GOOD, None, "write the unit in brackets"), ("0,1\n1,2\n", None, "at least 6"), ("", None, "there are no lines of numbers"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_in_a_recording_is_told_by_its_line(

@@ -5,8 +5,7 @@ A motion is a displacement X_h(t), m or rad, of time in s; before t = 0 the hand
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -17,8 +16,9 @@ from typing import TypeAlias
 import numpy as np
 
 from haptisym.kernel.errors import SceneError, need, several, within
-from haptisym.model.quantities import Dimension, Number, is_number, number, quantity
+from haptisym.model.quantities import Dimension, Number, number, quantity
 from haptisym.model.quantities import MotionKind as Kind
+from haptisym.model.responsefile import read_motion
 from haptisym.programs.values import Array
 
 _SMOOTH = 7  # derivatives of a fade-in that vanish at its ends
@@ -367,11 +367,12 @@ a higher one jumps, s. ``kind`` : of motion, where a unit told it. ``derivatives
 
 
 def recording(path: str | Path, *, lowpass: Number | None = None, order: int = 4) -> Recording:
-    """A prescribed motion from a CSV file: two columns, time and displacement, with units in the header (``t [s], x [mm]``).
+    """A prescribed motion from a table: time and displacement, with units in the header (``t [s], x [mm]``).
 
-    Without a unit they are s and m (or rad). ``lowpass`` : cutoff, rad/s or with a unit, of a zero-phase Butterworth filter of
-    that ``order`` (see ``Lowpass``); no filter if None. SceneError gives the line that is missing, not a number or not in
-    order, and gaps: intervals more than 1.5 times the usual one.
+    Of two columns the first is time; of more they are known by their names. Without a unit they are s and m (or rad).
+    ``lowpass`` : cutoff, rad/s or with a unit, of a zero-phase Butterworth filter of that ``order`` (see ``Lowpass``); no filter
+    if None. SceneError gives the line that is missing, not a number or not in order, and gaps: intervals more than 1.5 times the
+    usual one.
     """
     need("recording", path, (str, Path), "give a CSV file")
     made = _read(path)
@@ -382,66 +383,24 @@ def recording(path: str | Path, *, lowpass: Number | None = None, order: int = 4
 
 
 def _read(path: str | Path) -> Recording:
-    rows = _rows(Path(path))
-    units = [_unit(path, header) for header in rows[0]] if not is_number(rows[0][0]) else ["", ""]
-    body = rows[1:] if not is_number(rows[0][0]) else rows
-    first = 2 if body is not rows else 1
-    if len(body) < 6:
-        raise SceneError(f"{path}: {len(body)} samples; a recorded motion needs at least 6")
-    time = _column(path, body, 0, first) * float(_scale(path, units[0], Dimension.TIME)[0])
-    factor, kind = _scale(path, units[1], Dimension.DISPLACEMENT)
-    values = _column(path, body, 1, first) * factor
-    _regular(path, time, first)
-    return Recording(time - time[0], values, Path(path).name, kind)
+    with within(str(path)):
+        given = read_motion(Path(path))
+        time, values = given.rows["time"], given.rows["position"]
+        if len(time) < 6:
+            raise SceneError(f"{len(time)} samples; a recorded motion needs at least 6")
+        for row in (time, values):
+            if not np.isfinite(row).all():
+                raise SceneError(f"{given.place(int(np.argmin(np.isfinite(row))))}: not a finite number")
+        _refuse_gaps(time, given.place)
+    return Recording(time - time[0], values, Path(path).name, given.motion)
 
 
-def _rows(path: Path) -> list[list[str]]:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a text file (UTF-8)"
-        raise SceneError(f"{path}: {reason.lower()}") from None
-    rows = [[cell.strip() for cell in row] for row in csv.reader(text.splitlines())]
-    while rows and not any(rows[-1]):
-        rows.pop()
-    if not rows:
-        raise SceneError(f"{path}: the file is empty")
-    for line, row in enumerate(rows, 1):
-        if len(row) != 2 or not all(row):
-            raise SceneError(f"{path}: line {line}: give a time and a displacement, separated by a comma")
-    return rows
-
-
-def _unit(path: str | Path, header: str) -> str:
-    if "[" not in header:
-        return ""
-    name, _, rest = header.partition("[")
-    unit, closed, _ = rest.partition("]")
-    if not closed or not unit.strip():
-        raise SceneError(f'{path}: line 1: "{header}": write the unit in brackets, as in "{name.strip() or "x"} [mm]"')
-    return unit.strip()
-
-
-def _scale(path: str | Path, unit: str, dimension: Dimension) -> tuple[float, Kind | None]:
-    with within(f"{path}: line 1"):
-        read = quantity(f"1 {unit}", dimension)
-    return float(read.value), read.motion
-
-
-def _column(path: str | Path, rows: list[list[str]], index: int, first: int) -> Array:
-    for line, row in enumerate(rows, first):
-        if not is_number(row[index]) or not np.isfinite(float(row[index])):
-            raise SceneError(f'{path}: line {line}: "{row[index][:40]}" is not a finite number')
-    return np.array([float(row[index]) for row in rows])
-
-
-def _regular(path: str | Path, time: Array, first: int) -> None:
+def _refuse_gaps(time: Array, place: Callable[[int], str]) -> None:
+    """SceneError where time does not increase, or does so by much more than usual."""
     steps = np.diff(time)
     if (steps <= 0).any():
-        raise SceneError(f"{path}: line {int(np.argmax(steps <= 0)) + first + 1}: time does not increase")
+        raise SceneError(f"{place(int(np.argmax(steps <= 0)) + 1)}: time does not increase")
     usual = float(np.median(steps))
     if (steps > _GAP * usual).any():
         i = int(np.argmax(steps > _GAP * usual))
-        raise SceneError(
-            f"{path}: line {i + first + 1}: a gap of {steps[i]:.6g} s between samples that are {usual:.6g} s apart"
-        )
+        raise SceneError(f"{place(i + 1)}: a gap of {steps[i]:.6g} s between samples that are {usual:.6g} s apart")

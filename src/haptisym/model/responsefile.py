@@ -155,6 +155,10 @@ class Column(NamedTuple):
 
 def _column(cell: str) -> Column:
     match = re.fullmatch(r"(.*\S)\s*[\[(]((?:[^\[\]()]|\([^()]*\))*)[\])]", cell)
+    if match is None and cell.count("[") != cell.count("]"):
+        raise SceneError(
+            f'{quoted(cell)}: write the unit in brackets, as in "{cell.partition("[")[0].strip() or "x"} [mm]"'
+        )
     name, unit = (match[1].strip(), match[2].strip()) if match and not match[2].strip().isdigit() else (cell, "")
     suffix = re.fullmatch(r"(.+)_([A-Za-z]+)", name)
     if suffix and suffix[2].lower() in _SUFFIXES:
@@ -851,6 +855,39 @@ def _rate(given: Given) -> tuple[float, str]:
         gap = f"{t[first]:.6g} s follows {t[first - 1]:.6g} s, and samples are {step:.4g} s apart"
         raise SceneError(f"{given.place(first)}: t: {gap}: resample the record evenly")
     return float(1 / step), note
+
+
+# Motions.
+
+
+def read_motion(path: Path) -> Given:
+    """Time and position of a recorded motion: columns with such names, or the only two of a table. SceneError otherwise."""
+    try:
+        return _read(path, Layout(), _motion_roles, "t,x")
+    except SceneError as error:
+        first = error
+    try:
+        return _read(path, Layout(columns={"time": 1, "position": 2}), _only_two, "t,x")
+    except _OtherColumnsError:
+        raise first from None
+
+
+class _OtherColumnsError(SceneError):
+    """A table has more or fewer than two columns."""
+
+
+def _motion_roles(columns: Sequence[Column], layout: Layout) -> dict[str, int]:
+    roles = _assigned(columns, {key: _RECORD[key] for key in ("time", "position")}, layout)
+    if len(roles) < 2:
+        listed = ", ".join(x.text for x in columns[:20])
+        raise SceneError(f"give a time and a displacement, in columns t and x: there are {listed}")
+    return roles
+
+
+def _only_two(columns: Sequence[Column], layout: Layout) -> dict[str, int]:
+    if len(columns) != 2:
+        raise _OtherColumnsError("give a time and a displacement")
+    return {"time": 0, "position": 1}
 
 
 RECORDS = ("estimator", "segment", "overlap", "window", "every")
