@@ -18,7 +18,7 @@ from haptisym.model.quantities import Dimension
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.pages import words as w
 from haptisym.pages.evaluation import not_looked_at
-from haptisym.verbs.stability.critical import Critical, Nearest
+from haptisym.verbs.stability.critical import Critical, Nearest, Window
 from haptisym.verbs.stability.entry import Stability, has_plane
 from haptisym.verbs.stability.held import Box, Held, Share
 from haptisym.verbs.stability.margins import MOST_DELAY, MOST_GAIN, Limit, Margins
@@ -80,21 +80,46 @@ def _verdict(x: Held) -> Phrase:
 
 def _nearest_limits(found: Stability, x: Held, rows: Sequence[Nearest]) -> Phrase:
     """Of a stable display how far the nearest parameters may go; of an unstable one what makes it stable."""
+    if not (x.stable or x.shakes):
+        return ""
     told: list[tuple[float, Phrase]] = []
-    for critical in (y for row in rows for y in row.found if y.stable_side):
-        knob, is_above = found.scene.knobs[critical.path], critical.stable_side == "above"
-        now, value = float(knob.value), float(critical.value)
-        if (value < now) != is_above if x.stable else (value > now) != is_above:
-            continue
-        reach = abs(value - now) / (abs(now) or 1)
-        limit = w.value_of(knob, critical.value, Way.UP if is_above else Way.DOWN)
-        if x.stable:
-            told.append((reach, ("down to " if is_above else "up to ", _name(knob), " = ", limit)))
-        else:
-            now_ = w.value_of(knob, ExactNumber(knob.value), Way.NEAREST)
-            told.append((reach, (_name(knob), " > " if is_above else " < ", limit, " (is ", now_, ")")))
+    for row in rows:
+        knob = found.scene.knobs[row.path]
+        for low, high in (y for y in row.windows if y[0] is not y[1]):  # a single value is in the table alone
+            if x.stable:
+                ends = (("down to ", low, Way.UP), ("up to ", high, Way.DOWN))
+                told += [
+                    (_distance(knob, y), (words, _name(knob), " = ", w.value_of(knob, y.value, way)))
+                    for words, y, way in ends if y
+                ]  # fmt: skip
+            else:
+                now = w.value_of(knob, ExactNumber(knob.value), Way.NEAREST)
+                reach = min(_distance(knob, y) for y in (low, high) if y)
+                unit = f"\xa0{now.unit.text}" if now.unit.text else ""
+                told.append((reach, (*_between(knob, low, high), unit, " (is ", now, ")")))
     few = [words for _, words in sorted(told, key=lambda y: y[0])[:_FEW]]
-    return (": " if x.stable else ": needs ", listed(few, "and" if x.stable else "or")) if few else ""
+    so = ": " if x.stable else ": does not shake for " if x.drifts else ": needs "
+    return (so, listed(few, "and" if x.stable else "or")) if few else ""
+
+
+def _distance(knob: Knob, x: Critical) -> float:
+    """From the value that a parameter has, relative to it."""
+    now = float(knob.value)
+    return abs(float(x.value) - now) / (abs(now) or 1)
+
+
+def _between(knob: Knob, low: Critical | None, high: Critical | None) -> tuple[Phrase, ...]:
+    """``hand.b > 2``, ``2 < hand.b < 5``, without a unit."""
+    least, most = _ends(knob, low, high)
+    if low and high:
+        return least, "\xa0<\xa0", _name(knob), "\xa0<\xa0", most
+    return (_name(knob), " > ", least) if low else (_name(knob), " < ", most)
+
+
+def _ends(knob: Knob, low: Critical | None, high: Critical | None) -> tuple[Phrase, Phrase]:
+    """As printed, without a unit, rounded inward."""
+    least, most = low and w.value_of(knob, low.value, Way.UP), high and w.value_of(knob, high.value, Way.DOWN)
+    return (least and w.bare(least)) or "", (most and w.bare(most)) or ""
 
 
 def _name(knob: Knob) -> Phrase:
@@ -194,40 +219,60 @@ def _limits(found: Stability) -> Iterator[Block]:
         for x, rows in zip(found.held, found.critical, strict=True)
         for row in sorted(rows, key=lambda row: _reach(found, row))
     ]
-    shown = [(x, row, own) for x, row in pairs if (own := _stable_for(found, row))]
-    first = {x.hand.name: row for x, row, _ in reversed(shown)}
+    shown = [(x, row) for x, row in pairs if any(row.windows)]
+    first = {x.hand.name: row for x, row in reversed(shown)}
     lines = [
-        (x.hand.name if first[x.hand.name] is row else "", found.scene.knobs[row.path], own) for x, row, own in shown
+        (x.hand.name if first[x.hand.name] is row else "", found.scene.knobs[row.path], [*row.windows])
+        for x, row in shown
     ]
     notes: list[Phrase] = []
     for x in found.held:
         of_hand = [row for y, row in pairs if y is x]
-        none = [row for row in of_hand if not row.reason and not _stable_for(found, row)]
-        kept = "stable" if x.stable or x.shakes is False else "unstable"
+        none = [row for row in of_hand if not row.reason and not any(row.windows)]
+        crossed = "a limit that leaves stability beside it open: " if x.stable else _CROSSED
         for rows, words in (
-            ([row for row in none if not row.found], f"{kept} for all values searched of "),
-            ([row for row in none if row.found], "stays unstable past the nearest pole crossing of "),
+            ([row for row in none if not row.found], _kept(x)),
+            ([row for row in none if row.found], crossed),
         ):
-            names = listed(_name(found.scene.knobs[row.path]) for row in rows)
-            notes += [(f"{x.hand.name}: {words}", names, _searched(found, rows), ".")] if rows else []
+            names, ends = (listed(x) for x in (_names(found, rows), _searched(found, rows)))
+            notes += [(f"{x.hand.name}: {words}", names, (" (", ends, ")") if ends else "", ".")] if rows else []
+        if ends := listed(_searched(found, [row for row in of_hand if any(_is_open(row, *y) for y in row.windows)])):
+            notes.append((f"{x.hand.name}: searched ", ends, "."))
         for why in dict.fromkeys(row.reason for row in of_hand if row.reason):
-            names = listed(_name(found.scene.knobs[row.path]) for row in of_hand if row.reason == why)
+            names = listed(_names(found, [row for row in of_hand if row.reason == why]))
             notes.append(w.undecided((names, f" in {x.hand.name}: {why}")))
+    holds = "does not shake for" if any(x.drifts for x in found.held) else "stable for"
     limits = w.table(
         lines, "The nearest values, either way, at which stability changes, and the frequency of the pole there.",
         w.Field("hand", lambda x: x[0]), w.Field("parameter", lambda x: _name_and_unit(x[1])),
         w.Field("is", lambda x: w.bare(w.value_of(x[1], ExactNumber(x[1].value), Way.NEAREST))),
-        w.Field("stable for", lambda x: x[2][0]), w.Field(("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: x[2][1]),
+        w.Field(holds, lambda x: listed((_stable_for(x[1], *y) for y in x[2]), "or")),
+        w.Field(("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: listed(_places(x[2]))),
     )  # fmt: skip
     if lines or notes:
         blocks = (limits,) if lines else ()
         yield doc.Section("Stability limits, one parameter varied at a time", (*blocks, *w.noted(notes)))
 
 
+_CROSSED = "stays unstable past the nearest pole crossing of "
+
+
+def _kept(x: Held) -> str:
+    """What holds where no value changes anything."""
+    if x.shakes is False and x.drifts:
+        return "does not shake for any value searched of "
+    return f"{'stable' if x.stable else 'unstable'} for all values searched of "
+
+
+def _is_open(row: Nearest, low: Critical | None, high: Critical | None) -> bool:
+    """Whether what is stable may have an end beyond what was searched."""
+    return (low is None and row.low is not None) or (high is None and row.high is not None)
+
+
 def _reach(found: Stability, row: Nearest) -> float:
     """How near its nearest limit is, relative to the value."""
-    now = float(found.scene.knobs[row.path].value)
-    return min((abs(float(x.value) - now) / (abs(now) or 1) for x in row.found), default=inf)
+    knob = found.scene.knobs[row.path]
+    return min((_distance(knob, x) for x in row.found), default=inf)
 
 
 def _margins(found: Stability) -> Iterator[Block]:
@@ -289,13 +334,16 @@ def _name_and_unit(knob: Knob) -> Phrase:
     return _name(knob), f" ({shown})" if shown else ""
 
 
-def _searched(found: Stability, rows: Sequence[Nearest]) -> Phrase:
-    ends = [
-        (_name(knob), _range(knob, x.low, x.high))
-        for x in rows
-        if (knob := found.scene.knobs[x.path]) and x.high is not None
-    ]
-    return (" (", listed(ends), ")") if ends else ""
+def _names(found: Stability, rows: Sequence[Nearest]) -> Iterator[Phrase]:
+    return (_name(found.scene.knobs[row.path]) for row in rows)
+
+
+def _searched(found: Stability, rows: Sequence[Nearest]) -> Iterator[Phrase]:
+    """Parameters of which not all values were searched, and which were."""
+    for row in rows:
+        if row.low is not None or row.high is not None:
+            knob = found.scene.knobs[row.path]
+            yield _name(knob), _range(knob, row.low, row.high)
 
 
 def _range(knob: Knob, low: Fraction | None, high: Fraction | None) -> Phrase:
@@ -303,21 +351,18 @@ def _range(knob: Knob, low: Fraction | None, high: Fraction | None) -> Phrase:
     return (first, " up to ", w.value_of(knob, high, Way.DOWN)) if high is not None else (first, "")
 
 
-def _stable_for(found: Stability, row: Nearest) -> tuple[Phrase, Phrase] | None:
-    """The values next to the present one for which it is stable, and the frequencies of the poles at their ends."""
-    knob = found.scene.knobs[row.path]
-    sides = {side: y for y in row.found if (side := y.stable_side)}
-    low, high = sides.get("above"), sides.get("below")
-    if low is None and high is None:
-        return None
-    least = low and w.bare(w.value_of(knob, low.value, Way.UP))
-    most = high and w.bare(w.value_of(knob, high.value, Way.DOWN))
-    places = listed(_place(y) for y in (low, high) if y)
-    if low and high:
-        if float(low.value) < float(high.value):
-            return (least or "", " to ", most or ""), places
-        return ("< ", most or "", " or > ", least or ""), listed((_place(high), _place(low)))
-    return ("> ", least or "") if low else ("< ", most or ""), places
+def _stable_for(knob: Knob, low: Critical | None, high: Critical | None) -> Phrase:
+    """Values for which it is stable, in a row of the parameter."""
+    least, most = _ends(knob, low, high)
+    if low is high:
+        return least, " alone"
+    return _between(knob, low, high) if low and high else ("> ", least) if low else ("< ", most)
+
+
+def _places(windows: Sequence[Window]) -> Iterator[Phrase]:
+    """The frequencies of the poles at the ends of what is stable."""
+    for low, high in windows:
+        yield from (_place(x) for x in dict.fromkeys((low, high)) if x)
 
 
 def _place(x: Critical) -> Phrase:

@@ -8,11 +8,12 @@ in the others Newton's step in balls proves that there is just one pair. What is
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from enum import Enum
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TypeAlias
 
 from flint import arb
@@ -25,7 +26,7 @@ from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, Way, in_unit, printed, rational_between
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, Way, in_unit, printed
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.roots import each_once, is_told, ordered
 from haptisym.kernel.where import Array, halves
@@ -50,7 +51,7 @@ from haptisym.verbs.stability.loops import (
     from_infinity,
     minus,
 )
-from haptisym.verbs.stability.sampled import passages
+from haptisym.verbs.stability.sampled import Passage, passages
 
 _WINDOWS = 7
 _SMALLEST = Rational(1, 1024)  # as what a value of 0 counts for the first window
@@ -249,6 +250,9 @@ def meetings(loop: Loop, value: Expr) -> Iterator[Meetings]:
 
     By one equation in omega as far as that goes, and from there on by a search over both.
     """
+    if not loop.moves:
+        yield Meetings(())
+        return
     is_whole = True
     try:
         for window in _eliminated(loop, value):
@@ -274,6 +278,8 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
     home, others = None, tuple[Gap, ...]()
     if any(any(turns) for turns in loop.leading):
         here = ExactNumber(value)
+        ends = (ExactNumber(x) for x in (loop.low, loop.high) if x is not None)
+        far_out += tuple(Meeting(x, None) for x in ends)  # at an end alone what is delayed may be lost
         clear = [Gap(a, b) for a, b in clear_of_chains(loop, far_out)]
         home = next((x for x in clear if x.holds(here, here)), None)
         others = tuple(x for x in clear if x is not home)
@@ -413,12 +419,21 @@ def _meets(gap: Gap, low: ExactNumber, high: ExactNumber) -> bool:
 Count: TypeAlias = tuple[int | None, RootChain | None]
 
 
+class Side(Enum):
+    """Of a value, the lower numbers or the higher ones."""
+
+    BELOW = "below"
+    ABOVE = "above"
+
+
 @dataclass(frozen=True, repr=False)
 class Critical(Shown):
-    """A value of a number at which the count of roots that shake changes: ``below`` and ``above`` it, None if infinite.
+    """A value of a number at which the count of unstable roots changes: ``below`` and ``above`` it, None if infinite.
 
     ``omega`` : the frequency at which roots then lie on the axis, rad/s; None where they come from infinity.
     ``is_crowded`` : whether the count is that of one value only, as more and more roots of a chain that leaves may stay behind.
+    ``itself`` : the side of which the count is that of the value itself, as nothing is allowed there, or as another
+    limit tells of that side; None where each count is that of a side.
     """
 
     path: str
@@ -427,9 +442,14 @@ class Critical(Shown):
     below: int | None
     above: int | None
     is_crowded: bool = False
+    itself: Side | None = None
 
     def _line(self) -> str:
         return f"{self.path} = {self.value.digits(6)}"
+
+    def _has_none(self, side: Side) -> bool:
+        """Whether the count of a side is 0."""
+        return (self.above if side is Side.ABOVE else self.below) == 0
 
     @property
     def chain_side(self) -> str | None:
@@ -441,13 +461,22 @@ class Critical(Shown):
         """``above``, ``below``, or None where it is stable on neither side, or a chain leaves that open."""
         if self.is_crowded:
             return None
-        return "above" if self.above == 0 else "below" if self.below == 0 else None
+        return next((x.value for x in (Side.ABOVE, Side.BELOW) if x is not self.itself and self._has_none(x)), None)
+
+    @property
+    def is_alone(self) -> bool:
+        """Whether it is stable at the value itself, and beside it not."""
+        return self.itself is not None and self._has_none(self.itself)
+
+
+Window: TypeAlias = tuple[Critical | None, Critical | None]
 
 
 @dataclass(frozen=True)
 class Nearest:
     """The nearest values below and above at which the count changes, as far as they are there; ``reason`` : what stayed open.
 
+    Where it is unstable now, the other end of what is stable beyond one of them is there as well, if it was found.
     ``low``, ``high`` : between which values was looked, None where that has no end; up to a value that was found all are.
     """
 
@@ -457,25 +486,53 @@ class Nearest:
     low: Fraction | None = None
     high: Fraction | None = None
 
+    @property
+    def windows(self) -> Iterator[Window]:
+        """The values beside the limits for which it is stable: intervals with their ends, None where none was found.
+
+        Of a single value both ends are the same.
+        """
+        low: Critical | None = None
+        for x in self.found:
+            if x.is_alone:
+                yield x, x
+            elif x.stable_side == Side.BELOW.value:
+                yield low, x
+            low = x if x.stable_side == Side.ABOVE.value else None
+        if low is not None:
+            yield low, None
+
 
 def critical(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Nearest:
     """How far a number of the hand or of the display may go, either way, before the count of unstable roots changes.
 
-    ``brief`` : with a clock, as far as few cells go.
+    Roots that only drift are not counted if there are some at the value that the number has. ``brief`` : with a clock, as far as
+    few cells go.
     """
+    still = cache(lambda: drifts(scene, hand))
+
+    def is_there(value: Expr) -> bool:  # with nothing to feel there is no scene, unless that is what is asked about
+        in_air = scene.closed.env.is_zero or still()
+        return bool(in_air) or not moved(scene, hand, free, value)[0].closed.env.is_zero
+
     try:
         if clocks(scene):
             found = passages(scene, hand, free, brief=brief)
-            still = (
-                drifts(scene, hand) if found.found else 0
-            )  # for all of the values: no walk sets out from one at z = 1 alone
-            if still is None:
-                raise UndecidedError("how many roots at z = 1 only drift")
-            rows = tuple(Critical(free.path, x.value, x.omega, x.below - still, x.above - still) for x in found.found)
+            rows = tuple(_passed(free, x, _decided(still())) for x in found.found)
             return Nearest(free.path, rows, low=found.low, high=found.high)
-        return _Walk(Loop.of(scene, hand, free), free, lambda x: drifts(*moved(scene, hand, free, x))).nearest()
+        tally = Tally(Loop.of(scene, hand, free), drifts=lambda x: still() and drifts(*moved(scene, hand, free, x)))
+        return _Walk(tally, free, is_there).nearest()
     except UndecidedError as error:
         return Nearest(free.path, reason=str(error))
+
+
+def _passed(free: Knob, x: Passage, still: int) -> Critical:
+    """With a clock. What drifts does so for all of the values, as no walk sets out from a root at z = 1 alone."""
+    low = ALLOWED[free.rule][0]
+    is_end = low is not None and not ordered(x.value, ExactNumber(low))
+    return Critical(
+        free.path, x.value, x.omega, x.below - still, x.above - still, itself=Side.BELOW if is_end else None
+    )
 
 
 def moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Hand]:
@@ -483,6 +540,23 @@ def moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Han
     if any(p.symbol == free.symbol for p in hand.parameters):
         return scene, hand.with_values({free.symbol.name: value})
     return scene.with_values({free.path: value}), hand
+
+
+@dataclass(frozen=True)
+class _Ahead:
+    """What was ``found`` on one side, the nearest first, and for which ``reason`` it is not known whether there is anything.
+
+    ``last`` : up to where what holds beyond all of it is known; None where that has no end.
+    """
+
+    found: Sequence[Critical] = ()
+    reason: str = ""
+    last: Fraction | None = None
+
+
+def _known(x: RealNumber | None, side: int) -> Fraction | None:
+    """A fraction next to a number, none beyond it."""
+    return None if x is None else x.bounds(_BITS)[side < 0]
 
 
 @dataclass(frozen=True)
@@ -508,46 +582,43 @@ class _Line:
         low, high = self.cell(i)
         return next((x for x in self.gaps if x.holds(low, high)), None)
 
-    def is_bare(self, i: int) -> bool:
-        """Whether one count does not hold for all of the cell before the i-th meeting: in a gap, or of an end alone."""
-        low, high = self.cell(i)
-        return self.gap(i) is not None or (low is not None and high is not None and not ordered(low, high))
-
 
 class _Walk:
     """From a value on, meeting after meeting, until the count changes."""
 
-    def __init__(self, loop: Loop, free: Knob, drifts: Callable[[Expr], int | None]) -> None:
-        self.loop, self.free, self.start = loop, free, ExactNumber(free.value)
+    def __init__(self, tally: Tally, free: Knob, is_there: Callable[[Expr], bool]) -> None:
+        self.tally, self.loop, self.free, self.is_there = tally, tally.loop, free, is_there
+        self.start = ExactNumber(free.value)
         self.low, self.high, self.closed = ALLOWED[free.rule]
-        self.tally = Tally(loop, drifts=drifts)
 
     def nearest(self) -> Nearest:
         """Below and above, as far as they are there: what was found stays so where the rest cannot be told."""
-        sides: dict[int, Critical | None] = {}
+        here: list[Critical] = []
+        sides: dict[int, _Ahead] = {}
         left = [_ENDLESS]
         try:
             for line in map(self._line, meetings(self.loop, self.free.value)):
-                if (here := self._here(line)) is not None:
-                    return Nearest(self.free.path, (here,))
+                if not here and (here := self._here(line)):  # beside a limit only what is stable there ends somewhere
+                    sides |= {side: _Ahead() for side in (-1, 1) if not any(_opens(x, side) for x in here)}
                 left = list(self._look(line, sides))
                 if len(sides) == 2:
                     break
         except UndecidedError as error:
-            if not any(sides.values()):
+            if not here and not any(x.found for x in sides.values()):
                 raise
             left = [str(error)]
-        rows = tuple(x for side in (-1, 1) if (x := sides.get(side)) is not None)
-        return Nearest(self.free.path, rows, "; ".join(dict.fromkeys(left)))
+        below, above = (sides.get(side, _Ahead()) for side in (-1, 1))
+        rows = (*reversed(below.found), *here, *above.found)
+        return Nearest(self.free.path, rows, "; ".join(dict.fromkeys(left)), below.last, above.last)
 
-    def _look(self, line: _Line, sides: dict[int, Critical | None]) -> Iterator[str]:
+    def _look(self, line: _Line, sides: dict[int, _Ahead]) -> Iterator[str]:
         """Put down what lies on either side; of a side that stays open the reason."""
         for side in (x for x in (-1, 1) if x not in sides):
             found = self._side(line, side)
-            if isinstance(found, tuple):
-                sides[side] = found[0]
+            if found.reason:
+                yield found.reason
             else:
-                yield _ENDLESS if found is None else self._crowded(found, side)
+                sides[side] = found
 
     def _crowded(self, gap: Gap, side: int) -> str:
         """Why the nearest value was not found: where it may lie, or how far was searched."""
@@ -581,8 +652,8 @@ class _Walk:
         ]  # fmt: skip
         return _Line(within, low, high, (low_is_whole, high_is_whole), window.gaps)
 
-    def _here(self, line: _Line) -> Critical | None:
-        """Where the very value puts roots on the axis, and the count is another one on either side."""
+    def _here(self, line: _Line) -> list[Critical]:
+        """What changes at the very value, where it puts roots on the axis."""
         for i, x in enumerate(line.places):
             if not ordered(x.value, self.start):
                 below, above = (
@@ -590,28 +661,42 @@ class _Walk:
                     for side, k in ((-1, i), (1, i + 1))
                 )
                 if (line.gap(i) or line.gap(i + 1)) and not any(y and y[1] for y in (below, above)):
-                    return None
-                differ = below is not None and above is not None and below != above
-                return self._critical(line, i, below, above) if differ else None
-        return None
+                    return []
+                return self._limits(line, i, below, above)
+        return []
 
-    def _side(self, line: _Line, side: int) -> tuple[Critical | None] | Gap | None:
-        """The nearest on one side; (None,) where there is none, None where it lies beyond the window; a gap it may lie in."""
+    def _side(self, line: _Line, side: int) -> _Ahead:
+        """The nearest change on one side; where it is stable from there on, the next one, too."""
         ahead = [i for i, x in enumerate(line.places) if ordered(self.start, x.value) == side]
-        home: Count | None = None
+        found, home = list[Critical](), None
         for i in ahead if side > 0 else ahead[::-1]:
             near, beyond = (i, i + 1) if side > 0 else (i + 1, i)
             if gap := line.gap(near):
-                return gap
-            home = home or self._count(line, near)
-            if home and not home[1] and line.gap(beyond):
-                continue
-            other = self._beyond(line, beyond, side) if line.gap(beyond) else self._count(line, beyond)
-            if home and other and home != other:
-                below, above = (home, other) if side > 0 else (other, home)
-                return (self._critical(line, i, below, above),)
-        last = line.gap(len(line.places) if side > 0 else 0)
-        return last or ((None,) if line.is_whole[side > 0] else None)
+                return self._left(line, side, found, gap)
+            try:
+                home = home or self._count(line, near)
+                if home and not home[1] and line.gap(beyond):
+                    continue
+                other = self._beyond(line, beyond, side) if line.gap(beyond) else self._count(line, beyond)
+            except UndecidedError:
+                if not found:
+                    raise
+                return _Ahead(found, last=_known(line.places[i].value, side))
+            changes = self._limits(line, i, *((home, other) if side > 0 else (other, home)))
+            found += changes[:1] if side > 0 else changes[-1:]
+            if changes and not _opens(found[-1], side):
+                return _Ahead(found)
+            home = other
+        return self._left(line, side, found, line.gap(len(line.places) if side > 0 else 0))
+
+    def _left(self, line: _Line, side: int, found: list[Critical], gap: Gap | None) -> _Ahead:
+        """What was found on one side, after which there is a gap, the end of a window, or nothing that is allowed."""
+        if gap is None and line.is_whole[side > 0]:
+            return _Ahead(found)
+        if not found:
+            return _Ahead(found, self._crowded(gap, side) if gap else _ENDLESS)
+        low, high = (gap.low, gap.high) if gap else (line.high, line.low)
+        return _Ahead(found, last=_known(low if side > 0 else high, side))
 
     def _beyond(self, line: _Line, i: int, side: int) -> Count | None:
         """The first that can be told from a gap on, as more and more values there put roots on the axis."""
@@ -622,25 +707,47 @@ class _Walk:
         return self._count(line, i)
 
     def _count(self, line: _Line, i: int) -> Count | None:
-        """Before the i-th meeting; at an end of what is allowed, where a meeting is there; None where nothing is allowed."""
+        """Before the i-th meeting; None where that is an end of what is allowed, or of a window."""
         low, high = line.cell(i)
         if low is None or high is None or ordered(low, high):
-            return self._at(rational_between(low, high, self.free.value))
-        end = self.high if i else self.low
-        with suppress(UndecidedError):  # what is asked about need not end there
-            # the end of a window that ends at a meeting is no end of what is allowed: what is beyond is not known
-            return self._at(end) if self.closed and end is not None and line.is_whole[i > 0] else None
+            return self.tally.at(self.loop.between(low, high, self.free.value))
         return None
 
-    def _at(self, value: Expr) -> Count:
-        return self.tally.at(value)
+    def _limits(self, line: _Line, i: int, below: Count | None, above: Count | None) -> list[Critical]:
+        """What changes at the i-th meeting, between the counts of both sides; two limits where only the value itself differs."""
+        if below and above and below != above and 0 in (below[0], above[0]):
+            return [self._critical(line, i, below, above)]
+        at = self._at(line.places[i])
+        if below is None or above is None:
+            side = Side.BELOW if below is None else Side.ABOVE
+            is_end = (
+                self.closed and line.is_whole[side is Side.ABOVE]
+            )  # what is beyond the end of a window is not known
+            rows = [(below or at, above or at, side)] if is_end else []
+        elif below[0] == 0:
+            rows = [(below, at, Side.ABOVE), (at, above, Side.BELOW)]
+        else:
+            rows = [(below, at, Side.ABOVE)] if at and at[0] == 0 else [(below, above, None)]
+        return [self._critical(line, i, x, y, own) for x, y, own in rows if x and y and x != y]
 
-    def _critical(self, line: _Line, i: int, below: Count | None, above: Count | None) -> Critical:
-        assert below is not None
-        assert above is not None
+    def _at(self, x: Meeting) -> Count | None:
+        """At a value itself; None where that is not known."""
+        if not (isinstance(x.value, ExactNumber) and isinstance(x.value.value, Rational)):
+            return (2, None) if x.omega is not None and ordered(ExactNumber(Integer(0)), x.omega) > 0 else None
+        with suppress(UndecidedError):  # what is asked about need not end there
+            is_allowed = self.free.rule.allows(x.value.value) and self.is_there(x.value.value)
+            return self.tally.at(x.value.value) if is_allowed else None
+        return None
+
+    def _critical(self, line: _Line, i: int, below: Count, above: Count, itself: Side | None = None) -> Critical:
         x, chain = line.places[i], None in (below[0], above[0])
-        crowded = self.loop.turns or any(y[0] is not None and line.is_bare(k) for k, y in ((i, below), (i + 1, above)))
-        return Critical(self.free.path, x.value, x.omega, below[0], above[0], chain and crowded)
+        crowded = self.loop.turns or any(y[0] is not None and line.gap(k) for k, y in ((i, below), (i + 1, above)))
+        return Critical(self.free.path, x.value, x.omega, below[0], above[0], chain and crowded, itself)
+
+
+def _opens(x: Critical, side: int) -> bool:
+    """Whether it is stable on one side of a limit."""
+    return x.stable_side == (Side.ABOVE if side > 0 else Side.BELOW).value
 
 
 _ENDLESS = "where roots meet the imaginary axis at ever higher frequencies"

@@ -131,7 +131,7 @@ def held(scene: Scene, hand: Hand) -> Held:
         roots = unstable_roots(scene, hand)
     except UndecidedError as error:
         return Held(hand, None, str(error))
-    return Held(hand, roots, drifts=drifts(scene, hand) if roots.number else 0)
+    return Held(hand, roots, drifts=0 if roots.number == 0 else drifts(scene, hand))
 
 
 def drifts(scene: Scene, hand: Hand) -> int | None:

@@ -99,8 +99,16 @@ class Loop:
         """C by ascending powers of the open number."""
         return coefficients(self.top, self._index if self.symbol in self.ring.meanings else None)
 
+    @property
+    def moves(self) -> bool:
+        """Whether any root depends on the open number."""
+        used = zip(self.top.degrees(), self.ring.meanings, strict=True)
+        return any(n and self.symbol in x.free_symbols for n, x in used)
+
     def at(self, value: Rational) -> Roots:
-        """The roots in Re s >= 0 at a number."""
+        """The roots in Re s >= 0 at a number. UndecidedError where there is no display at it."""
+        if not self.exists(value):
+            raise UndecidedError("a display that is divided by 0")
         if self.turns:
             known = {self.symbol: value}
             meanings = [x.xreplace(known) for x in self.ring.meanings]
@@ -119,6 +127,13 @@ class Loop:
         if self.turns or self.symbol not in self.ring.meanings:
             return True
         return not self.bottom.subs({f"x{self._index}": fmpq(int(value.p), int(value.q))}).is_zero()
+
+    def between(self, low: RealNumber | None, high: RealNumber | None, own: Expr | None = None) -> Rational:
+        """A rational number strictly between two at which there is a display: there is none at few of them."""
+        found = rational_between(low, high, own)
+        while not self.exists(found):
+            found = rational_between(ExactNumber(found), high)
+        return found
 
     @cached_property
     def table(self) -> dict[Rational, dict[tuple[int, ...], Row]]:
@@ -574,7 +589,7 @@ def clear_of_chains(loop: Loop, far_out: Sequence[Meeting]) -> list[tuple[RealNu
     low, high = (None if x is None else ExactNumber(x) for x in (loop.low, loop.high))
     inside = [x.value for x in far_out if _is_between(x.value, low, high)]
     found = pairwise([low, *each_once(inside, lambda x: x), high])
-    return [(a, b) for a, b in found if loop.at(rational_between(a, b)).chain is None]
+    return [(a, b) for a, b in found if loop.at(loop.between(a, b)).chain is None]
 
 
 _RADIANS = 40, 120  # that the delay turns up to where roots are looked for beside a chain
