@@ -198,6 +198,21 @@ def test_beside_a_chain_that_nears_the_axis_all_values_short_of_it_are_stable() 
     )
 
 
+@pytest.mark.slow
+def test_a_range_is_searched_whole_though_the_scenes_own_value_is_0() -> None:
+    """s^2/10 + K + (3 s + 100) exp(-s/100) is 0 on the axis where 3 w cos(w/100) = 100 sin(w/100), at K = w^2/10 - its real part."""
+    chain = effects.delay("10 ms"), effects.shunt(m="0.1", k=-100)
+    own = hs.Scene(environments.mass_spring_damper(k=100, b=3), chain, hands=(hs.Hand("hand", k=0),))
+    found = hs.require(own, "hand.k", (0, 100_000), that="stable")
+
+    def stiffness(near: float) -> float:
+        w = mpmath.findroot(lambda w: 3 * w * mpmath.cos(w / 100) - 100 * mpmath.sin(w / 100), near)
+        return float(w**2 / 10 - 3 * w * mpmath.sin(w / 100) - 100 * mpmath.cos(w / 100) + 100)
+
+    a, b, c = map(stiffness, (132, 464, 781))
+    assert (ends(found), found.certified) == ([(0, pytest.approx(a)), (pytest.approx(b), pytest.approx(c))], True)
+
+
 @pytest.mark.parametrize("m", [2, "3/2"])
 def test_nothing_is_said_of_values_beyond_those_that_are_searched(m: Any) -> None:
     """m s^2 + s^2 exp(-s/100) + k is 0 on the axis first at 100 pi rad/s; far beyond 10^6 N/m the search knows nothing."""
