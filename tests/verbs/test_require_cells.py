@@ -611,6 +611,12 @@ def said(found: Solved, x: float) -> bool | None:
     return False
 
 
+@pytest.mark.parametrize(("beside", "alone"), [(None, 0), (False, 1)])
+def test_a_value_alone_at_the_end_of_what_is_open_is_the_end_of_that(beside: Any, alone: int) -> None:
+    found = Question([], lambda x: x == 1 or beside, Domain(Rational(1), Rational(5)), closed=False).solve()
+    assert (said(found, 1), said(found, 3), len(found.feasible)) == (True if alone else None, beside, alone)
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_a_set_is_told_by_one_verdict_between_each_two_values_at_which_it_may_change(seed: int) -> None:
     """On lines of fractions, roots and pi, with a gap, values without a scene, and verdicts that stay open."""

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
+from itertools import count
 from math import inf
 from typing import Any
 
@@ -18,10 +19,11 @@ from certificates import fractional_scene, late_scene, of_requirement, text_of
 from forgeries import LATE_GAIN, slab, with_slabs
 from marks import FLEXIBLE
 from sympy import Rational
-from valuesets import contradictions, ends, is_transparent, shown, within
+from valuesets import contradictions, ends, is_transparent, shown, undecided, within, wrong_edges
 
 import haptisym as hs
 from haptisym import effects, environments
+from haptisym.kernel.budget import timed_by
 from haptisym.kernel.reals import ExactNumber
 from haptisym.verbs.require.feasible import Kind
 from haptisym_check import check
@@ -62,6 +64,37 @@ def test_a_turn_may_last_as_long_as_the_spring_at_the_end_of_the_band_says(
     found = hs.require(told, path, asked)
     assert found.certified
     assert ends(found)[0][1] == pytest.approx(float(mpmath.findroot(f, near)) / 15, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("felt", "gain", "jnd"),
+    [
+        (SPRING, "1", (2, 1)),  # both ratios just reach their limits, at some frequency of every long delay
+        (SPRING, "9/10", ("19/10", "9/10")),
+        (SPRING, "-1/2", ("3/2", "3/5")),
+    ],
+)
+def test_a_limit_that_no_phase_exceeds_is_kept_by_every_delay_0_among_them(felt: Any, gain: str, jnd: Any) -> None:
+    """Of g exp(-j x) dH/H_env is at most |g| + 1 in its real part, and |g| in its imaginary one."""
+    chain = effects.series("g", parameters={"g": gain}), effects.delay("10 ms")
+    for asked, expected in ((None, (0, None, True, False)), ((0, "50 ms"), (0, 0.05, True, True))):
+        found = hs.require(hs.Scene(felt, chain, (0, 15), hs.Threshold.of(*jnd)), "tau", asked)
+        assert (shown(found), undecided(found)) == ([expected], [])
+
+
+@pytest.mark.few("20-None")
+@pytest.mark.parametrize("asked", [None, (0, "50 ms"), ("5 ms", "9 ms")])
+@pytest.mark.parametrize("seconds", [8, 20, 60, 150])
+def test_when_the_time_is_over_0_and_the_ends_of_a_range_are_told_as_they_are_or_left_open(
+    seconds: int, asked: Any
+) -> None:
+    """A second passes whenever the clock is read."""
+    late = hs.Scene(SPRING, (effects.first_order_lag(40), effects.delay("10 ms")), (0, 15), hs.Threshold.of(2, "1/2"))
+    with timed_by(count().__next__):
+        found = hs.require(late, "tau", asked, limit=seconds)
+    assert not wrong_edges(late, found)
+    assert not any(x.low.value is x.high.value for x in found.feasible)
+    assert found.undecided or seconds > 20
 
 
 R2 = 2**0.5

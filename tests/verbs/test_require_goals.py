@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from math import asin, inf
+from math import asin, inf, pi
 from random import Random
 from typing import Any
 
@@ -181,6 +181,45 @@ def test_what_time_does_not_last_for_is_undecided(that: list[str], k: int) -> No
     for own in (told, wall()):
         found = hs.require(own, "environment.k", (1, 1000), that=that, hand=hand, limit=1e-9)
         assert (found.feasible, undecided(found)) == ((), [(1, 1000)])
+
+
+def test_beside_a_chain_that_nears_the_axis_all_values_short_of_it_are_stable() -> None:
+    """The lead's gain at high frequency times the mass is that of the hand at Td = 0.606*0.00158/0.137: |A| > |B| beyond 30 rad/s."""
+    lead = (
+        effects.series("(1 + s*Td)/(1 + s*Tf)", parameters={"Td": "0.0176", "Tf": "0.00158"}),
+        effects.delay("0.00854"),
+    )
+    felt = environments.mass_spring_damper(m="0.137", b="6.02", k=591)
+    own = hs.Scene(felt, lead, hands=(hs.Hand("hand", m="0.606", b="0.845", k=299),))
+    found = hs.require(own, "Td", ("0.00587", "0.0528"), that="stable")
+    assert (shown(found), found.undecided) == (
+        [(0.00587, pytest.approx(0.606 * 0.00158 / 0.137, rel=1e-15), True, False)],
+        (),
+    )
+
+
+@pytest.mark.slow
+def test_a_range_is_searched_whole_though_the_scenes_own_value_is_0() -> None:
+    """s^2/10 + K + (3 s + 100) exp(-s/100) is 0 on the axis where 3 w cos(w/100) = 100 sin(w/100), at K = w^2/10 - its real part."""
+    chain = effects.delay("10 ms"), effects.shunt(m="0.1", k=-100)
+    own = hs.Scene(environments.mass_spring_damper(k=100, b=3), chain, hands=(hs.Hand("hand", k=0),))
+    found = hs.require(own, "hand.k", (0, 100_000), that="stable")
+
+    def stiffness(near: float) -> float:
+        w = mpmath.findroot(lambda w: 3 * w * mpmath.cos(w / 100) - 100 * mpmath.sin(w / 100), near)
+        return float(w**2 / 10 - 3 * w * mpmath.sin(w / 100) - 100 * mpmath.cos(w / 100) + 100)
+
+    a, b, c = map(stiffness, (132, 464, 781))
+    assert (ends(found), found.certified) == ([(0, pytest.approx(a)), (pytest.approx(b), pytest.approx(c))], True)
+
+
+@pytest.mark.parametrize("m", [2, "3/2"])
+def test_nothing_is_said_of_values_beyond_those_that_are_searched(m: Any) -> None:
+    """m s^2 + s^2 exp(-s/100) + k is 0 on the axis first at 100 pi rad/s; far beyond 10^6 N/m the search knows nothing."""
+    own = hs.Scene(environments.mass_spring_damper(m=1), (effects.delay("10 ms"),), hands=(hs.Hand("hand", m=m),))
+    found = hs.require(own, "hand.k", that="steady")
+    assert shown(found) == [(0, pytest.approx((float(Rational(m)) - 1) * (100 * pi) ** 2, rel=1e-14), True, False)]
+    assert (found.undecided, found.certified) == ((), True)
 
 
 @pytest.mark.few("sliding")

@@ -21,7 +21,7 @@ from haptisym.kernel.reals import ExactNumber, SquareRoot
 from haptisym.kernel.rings import PolynomialRing, omega
 from haptisym.kernel.solutions import Equation
 from haptisym.model.quantities import dimension_exponents
-from haptisym.verbs.sensitivity.entry import FLAT, TOUCH, Sensitive, Slope
+from haptisym.verbs.sensitivity.entry import FLAT, STEEP, TOUCH, Sensitive, Slope
 
 STEP = Rational(1, 10**15)
 SCENES = ["fu2019", "delayed-spring", "organ-tissue", "position-force-teleoperation", "sidestick"]
@@ -311,6 +311,27 @@ def test_where_a_ratio_only_touches_what_matters_has_no_derivative_and_the_rest_
     row = found.to_dict()["crossings"][0]["parameters"][1]
     assert (row["derivative"], row["elasticity"], row["reason"]) == (None, None, TOUCH)
     assert "touches its threshold" in " ".join(str(found).split())
+
+
+def test_from_a_triple_zero_a_frequency_moves_as_a_cube_root_and_has_no_derivative() -> None:
+    """r_r is (10 + a (100 - w^2)^3)/k: at w = 10 it crosses 0.1, whatever a is; there (100 - w^2)^3 grows as k and c do."""
+    effect = effects.shunt(Z="10 + a*(s^2 + 100)^3 + d*s", parameters={"a": "-0.0001", "d": "1"})
+    found = hs.sensitivity(hs.Scene(SPRING, (effect,), (0, 40)))
+    [triple] = [x for x in found.crossings if x.criterion.part is hs.Part.REAL and float(x.omega) == 10]
+    assert {p.name: p.reason for p in triple.parameters} == {"k": STEEP, "c": STEEP, "a": "", "d": ""}
+    assert (found.certified, float(triple["a"].derivative), float(triple["d"].derivative)) == (True, 0, 0)  # type: ignore[arg-type]
+    for sign in (1, -1):  # what the threshold moves by is a (100 - w^2)^3
+        moved = hs.evaluate(found.scene.with_values({"c": Rational(1, 10) + sign * Rational(1, 10**8)})).crossings
+        near = min(float(x.omega) for x in moved if x.part is hs.Part.REAL and abs(float(x.omega) - 10) < 1)
+        assert (100 - near**2) ** 3 == pytest.approx(-sign * 1e-2, rel=1e-6)
+
+
+def test_where_both_ratios_cross_at_once_the_headline_tells_what_moves_either() -> None:
+    """r_r = m w^2/k, r_i = b w/k: the first moves with sqrt(k/m), the second with k/b."""
+    headline = str(hs.sensitivity(shunted(100, "0.1", 1, 0.1))).partition("Crossing of")[0]
+    first, _, second = headline.partition("Moved most by")[2].partition("r_i")
+    assert [x in first for x in ("r_r", "0.5000", "1.000")] == [True, True, False]
+    assert [x in second for x in ("0.5000", "1.000")] == [False, True]
 
 
 def test_at_zero_a_flat_ratio_has_no_derivative_by_what_it_depends_on() -> None:

@@ -61,12 +61,32 @@ def contradictions(scene: hs.Scene, found: Any, random: Random, count: int = 6) 
     tried = {Rational(end * f).limit_denominator(10**15) for end in marks for f in (1 - 1e-7, 1 + 1e-7)}
     tried |= {Rational(x).limit_denominator(10**6) for x in drawn}
     asked = [x for x in tried if x and within([(found.domain.low, found.domain.high)], x)]
-    return [x for x in (_wrong(scene, found, value) for value in asked) if x]
+    return [x for x in (_wrong(scene, found, value) for value in asked) if x] + wrong_edges(scene, found)
 
 
-def _wrong(scene: hs.Scene, found: Any, value: Expr) -> tuple[float, bool] | None:
+def wrong_edges(scene: hs.Scene, found: Any) -> list[tuple[float, bool]]:
+    """The ends of what was asked about, 0 among them, of which an evaluation there says otherwise."""
+    domain = found.domain
+    edges = [
+        x for x, holds in ((domain.low, domain.holds_low), (domain.high, domain.holds_high)) if holds and x is not None
+    ]
+    known = [x for x in edges if not within(undecided(found), float(x))]
+    rows = [_wrong(scene, found, x, inside=_belongs(shown(found), float(x))) for x in known]
+    return [x for x in rows if x]
+
+
+def _belongs(rows: Iterable[tuple[float | None, float | None, bool, bool]], x: float) -> bool:
+    """Whether a number is in one of some intervals, as they are shown."""
+    return any(
+        (a is None or a < x or (a == x and has_low)) and (b is None or x < b or (b == x and has_high))
+        for a, b, has_low, has_high in rows
+    )
+
+
+def _wrong(scene: hs.Scene, found: Any, value: Expr, *, inside: bool | None = None) -> tuple[float, bool] | None:
+    told = within(ends(found), value) if inside is None else inside
     try:
         expected = is_transparent(found.free.put(scene, value), tuple(x.part for x in found.criteria))
     except hs.SceneError:  # no scene
-        return None
-    return None if within(ends(found), value) is expected else (float(value), expected)
+        return (float(value), False) if inside else None
+    return None if told is expected else (float(value), expected)

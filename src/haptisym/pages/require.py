@@ -62,9 +62,9 @@ def kept(x: Criterion) -> str:
 def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
     now = (" (is ", w.value_of(r.free, ExactNumber(r.free.value), Way.NEAREST), ")") if r.free.value.is_number else ()
     what = required(r.criteria)
-    known: Phrase = (
-        ("for ", sets(r)) if r.feasible else f"for no value {'in the range' if r.certified else 'that is proven'}"
-    )
+    known: Phrase = "for no value in the range" if r.certified else "for no value that is proven"
+    if r.feasible:
+        known = "" if r.certified else "at least ", "for ", sets(r)
     yield what[0].upper() + what[1:], (known, now)
     limits = list(dict.fromkeys(x for end in r.ends if end.value for x in _bindings(end, r)))
     if limits and not _rows(r):
@@ -192,10 +192,12 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
     if r.undecided:
         first, last = searched(r.free, r.domain)
         where = listed(
-            (w.bare(_limit(r, a, first, Way.DOWN)), " to ", _limit(r, b, last, Way.UP)) for a, b in r.undecided
-        )
+            ("at ", _limit(r, a, first, Way.NEAREST)) if a is not None and a is b
+            else ("from ", w.bare(_limit(r, a, first, Way.DOWN)), " to ", _limit(r, b, last, Way.UP))
+            for a, b in r.undecided
+        )  # fmt: skip
         why = f"; stopped after {r.limit:g} s" if r.limit is not None else ""
-        yield w.undecided((named(r.free.symbol.name), " from ", where, why, f": {r.reason}" if r.reason else ""))
+        yield w.undecided((named(r.free.symbol.name), " ", where, why, f": {r.reason}" if r.reason else ""))
         if not _is_all(r):
             yield "Proven: all other values in the range."
         return

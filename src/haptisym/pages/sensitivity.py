@@ -49,10 +49,18 @@ def _answer(found: Sensitivities) -> Iterator[tuple[Phrase, Phrase]]:
             else (", limited by ", named(x.criterion.symbol))
         )
     yield "Bandwidth", (w.both(x.omega), limit)
-    same = (y for y in found.crossings if y.omega is x.omega or (x.criterion and y.criterion == x.criterion))
-    moved = [p for y in [*same][:1] for p in y.ranked if p.elasticity is not None and float(p.elasticity)][:_FEW]
+    there = [y for y in found.crossings if y.omega is x.omega]
+    moved = [(y, _movers(y)) for y in there if _movers(y)]
+    several = len(moved) > 1
+    rows = ((named(y.criterion.symbol), ": ", row) if several and y.criterion else row for y, row in moved)
     if moved:
-        yield "Moved most by", listed((named(p.name), " (", _signed(p.elasticity), "\xa0% per %)") for p in moved)
+        yield "Moved most by", tuple(z for row in rows for z in ("; ", row))[1:]
+
+
+def _movers(x: Sensitive) -> Phrase:
+    """The parameters that move a crossing most; nothing if none does."""
+    moving = [p for p in x.ranked if p.elasticity is not None and float(p.elasticity)][:_FEW]
+    return listed((named(p.name), " (", _signed(p.elasticity), "\xa0% per %)") for p in moving)
 
 
 def _crossings(found: Sensitivities) -> Iterator[Block]:

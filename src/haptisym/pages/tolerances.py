@@ -122,11 +122,12 @@ def _enclosures(a: Tolerances) -> Block:
         w.Field("crossings", lambda x: "any number" if x.count is None else _COUNTS.get(x.count, f"exactly {x.count}")),
         w.Field("increases with", lambda x: _moving(x, 1)), w.Field("decreases with", lambda x: _moving(x, -1)),
     )  # fmt: skip
-    of = f"the distortion meets the border of the {region.kind}" if region else "the ratios cross their thresholds"
+    meet, cross = ("may touch", "may touch") if a.verdict is Verdict.ALL else ("meets", "cross")
+    of = f"the distortion {meet} the border of the {region.kind}" if region else f"the ratios {cross} their thresholds"
     return doc.Section(f"Where {of}", (found, *([doc.Paragraph(said)] if attained else []), figure))
 
 
-_COUNTS = {1: "exactly one", 2: "exactly two"}
+_COUNTS = {0: "none", 1: "exactly one", 2: "exactly two"}
 
 
 def _moving(x: Enclosure, sign: int) -> Phrase:

@@ -180,6 +180,10 @@ class Question:
         places = self._places()
         cells = [self._cell(a, b) for a, b in pairwise(places)]
         at = [self._at(i, places, cells) for i in range(len(places))]
+        for i, x in enumerate(at):
+            near = cells[max(i - 1, 0) : i + 1]
+            if x and True not in near and None in near:  # alone it is the end of what is open
+                at[i] = None
 
         def end(i: int, *, closed: bool) -> End:
             found, beside = places[i], cells[max(i - 1, 0) : i + 1]
@@ -312,6 +316,29 @@ def together(domain: Domain, found: Sequence[Solved]) -> Solved:
     question = _Sets(turns, lambda x: verdict(ExactNumber(x)), domain, closed=True, of=verdict)
     with spared():
         return replace(question.solve(), reason=_listed(x.reason for x in found))
+
+
+def within(found: Solved, searched: tuple[Expr, Expr], domain: Domain) -> Solved:
+    """What is known of the values that are searched: where a domain has no end nothing is said of those beyond."""
+    low = ExactNumber(searched[0]) if domain.low is None else None
+    high = ExactNumber(searched[1]) if domain.high is None else None
+
+    def below(x: RealNumber | None) -> bool:
+        return low is not None and x is not None and ordered(low, x) <= 0
+
+    def above(x: RealNumber | None) -> bool:
+        return high is not None and x is not None and ordered(high, x) >= 0
+
+    spans = [x for x in found.feasible if not below(x.high.value) and not above(x.low.value)]
+    pairs = [(a, b) for a, b in found.undecided if not below(b) and not above(a)]
+    return Solved(
+        tuple(
+            Span(End(None) if below(x.low.value) else x.low, End(None) if above(x.high.value) else x.high)
+            for x in spans
+        ),
+        tuple((None if below(a) else a, None if above(b) else b) for a, b in pairs),
+        found.reason if pairs else "",
+    )
 
 
 @dataclass(frozen=True)

@@ -162,6 +162,24 @@ def _is_positive(polynomial: Polynomial) -> bool:
     return (even and all(x > 0 for x in polynomial.coeffs())) or _is_modulus(polynomial)
 
 
+def is_never_positive(polynomial: Polynomial) -> bool:
+    """Whether it shows to be positive nowhere, whatever its variables are: by factors that are even or keep their sign."""
+    constant, factors = polynomial.factor()
+    signs = [_sign_of_all(factor) for factor, n in factors if n % 2]
+    return bool(None not in signs and prod(signs, start=constant) <= 0)  # type: ignore[arg-type]
+
+
+def _sign_of_all(factor: Polynomial) -> int | None:
+    """The sign of an irreducible polynomial that has one; None where that does not show."""
+    if _is_positive(factor):
+        return 1
+    [*used] = (i for i, n in enumerate(factor.degrees()) if n)
+    first = factor.to_dict().get((0,) * len(factor.degrees()))
+    if len(used) != 1 or first is None or any(True for _ in real_roots(factor, used[0], negative=True)):
+        return None
+    return 1 if first > 0 else -1
+
+
 def _is_modulus(polynomial: Polynomial) -> bool:
     """Whether an irreducible polynomial is that of omega which f(s) f(-s) becomes, and not one in s^2 that is its own f."""
     rows = dict(monomials(polynomial))

@@ -47,6 +47,7 @@ from haptisym.verbs.require.feasible import (
     spanned,
     stable_in,
     together,
+    within,
 )
 from haptisym.verbs.require.freeparameter import asked_of, domain, searched
 from haptisym.verbs.require.solving import solve
@@ -157,7 +158,7 @@ def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
         from haptisym.verbs.require.hands import of_hands  # which much else is loaded for
 
         found += [_or_open(x, asked) for x in of_hands(scene, free, asked, criteria)]
-    return together(asked, found)
+    return within(together(asked, found), searched(free, asked), asked)
 
 
 def _or_open(solved: Callable[[], Solved], asked: Domain) -> Solved:

@@ -7,9 +7,9 @@ the band or one maximum over frequency, and to change along the parameter one wa
 function, known to any number of digits; it is exact where it is rational. What shows neither way is cut in two, down to cells
 that are 1e-13 of their values wide: values at which a ratio only touches its threshold stay undecided.
 
-A delay that is long for the band needs no such cells: whatever its length, it turns the wave to any phase somewhere in every
-piece of the band that is long enough. Where the condition is broken at one phase, all over such a piece, it is broken for all
-of these values.
+A condition that is kept at every phase of a delay needs no cells. Nor does a delay that is long for the band: whatever its
+length, it turns the wave to any phase somewhere in every piece of the band that is long enough. Where the condition is broken
+at one phase, all over such a piece, it is broken for all of these values.
 
 **Thresholds.** r <= c holds on the whole band for c at least as large as the supremum of r there. That is the value at an end of
 the band or at one of its local maxima, which are certified zeros of the slope: no value of c needs to be tried.
@@ -62,10 +62,12 @@ from haptisym.model.jnd import Part
 from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.verbs.require.feasible import Binding, Domain, End, Kind, Solved, Span, runs, together
 from haptisym.verbs.require.freeparameter import (
+    Condition,
     Conditions,
     allowed,
     conditions,
     each,
+    is_never_positive,
     missing,
     pieces,
     real_roots,
@@ -347,7 +349,8 @@ class ValueLine:
     leaves: list[Leaf]
     domain: Domain
     exists: Callable[[Expr], bool] = field(repr=False)
-    holds_at_0: Callable[[], bool] = field(default=lambda: True, repr=False)
+    asked: Mapping[Expr, bool | None] = field(default_factory=dict, repr=False)
+    """What was told of the ends of the domain by themselves; nothing where leaves tell it."""
 
     @cached_property
     def _merged(self) -> list[Leaf]:
@@ -384,21 +387,33 @@ class ValueLine:
         points[-1] = End(_exact(high))
         kept = [gap is CellVerdict.KEPT for gap in gaps]
         at = [bool(near) for near in (any(kept[max(i - 1, 0) : i + 1]) for i in range(len(points)))]
-        at[0] = low is not None and self.domain.holds_low and self._holds(low, beside=at[0])
-        at[-1] = high is not None and self.domain.holds_high and self._holds(high, beside=at[-1])
+        at[0] = low is not None and self.domain.holds_low and self._holds(low, gaps[0]) is True
+        at[-1] = high is not None and self.domain.holds_high and self._holds(high, gaps[-1]) is True
         return tuple(Span(replace(points[i], closed=a), replace(points[j], closed=b)) for i, j, a, b in runs(at, kept))
 
-    def _holds(self, end: Expr, *, beside: bool) -> bool:
-        """Whether an end of the domain will do: as what is beside it, but 0, which values do not come near, by itself."""
-        return self.holds_at_0() if end == 0 else beside and self.exists(end)
+    def _holds(self, end: Expr, beside: CellVerdict) -> bool | None:
+        """Whether an end of the domain will do, None where that is open: of an open stretch it is the end.
+
+        As what is beside it is kept, but 0, which values do not come near; else as it is told by itself.
+        """
+        if beside is CellVerdict.KEPT and (end != 0 or end not in self.asked):
+            return self.exists(end)
+        return None if beside is CellVerdict.OPEN else self.asked.get(end, False)
 
     @property
     def undecided(self) -> tuple[tuple[RealNumber | None, RealNumber | None], ...]:
         """The values about which nothing is proven."""
-        ends = [ExactNumber(_rational(leaf.low)) for leaf in self._merged]
-        places = [_exact(self.domain.low), *ends[1:], _exact(self.domain.high)]
-        pairs = zip(self._merged, pairwise(places), strict=True)
-        return tuple(pair for leaf, pair in pairs if leaf.verdict is CellVerdict.OPEN)
+        low, high, leaves = self.domain.low, self.domain.high, self._merged
+        ends = [ExactNumber(_rational(leaf.low)) for leaf in leaves]
+        places = [_exact(low), *ends[1:], _exact(high)]
+        pairs = zip(leaves, pairwise(places), strict=True)
+        found = [pair for leaf, pair in pairs if leaf.verdict is CellVerdict.OPEN]
+        first, last = leaves[0].verdict, leaves[-1].above or leaves[-1].verdict
+        if low is not None and first is not CellVerdict.OPEN and self._holds(low, first) is None:
+            found.insert(0, (_exact(low),) * 2)
+        if high is not None and last is not CellVerdict.OPEN and self._holds(high, last) is None:
+            found.append((_exact(high),) * 2)
+        return tuple(found)
 
 
 def _rational(x: Fraction) -> Rational:
@@ -575,17 +590,30 @@ def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
         if free.parts and not any(has_floor):
             return Solved(_threshold_problem(scene, free, asked, criteria).solve())
         found, gone = conditions(scene, [free], criteria), missing(scene, free)
+        found = {x: own for x, own in found.items() if not _is_kept_at_any_phase(own, free.symbol)}
         if not any(free.symbol in f.axis.meanings for own in found.values() for f in pieces(own)):
             solved = _all_alike(scene, free, asked, found)
         else:
             alone = SignsAlone.of(found, free.symbol, scene.band)
             sets = [alone.solve(asked, partial(allowed, scene, free))] if alone.conditions else []
             if rest := {x: own for x, own in found.items() if x not in alone.conditions}:
-                sets.append(_by_cells(scene, free, asked, criteria, rest))
+                left = [x for x in criteria if x.name in {y.name for y in rest}]
+                sets.append(_by_cells(scene, free, asked, left, rest))
             solved = together(asked, sets)
         return replace(solved, feasible=without(solved.feasible, gone))
     except LimitError:
         return Solved((), ((_exact(asked.low), _exact(asked.high)),))
+
+
+def _is_kept_at_any_phase(condition: Condition, free: Symbol) -> bool:
+    """Whether a condition that depends on a delay by its phases alone is kept whatever these, and the frequency, are."""
+    for f in pieces(condition):
+        axis, top = f.axis, f.function.numerator
+        by_phase = any(x.rate.has(free) for x in axis.angles) and not any(x.has(free) for x in axis.orders)
+        depends = free in axis.meanings and top.degrees()[axis.meanings.index(free)]
+        if by_phase and not depends and is_never_positive(top):
+            return True
+    return False
 
 
 def _all_alike(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> Solved:
@@ -595,7 +623,7 @@ def _all_alike(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> So
         tops = [RealFunction(f.axis.function(f.function.numerator)) for f in pieces(own)]
         if chart(dict(enumerate(tops)), *scene.band).where(lambda signs: min(signs.values()) > 0):
             return Solved(())
-    line = ValueLine([Leaf(Fraction(0), Fraction(1), CellVerdict.KEPT)], asked, exists, lambda: exists(S.Zero))
+    line = ValueLine([Leaf(Fraction(0), Fraction(1), CellVerdict.KEPT)], asked, exists)
     return Solved(line.spans())
 
 
@@ -625,8 +653,9 @@ def _by_cells(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
     low, high = searched(free, asked)
     usual = (0.0 if free.value.free_symbols else abs(float(free.value))) or 1.0  # a limit may be a formula
     search = ValueSearch(found, free.symbol, scene.band, Fraction(usual), _quick(scene, free, criteria, usual))
-    at_0 = partial(_holds_at, scene, free, criteria, S.Zero)
-    line = ValueLine(search.leaves(*_outward(low, high)), asked, partial(allowed, scene, free), at_0)
+    ends = [x for x, holds in ((asked.low, asked.holds_low), (asked.high, asked.holds_high)) if holds and x is not None]
+    at = {x: _holds_at(scene, free, criteria, x) for x in ends}  # while there is time
+    line = ValueLine(search.leaves(*_outward(low, high)), asked, partial(allowed, scene, free), at)
     return Solved(line.spans(), line.undecided)
 
 
@@ -645,11 +674,15 @@ def _outward(low: Expr, high: Expr) -> tuple[Fraction, Fraction]:
         return Fraction(float(expression_ball(low).lower())), Fraction(float(expression_ball(high).upper()))
 
 
-def _holds_at(scene: Scene, free: Knob, criteria: Sequence[Criterion], value: Expr) -> bool:
-    """Whether the scene exists at a value and keeps the criteria there; not where that is undecided."""
+def _holds_at(scene: Scene, free: Knob, criteria: Sequence[Criterion], value: Expr) -> bool | None:
+    """Whether the scene exists at a value and keeps the criteria there; None where that is undecided."""
     try:
-        there = free.put(scene, value)
-        d = there.distortion()
-        return not chart({x: x.function(d) for x in criteria}, *scene.band).where(lambda signs: max(signs.values()) > 0)
-    except (SceneError, UndecidedError):
+        d = free.put(scene, value).distortion()
+        table = chart({x: x.function(d) for x in criteria}, *scene.band)
+    except SceneError:
         return False
+    except UndecidedError:
+        return None
+    if table.where(lambda signs: max(signs.values()) > 0):
+        return False
+    return None if table.undecided else True

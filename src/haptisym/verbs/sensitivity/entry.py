@@ -2,9 +2,10 @@
 
 A crossing is a simple zero of F(omega, p) = r^2 - c^2, so that d omega/dp = -(dF/dp)/(dF/d omega) there (implicit
 differentiation). ``Derivation.sensitivity`` has the formula; here it is evaluated in ball arithmetic at the certified
-frequency. Where the display touches its threshold dF/d omega is 0 and the derivative does not exist; where a parameter has the
-least value that it may have, and at the ends of the band, it may exist from one side. Where several zeros and poles meet, as at
-a pole without damping, it is left undecided. Derivation: 14_sensitivity.
+frequency. Where the display touches its threshold dF/d omega is 0 and the derivative does not exist, nor at a triple zero, which
+moves as the cube root of what p moves by. Where a parameter has the least value that it may have, and at the ends of the band, it
+may exist from one side. Where several zeros and poles meet, as at a pole without damping, it is left undecided.
+Derivation: 14_sensitivity.
 """
 
 from __future__ import annotations
@@ -86,6 +87,10 @@ class Slope(RealNumber):
     def _known(self) -> dict[int, tuple[Ball, Ball]]:
         return {}
 
+    def changes(self) -> bool:
+        """Whether dF/dp is not 0: proven."""
+        return bool(at_rising_precision(lambda bits: is_clear(self._parts(bits)[0]) or None, _USUAL_BITS))
+
     def is_clear(self) -> bool:
         """Whether neither dF/dp nor dF/d omega is 0: proven."""
         return bool(at_rising_precision(lambda bits: all(map(is_clear, self._parts(bits))) or None, _USUAL_BITS))
@@ -93,6 +98,7 @@ class Slope(RealNumber):
 
 TOUCH = "undefined: the display touches its threshold here"
 _MEET = "undecided: several zeros and poles meet here"
+STEEP = "undefined: at this multiple zero the slope is infinite"
 _NOT_CLEAR = "undecided: dF/dp or dF/d omega is 0 here, or too near to it"
 FLAT = "undefined: the ratio crosses its threshold at 0 rad/s, where it is flat"
 _LEAST = "from above; below there is no scene"
@@ -198,11 +204,11 @@ def at(
     known: dict[Symbol, RealNumber],
     flat: str = "",
     *,
-    simple: bool,
+    multiplicity: int,
 ) -> Sensitivity:
     """The sensitivity of a frequency at which one or more of these factors vanish.
 
-    ``flat``: why nothing that depends on the parameter has a derivative; ``simple``: whether it is a simple zero or pole.
+    ``flat``: why nothing that depends on the parameter has a derivative; ``multiplicity``: of the zero or pole.
     """
     values = tuple({**known, omega: where, p.knob.symbol: p.value}.items())
     meeting = not_clear(factors, values)
@@ -210,13 +216,15 @@ def at(
         return still(p)
     if flat:
         return replace(still(p), derivative=None, elasticity=None, reason=flat)
-    if len(meeting) != 1 or not simple:
+    if len(meeting) != 1:
         return Sensitivity(p.knob, None, None, _MEET)
-    slope = Slope(meeting[0][0].slope(p.knob.symbol), values)
-    if slope.slope.vanishes({p.knob.symbol: p.knob.value}):
+    [(equation, order)] = meeting
+    slope = Slope(equation.slope(p.knob.symbol), values)
+    is_simple = multiplicity <= abs(order)  # as a zero of the factor alone
+    if is_simple and slope.slope.vanishes({p.knob.symbol: p.knob.value}):
         return _one_sided(p, ZERO, where)
     if not slope.is_clear():
-        return Sensitivity(p.knob, None, None, _NOT_CLEAR)
+        return Sensitivity(p.knob, None, None, _NOT_CLEAR if is_simple or not slope.changes() else STEEP)
     return _one_sided(p, slope, where)
 
 
@@ -339,7 +347,7 @@ class Sensitivities(Answer):
         of = self._deciding(x)
         if of is None:
             return Sensitive(x.omega, none(places, flat or _SEVERAL), x.criterion, x.kind)
-        rows = (at(p, p.factors(of), x.omega, known, flat, simple=x.multiplicity == 1) for p in places)
+        rows = (at(p, p.factors(of), x.omega, known, flat, multiplicity=x.multiplicity) for p in places)
         return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.criterion, x.kind)
 
     def _deciding(self, x: Crossing) -> Criterion | Piece | None:
@@ -366,8 +374,8 @@ class Sensitivities(Answer):
         return {}
 
     def _changeover(self, system: str, curve: Curve, x: Point) -> Sensitive:
-        simple = abs(x.orders[curve, Part.REAL]) == 1
-        rows = (at(p, p.factors(system), x.omega, {}, simple=simple) for p in self._parameters)
+        multiplicity = abs(x.orders[curve, Part.REAL])
+        rows = (at(p, p.factors(system), x.omega, {}, multiplicity=multiplicity) for p in self._parameters)
         return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows))
 
     def _in_band(self, row: Sensitivity, where: RealNumber) -> Sensitivity:
@@ -392,8 +400,10 @@ class Sensitivities(Answer):
             return "undefined: the display touches its threshold within the bandwidth"
         if len(there) > 1:
             return "undefined: both ratios cross their thresholds here"
-        if end is e.chart.points[0].omega or (there and there[0].reason):
+        if end is e.chart.points[0].omega:
             return TOUCH
+        if there and there[0].reason:
+            return there[0].reason
         if there and end is e.chart.points[-1].omega:
             return "undefined: a ratio crosses its threshold at the very end of the band"
         return ""

@@ -35,12 +35,12 @@ from sympy import Expr, Rational
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, kept, noticed
 from haptisym.judge.excess import Box, Excess, box_of, excess_of
-from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, tick
+from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, spared, tick
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.reals import ExactNumber, RealNumber, whole
 from haptisym.kernel.roots import chart
-from haptisym.kernel.where import Array, Batches, Columns, halves, touching
+from haptisym.kernel.where import Array, Batches, Cells, Columns, Search, halves, touching
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
@@ -101,8 +101,11 @@ def clusters(excess: Excess, within: tuple[float, float] = (0, 1)) -> tuple[Clus
     if excess.is_zero:
         return ()
     leaves = _leaves(excess, within)
-    if not len(leaves.cells):
-        return ()
+    return tuple(_apart(_grouped(leaves))) if len(leaves.cells) else ()
+
+
+def _grouped(leaves: _Bounded) -> list[Cluster]:
+    """Leaves by what hangs together, in ascending order of frequency."""
     label, found = touching(leaves.cells), []
     for n in np.unique(label):
         own = _chosen(leaves, label == n)
@@ -110,7 +113,7 @@ def clusters(excess: Excess, within: tuple[float, float] = (0, 1)) -> tuple[Clus
         same = np.where((signs == signs[0]).all(0), signs[0], 0)
         ends = float(own.omega[:, 0].min()), float(own.omega[:, 1].max())
         found.append(Cluster(own.cells, tuple(int(x) for x in same), *ends))
-    return tuple(_apart(sorted(found, key=lambda x: x.low)))
+    return sorted(found, key=lambda x: x.low)
 
 
 def _apart(found: list[Cluster]) -> Iterator[Cluster]:
@@ -273,7 +276,10 @@ def drawn(box: Box, samples: int, seed: int) -> tuple[Drawn, ...]:
     if not sets:
         return ()
     rows = np.array([[float(ExactNumber(x)) for x in values.values()] for values in sets]).T
-    columns, left = in_floats(box.scene, tuple(box.scene.ranges().values()), rows)
+    try:
+        columns, left = in_floats(box.scene, tuple(box.scene.ranges().values()), rows)
+    except LimitError:
+        return ()
     names = [x.name for x in noticed(box.scene.threshold)]
     first = np.fmin.reduce([columns[f"first_crossing_{name}"] for name in names])
     crossings = np.sum([columns[f"crossings_{name}"] for name in names], axis=0)
@@ -412,7 +418,8 @@ def at_share(box: Box, share: float) -> RealNumber:
 def within(box: Box, x: RealNumber, cluster: Cluster) -> bool:
     """Whether a crossing is one of those of a cluster."""
     low, high = box.scene.band
-    share = (float(x) - float(low)) / float(high - low)
+    with spared():  # the digits of a certified zero take no time
+        share = (float(x) - float(low)) / float(high - low)
     return cluster.low - _OVERLAP / 4 <= share <= cluster.high + _OVERLAP / 4
 
 
@@ -463,9 +470,9 @@ class Verdict(Enum):
 class Enclosure(Judged):
     """Where crossings of a criterion lie: between ``low`` and ``high``, rad/s, whatever the values; guaranteed.
 
-    ``count`` : how many there are for every set of values; None if that depends or is not known. ``at_low``, ``at_high``: the
-    corner of the box at which the end is reached, which then is exact; None for an end that is a bound only, at most
-    ``TOLERANCE`` or what the budget allowed beyond. ``monotonic``: for each parameter 1 if the crossing grows with it
+    ``count`` : how many there are for every set of values, touches apart; None if that depends or is not known. ``at_low``,
+    ``at_high``: the corner of the box at which the end is reached, which then is exact; None for an end that is a bound only, at
+    most ``TOLERANCE`` or what the budget allowed beyond. ``monotonic``: for each parameter 1 if the crossing grows with it
     throughout the box, -1 if it falls, 0 if neither is proven.
     """
 
@@ -479,6 +486,25 @@ class Enclosure(Judged):
 
 
 _SHARE = 0.4  # of the time that is left, for the first search of two
+_FINEST, _MOST_PIECES = (
+    2.0**-12,
+    6000,
+)  # of the ranges, cells that are cut no further; pieces of the band behind all of them
+_LOTS = 200  # sets that are drawn where nothing else gives an example
+
+
+@dataclass(frozen=True)
+class _ByCells:
+    """Values in a cell that is ``kept`` and in one that is ``broken``; None if there is none.
+
+    ``latest`` : where all are broken, the share of the band by which each is. ``tops`` : where none is, for all that hangs
+    together of the open ones the corner at which r is greatest; None for one that is not known.
+    """
+
+    kept: Mapping[str, Expr] | None
+    broken: Mapping[str, Expr] | None
+    latest: float | None = None
+    tops: Sequence[Mapping[str, Expr] | None] = (None,)
 
 
 @dataclass(frozen=True, repr=False)
@@ -488,8 +514,8 @@ class Tolerances(Answer):
     ``box`` : the parameters that vary, each with its range, SI. ``verdict`` : noticed by none, by some or by all of its members,
     or undecided; ``bandwidth`` : the smallest and the largest, rad/s; ``enclosures`` : of each crossing, the range it moves
     over, where it exists for all. All of these are proven.
-    ``samples`` : members that were drawn, with ``seed``, for quantiles: estimates. ``held`` : of each hand, whether all members
-    are stable in it. ``budget`` : what the search was allowed.
+    ``samples`` : members that were drawn for quantiles, at most ``count`` with ``seed``: estimates, on which nothing proven
+    depends. ``held`` : of each hand, whether all members are stable in it. ``budget`` : what the search was allowed.
 
     >>> import haptisym as hs
     >>> found = hs.tolerances("fu2019-tolerances", samples=3)
@@ -502,7 +528,7 @@ class Tolerances(Answer):
     _figure: ClassVar[str] = "haptisym.figures.stability:TOLERANCES"
 
     box: Box
-    samples: tuple[Drawn, ...]
+    count: int = 0
     seed: int = 0
     budget: Budget | None = None
     held: tuple[HeldInBox, ...] = ()
@@ -550,7 +576,11 @@ class Tolerances(Answer):
 
     @cached_property
     def _search(self) -> dict[Criterion, tuple[Excess, tuple[Cluster, ...]]]:
-        forms = {x: excess_of(self.box, x) for x in self.criteria}
+        """Of each criterion what is judged, with its clusters; nothing where the time is over before that is known."""
+        try:
+            forms = {x: excess_of(self.box, x) for x in self.criteria}
+        except LimitError:
+            return {}
         found: dict[Excess, tuple[Cluster, ...]] = {}
         for form in forms.values():
             with share(_SHARE if len(found) < len(forms) - 1 else 1 - _SHARE):
@@ -560,8 +590,12 @@ class Tolerances(Answer):
     @cached_property
     def enclosures(self) -> tuple[Enclosure, ...]:
         """Where crossings lie, for all values: outside these there is none, for no values of the box."""
-        found = (self._enclosure(x, form, y) for x, (form, own) in self._search.items() for y in own)
-        return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
+        low, high = map(ExactNumber, self.box.scene.band)
+        anywhere = [Enclosure(x, low, high, None, None, None, {}) for x in self.criteria if x not in self._search]
+        known = (self._enclosure(x, form, y) for x, (form, own) in self._search.items() for y in own)
+        found = [*anywhere, *known]
+        with spared():
+            return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
 
     @cached_property
     def _corners(self) -> tuple[One, ...]:
@@ -571,29 +605,48 @@ class Tolerances(Answer):
         shares = [dict(zip(names, x, strict=True)) for _, x in zip(range(MOST_CORNERS), ends, strict=False)]
         return tuple(in_time(self.one(self.box.values(x)) for x in shares))
 
+    @cached_property
+    def samples(self) -> tuple[Drawn, ...]:
+        """What was drawn in time; nothing where ranges are of hands alone."""
+        return drawn(self.box, self.count, self.seed) if self.box.sides else ()
+
     def settle(self) -> None:
         """Find everything that is told, so that a limit is kept to; LimitError if not even the nominal values are."""
-        _ = self.nominal, self._search, self.enclosures, self.verdict, self.transparent, self.noticed, self.bandwidth
+        _ = self.nominal
+        with share(1 - _FOR_SAMPLES):  # what is proven comes first
+            _ = self._search, self.enclosures, self.verdict
+        with spared():  # which takes no time after these
+            _ = self.bandwidth
+        _ = self.samples
 
     @cached_property
     def verdict(self) -> Verdict:
         """Whether the display is transparent on the band for all values, for none, or for some."""
         if self.transparent is not None and self.noticed is not None:
             return Verdict.DEPENDS
-        alone = not self.box.sides or not any(own for _, own in self._search.values())
-        if alone and self.nominal.transparent is not None:
+        if self._is_one and self.nominal.transparent is not None:
             return Verdict.ALL if self.nominal.transparent else Verdict.NONE
-        if self._always_noticed():
+        if not self._search:
+            return Verdict.UNDECIDED
+        if self._always_noticed() or (not self._is_one and self._by_cells.latest is not None):
             return Verdict.NONE
         return Verdict.ALL if self._never_noticed() else Verdict.UNDECIDED
+
+    @property
+    def _is_one(self) -> bool:
+        """Whether one set of values tells of all: nothing varies, or no ratio equals its threshold for any."""
+        return not self.box.sides or (bool(self._search) and not any(own for _, own in self._search.values()))
 
     def _never_noticed(self) -> bool:
         """Whether for no values any frequency is, as where a ratio just reaches its threshold for some.
 
         Where a cluster is steady, the values along which r grows everywhere lead to one corner, and r - c, once above 0, stays so
-        on the way: outside of clusters it is nowhere 0. So nothing is noticed if nothing is at those corners.
+        on the way: outside of clusters it is nowhere 0. So nothing is noticed if nothing is at those corners. The same holds of
+        open cells that hang together, of which several may have the same frequencies, where r < c in all others: the way does not
+        leave them.
         """
-        corners = [self._greatest(form, x) for form, own in self._search.values() for x in own]
+        clustered = [self._greatest(form, x) for form, own in self._search.values() for x in own]
+        corners = clustered if None not in clustered else self._by_cells.tops
         try:
             return all(x is not None and self.one(x).transparent is True for x in [{}, *corners])
         except LimitError:
@@ -617,14 +670,59 @@ class Tolerances(Answer):
         return self._witness(transparent=False)
 
     def _witness(self, *, transparent: bool) -> One | None:
-        """The nominal values, those drawn (floats tell which to answer exactly), or a corner."""
+        """The nominal values, a corner, those in the middle of a cell, or some that are drawn, the same whatever is asked for."""
         if self.nominal.transparent is transparent:
             return self.nominal
-        own = in_time(x.exact for x in self.samples if x.transparent is transparent)
-        found = next((x for x in own if x.transparent is transparent), None)
-        if found or self._always_noticed():
-            return found
-        return next((x for x in self._corners if x.transparent is transparent), None)
+        if self._is_one or not self._search or (transparent and self._always_noticed()):
+            return None
+        found = in_time(self._tried(transparent=transparent))
+        return next((x for x in found if x.transparent is transparent), None)
+
+    def _tried(self, *, transparent: bool) -> Iterator[One]:
+        """Sets of values that may be transparent, or noticed, the simplest first."""
+        yield from self._corners
+        middle = self._by_cells.kept if transparent else self._by_cells.broken
+        if middle is not None:
+            yield self.one(middle)
+        yield from (x.exact for x in self._lots if x.transparent is transparent)
+
+    @cached_property
+    def _lots(self) -> tuple[Drawn, ...]:
+        return drawn(self.box, _LOTS, SEED)
+
+    @cached_property
+    def _by_cells(self) -> _ByCells:
+        """What cells of the box show: each is kept or broken for all of its values, or stays open."""
+        forms = [form for form, _ in self._search.values() if not form.is_zero]
+        band = np.linspace(0, 1, _FIRST + 1)
+        pieces = sliding_window_view(band, 2)[:, None]
+        first = Cells.of(np.tile([0.0, 1.0], (1, len(self.box.sides), 1)), [pieces] * len(forms))
+        judges = [form.curve for form in forms]
+        search = Search(judges, first, wide=lambda x: x[..., 1] - x[..., 0] > _FINEST, most=_MOST_PIECES)
+        middles, latest = dict[bool, dict[str, Expr]](), 0.0
+        for cells in search:
+            for cell, ceiling in zip(cells.outer, cells.ceiling, strict=True):
+                if (is_kept := bool(ceiling == np.inf)) not in middles:
+                    middles[is_kept] = self._middle(cell)
+                latest = max(latest, float(ceiling))
+            if len(middles) == 2:
+                return _ByCells(middles[True], middles[False])
+        if True not in middles and not len(search.left):
+            return _ByCells(None, middles[False], latest)
+        tops = [None] if False in middles else self._tops(forms, search.left)
+        return _ByCells(middles.get(True), middles.get(False), tops=tops)
+
+    def _tops(self, forms: Sequence[Excess], left: Cells) -> list[dict[str, Expr] | None]:
+        """The values for which what hangs together of open cells is greatest."""
+        own = [(form, x.cells(left.outer)) for form, x in zip(forms, left.pieces, strict=True) if len(x)]
+        with suppress(LimitError):
+            return [self._greatest(form, x) for form, cells in own for x in _grouped(bounded(form, cells))]
+        return [None]
+
+    def _middle(self, cell: Array) -> dict[str, Expr]:
+        """The values in the middle of a cell."""
+        middles = (Fraction(float(x)) for x in cell.mean(-1))
+        return self.box.values({x.name: n for x, n in zip(self.box.sides, middles, strict=True)})
 
     def _always_noticed(self) -> bool:
         """Whether some frequency is noticed whatever the values: one between clusters, at which a ratio exceeds for all."""
@@ -632,17 +730,15 @@ class Tolerances(Answer):
 
     def _exceeds_between(self, criterion: Criterion) -> float | None:
         """The lowest share of the band outside all clusters at which r exceeds c, for the nominal and so for all values."""
-        form, own = self._search[criterion]
-        if form.is_zero:
+        form, own = self._search.get(criterion, (None, ()))
+        if form is None or form.is_zero:
             return None
         start = 0.0
         for low, high in [*((x.low, x.high) for x in own), (1.0, 1.0)]:
             if low > start:
                 middle = np.array([[[(start + low) / 2] * 2, *[[0.5, 0.5]] * (form.sides - 1)]])
-                try:
+                with spared():  # one cell takes no time
                     exceeds = form.model(middle).bounds()[0][0, 0] > 0
-                except LimitError:
-                    return None
                 if exceeds:
                     return start
             start = max(start, high)
@@ -652,11 +748,15 @@ class Tolerances(Answer):
     def bandwidth(self) -> tuple[RealNumber, RealNumber] | None:
         """The least and the greatest that the bandwidth can be, guaranteed; None if not transparent from the low end on."""
         low, high = (ExactNumber(x) for x in self.box.scene.band)
+        if self.verdict is Verdict.ALL:
+            return high, high
         if self.nominal.bandwidth is None or any(float(x.low) <= float(low) for x in self.enclosures):
             return None
         least = min([x.low for x in self.enclosures] or [high], key=float)
-        ends = [self._end_of_first(x) for x in self.criteria]
-        return least, min([x for x in ends if x is not None] or [high], key=float)
+        ends = [end for end in map(self._end_of_first, self.criteria) if end is not None]
+        if not ends and self.verdict is Verdict.NONE and self._by_cells.latest is not None:
+            ends.append(at_share(self.box, self._by_cells.latest))
+        return least, min(ends or [high], key=float)
 
     def _end_of_first(self, criterion: Criterion) -> RealNumber | None:
         """From where on r exceeds c whatever the values, at the latest; None if nowhere for certain."""
@@ -678,13 +778,17 @@ class Tolerances(Answer):
         steady = {side.name: int(-sign * cluster.signs[0]) for side, sign in moves}
         alone = cluster.regular and cluster.inside
         own = [x for x in self.nominal.crossings[criterion.name] if within(self.box, x, cluster)]
-        count = len(own) if alone and own else None
+        count = 0 if self.verdict is Verdict.ALL else len(own) if alone and own else None
         face = Face(self.box, criterion.name, {}, self.one)
-        (low, at_low), (high, at_high) = (
-            face.end(form, cluster, highest=end) or (at_share(self.box, cluster.high if end else cluster.low), None)
-            for end in (False, True)
-        )
+        (low, at_low), (high, at_high) = (self._end(face, form, cluster, highest=end) for end in (False, True))
         return Enclosure(criterion, low, high, count, at_low, at_high, steady)
+
+    def _end(self, face: Face, form: Excess, cluster: Cluster, *, highest: bool) -> End:
+        """As far as the crossings of a cluster go, or the cluster where the time is over."""
+        found: End | None = None
+        with suppress(LimitError):
+            found = face.end(form, cluster, highest=highest)
+        return found or (at_share(self.box, cluster.high if highest else cluster.low), None)
 
     def _body(self) -> dict[str, Any]:
         sides = [{"name": x.name, "low": float(x.low), "high": float(x.high)} for x in self.box.sides]
@@ -761,11 +865,10 @@ def tolerances(
     with limited(limit, told) as budget:
         with share(_FOR_HANDS):
             held = tuple(held_in_box(scene, x) for x in scene.hands)
-        with share(_FOR_SAMPLES):
-            found = Tolerances(box, drawn(box, samples, seed) if box.sides else (), seed, budget, held)
+        found = Tolerances(box, samples, seed, budget, held)
         found.settle()
     return found
 
 
 _FOR_HANDS = 0.3  # of the time
-_FOR_SAMPLES = 0.3  # of what is left
+_FOR_SAMPLES = 0.3  # of what is left after the nominal values
