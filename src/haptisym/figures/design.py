@@ -50,7 +50,7 @@ def _places(axis: Axis, count: int) -> Array:
 def _curve(found: Design, question: Question, axis: Axis) -> Chart:
     values = _places(axis, _VALUES)
     cells, bounds = question.profile(_WITHIN, _MOST)
-    bandwidths, end = question.points.bandwidths(values[:, None]), float(found.family.band[1])
+    (_, bandwidths), end = question.points.bandwidths(values[:, None]), float(found.family.band[1])
     named = f"bandwidth if off by {float(100 * found.robust):g} %" if found.robust else "bandwidth"
     layers: list[Layer] = [
         Ground(_si(found, cells[:, 0], 0), (bounds[:, 0], bounds[:, 1]), label="proven bounds"),
@@ -84,7 +84,7 @@ def _map(found: Design, question: Question, x: Axis, y: Axis) -> Chart:
     levels = _Levels(
         u,
         v,
-        question.points.bandwidths(sets).reshape(len(v), len(u)),
+        question.points.bandwidths(sets)[1].reshape(len(v), len(u)),
         label="bandwidth, " + found.family.frequency.text,
     )
     layers = [*_refused(found, question), levels, *_marks(found, lambda values, _: ([values[0]], [values[1]]))]

@@ -9,7 +9,7 @@ from sympy import Expr
 from haptisym.kernel.reals import Printable, Way
 from haptisym.model.scene import Knob
 from haptisym.pages.words import bare, both, cell, page_about, proof, undecided, value_of
-from haptisym.verbs.design.attained import PASSIVE
+from haptisym.verbs.design.attained import PASSIVE, Attained
 from haptisym.verbs.design.entry import Design
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Column, Document, Figure, Phrase, Real, Table, listed
 from haptisym.writing.layout import named
@@ -28,8 +28,9 @@ def page(a: Design) -> Document:
 def _require(a: Design) -> str:
     """The call that gives all values with which nothing is noticed."""
     ranges = zip(a.free, a.ranges, strict=True)
-    free = " ".join(f"--free {x.path} --range {float(low):g} {float(high):g}" for x, (low, high) in ranges)
-    return f"haptisym require SCENE {free}"
+    free = " ".join(f"--free {x.path} --range {float(low):.17g} {float(high):.17g}" for x, (low, high) in ranges)
+    goals = "".join(f" --that {x}" for x in ("transparent", *a.keep)) if a.keep else ""
+    return f"haptisym require SCENE {free}{goals}"
 
 
 def _answer(a: Design) -> Iterator[tuple[Phrase, Phrase]]:
@@ -44,7 +45,14 @@ def _answer(a: Design) -> Iterator[tuple[Phrase, Phrase]]:
     if not a.is_whole:
         yield "Limited by", _limits(a)
     if a.keep:
-        yield "Kept", (listed(a.keep), " (proven at these values)")
+        yield "Kept", (listed(a.keep), _whether_kept(a))
+
+
+def _whether_kept(a: Design) -> str:
+    if not a.robust:
+        return " (proven at these values)"
+    near = f"for all values that are off by {_percent(a.robust)} at most"
+    return f" (proven {near})" if a.best and a.best.kept else f" (not proven {near})"
 
 
 def _written(x: Knob, value: Expr) -> Real:
@@ -57,14 +65,24 @@ def _now(x: Knob, best: Expr) -> Phrase:
 
 def _bandwidth(a: Design) -> Phrase:
     low, high = a.bandwidth
-    now: Phrase = () if a.given in (None, a.best) else ("; is ", cell(a.given.bandwidth))
-    off: Phrase = (" or more if all values are off by ", _percent(a.robust), " at most") if a.robust else ()
+    now: Phrase = () if a.given in (None, a.best) else ("; is ", _given(a, a.given))
+    off: Phrase = (" if all values are off by ", _percent(a.robust), " at most") if a.robust else ()
     if a.is_whole:
         return both(low, Way.DOWN), ", the whole band", off, now
-    return both(low, Way.DOWN), off, now, "; at most ", cell(high, Way.UP), " with any values in the range"
+    if high <= low:
+        return both(low, Way.DOWN), off, now, "; no values in the range have more"
+    least = both(low, Way.DOWN), " or more" if a.robust else ""
+    return *least, off, now, "; at most ", cell(high, Way.UP), " with any values in the range"
+
+
+def _given(a: Design, given: Attained) -> Phrase:
+    """What the scene's own values attain; if they may be off at least."""
+    return cell(given.bandwidth, Way.DOWN if a.robust else Way.NEAREST)
 
 
 def _limits(a: Design) -> Phrase:
+    if not a.binding and a.best is not None and a.best.seen:
+        return "undecided"
     if not a.binding:
         return "the low end of the band: noticed from there on"
     several = len(a.family) > 1

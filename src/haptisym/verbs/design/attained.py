@@ -2,6 +2,10 @@
 
 Floats only propose: those of a sweep, and where these take long or decide nothing what the one search shows at single
 points. What is called attained was evaluated exactly at rational values, and what must be kept was decided there.
+
+Where values may be *off* by a relative distance, what they attain is the smallest bandwidth of all values so far away. It is
+bounded from below by the one search and from above by single values, whose ``factors`` (times the values: the middle, the
+corners, then whatever turned out to be worst anywhere) are what floats and the upper bound look at.
 """
 
 from __future__ import annotations
@@ -11,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
+from math import inf
 from operator import mul
 
 import numpy as np
@@ -27,7 +32,7 @@ from haptisym.kernel.where import Judge
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import Array
-from haptisym.verbs.design.bound import DesignBox, at_points
+from haptisym.verbs.design.bound import DesignBox, at_points, smallest
 from haptisym.verbs.sweep.passes import Kernel
 
 PASSIVE, STABLE, STEADY = "passive", "stable", "steady"
@@ -38,30 +43,54 @@ _ROUNDS, _ROUND, _CLOSER = {1: 12, 2: 24, 3: 24}, {1: 16, 2: 40, 3: 80}, {1: 0.2
 """Times that the search closes in on the best, sets of values each time, and to which share of the box before."""
 _TRIED = 6
 """Of the proposals of a round that look better than what keeps all, how many are tried."""
+_MISSED = 3
+"""Rounds without anything better after which values that are off are closed in on no further: each is dear."""
+_FEWER = 4
 _GOLDEN = {1: 1.618033988749895, 2: 1.324717957244746, 3: 1.2207440846057596}
 """Roots x of x^(d+1) = x + 1: steps of 1/x, 1/x^2, ... fill a box of d sides evenly."""
 
 
 @dataclass(frozen=True)
 class Attained:
-    """Values, SI, and what is exact there: the evaluation of each environment, and whether all that must be is ``kept``.
+    """Values, SI, and what is exact there: evaluations, and whether all that must be is ``kept``, None where that is undecided.
 
-    None where that is undecided.
+    ``evaluations`` : of each environment; where values may be off those of all factors, and of what was found to be worst.
+    ``proven`` : what all values attain that are off by as much as they may, rad/s, infinite where nothing is noticed with
+    any; None where they are not off.
     """
 
     values: tuple[Expr, ...]
     evaluations: tuple[Evaluation, ...]
     kept: bool | None
+    proven: float | None = None
 
     @cached_property
-    def bandwidth(self) -> float:
-        """The smallest of all environments, rad/s, rounded down; 0 where there is none."""
+    def seen(self) -> float:
+        """The smallest bandwidth of all evaluations, rad/s, rounded down; 0 where there is none."""
         return min(map(least_of, self.evaluations))
+
+    @property
+    def bandwidth(self) -> float:
+        """What is attained for certain, rad/s."""
+        return self.seen if self.proven is None else min(self.proven, self.seen)
 
     @property
     def is_whole(self) -> bool:
         """Whether nothing is noticed on the band with any environment."""
+        if self.proven is not None and self.proven < inf:
+            return False
         return all(x.bandwidth is not None and x.bandwidth == x.chart.points[-1].omega for x in self.evaluations)
+
+
+@dataclass(frozen=True)
+class Worst:
+    """What all values within a distance of some attain: at least ``low``, rad/s, infinite where nothing is noticed.
+
+    ``at`` : the worst of the values that were found to attain less than what was known; None where there are none.
+    """
+
+    low: float
+    at: tuple[Expr, ...] | None
 
 
 def least_of(x: Evaluation) -> float:
@@ -77,28 +106,41 @@ def least_of(x: Evaluation) -> float:
 class Points:
     """Sets of values of one to three parameters, of one scene or of one for each environment.
 
-    ``keep`` : what must be kept, in the scenes' hands. ``factors`` : a set of values stands for all that are so many
-    times them.
+    ``keep`` : what must be kept, in the scenes' hands. ``off`` : the relative distance that values may be off, 0 if none;
+    ``gap`` : to which bounds are to come together. ``factors`` : values are looked at so many times what they are.
     """
 
     scenes: Sequence[Scene]
     free: Sequence[Knob]
     ranges: Sequence[tuple[Expr, Expr]]
     keep: Sequence[str]
-    factors: Sequence[tuple[Expr, ...]]
+    off: Expr
+    gap: float
+    factors: list[tuple[Expr, ...]] = field(init=False)
     known: dict[tuple[Expr, ...], Attained | None] = field(default_factory=dict)
+    _boxes: dict[tuple[Expr, ...], list[DesignBox]] = field(default_factory=dict)
+    _made: dict[tuple[int, Part | None], list[Judge]] = field(default_factory=dict)
     _kernels: dict[int, Kernel | None] = field(default_factory=dict)
 
-    @cached_property
-    def boxes(self) -> list[DesignBox]:
-        """All values, of each environment, and as far off as they may be."""
-        sides = tuple(Side(x.symbol.name, *ends, x.unit) for x, ends in zip(self.free, self.ranges, strict=True))
-        return [DesignBox(s, sides).times(f) for s, f in product(self.scenes, self.factors)]
+    def __post_init__(self) -> None:
+        self.factors = _offsets(len(self.free), self.off)
 
-    @cached_property
-    def criteria(self) -> list[list[Judge]]:
-        """What must not be positive on the band, of each box."""
-        return [box.criteria() for box in self.boxes]
+    @property
+    def boxes(self) -> list[DesignBox]:
+        """All values, so many times what they are, of each environment."""
+        return [box for own in self.factors for box in self._boxes_of(own)]
+
+    def _boxes_of(self, factors: tuple[Expr, ...]) -> list[DesignBox]:
+        if factors not in self._boxes:
+            free = zip(self.free, self.ranges, strict=True)
+            sides = tuple(Side(x.symbol.name, *ends, x.unit) for x, ends in free)
+            self._boxes[factors] = [DesignBox(scene, sides).times(factors) for scene in self.scenes]
+        return self._boxes[factors]
+
+    @property
+    def criteria(self) -> list[Judge]:
+        """What must not be positive on the band, of all boxes."""
+        return [judge for box in self.boxes for judge in self._judges(box)]
 
     @cached_property
     def _scales(self) -> list[tuple[float, float, bool]]:
@@ -110,10 +152,10 @@ class Points:
         low, high = np.array([x[:2] for x in self._scales]).T
         return self._inside(low + (high - low) * shares)
 
-    def spread(self, count: int = 0) -> Array:
+    def spread(self) -> Array:
         """Values all over the box, and its corners; by ratios where a range spans more than a factor of eight."""
         n = len(self.free)
-        even = _even(n, 1 + np.arange(count or _POINTS[n]))
+        even = _even(n, 1 + np.arange(_POINTS[n] // self._share))
         shares = np.concatenate([even, np.array(list(product((0.0, 1.0), repeat=n)))])
         columns = [
             low * (high / low) ** u if by_ratio else low + (high - low) * u
@@ -125,30 +167,58 @@ class Points:
         low, high = np.array([x[:2] for x in self._scales]).T
         return np.clip(values, low, high)
 
-    def bandwidths(self, values: Array) -> Array:
-        """Of sets of values, (sets, parameters), the smallest bandwidth of all environments; in floats, 0 where none is known."""
-        found = np.full(len(values), np.inf)
-        for (scene, factors), criteria in zip(product(self.scenes, self.factors), self.criteria, strict=True):
-            own, left, kernel = np.empty(len(values)), np.arange(len(values)), self._kernel(scene)
+    def bandwidths(self, values: Array, since: int = 0) -> tuple[Array, Array]:
+        """Of sets of values, (sets, parameters), the smallest bandwidth of all environments and factors, in floats.
+
+        From a lower to an upper number: both are the same but where floats decide nothing, at a threshold that is touched.
+        ``since`` : of the factors from that number on.
+        """
+        sets = self._times(values, since)
+        found = np.full((2, len(sets)), np.inf)
+        for scene, box in zip(self.scenes, self._wide, strict=True):
+            own, left, kernel = np.empty((2, len(sets))), np.arange(len(sets)), self._kernel(scene)
             if kernel is not None:
-                columns, left = kernel.in_floats((values * np.array(factors, float)).T)
-                own = np.nan_to_num(columns["bandwidth"], nan=0.0)
+                columns, left = kernel.in_floats(sets.T)
+                own[:] = np.nan_to_num(columns["bandwidth"], nan=0.0)
             if len(left):
-                own[left] = self._from(criteria, values[left])
+                own[:, left] = self._from(self._judges(box), sets[left])
             found = np.minimum(found, own)
-        return found
+        least, most = found.reshape(2, len(values), -1).min(-1)
+        return least, most
 
     def first_crossings(self, values: Array) -> dict[Part, Array]:
         """From where on each part is noticed with any environment, of sets of values; the band's end where it is not."""
-        own = {part: [x for box in self.boxes for x in box.criteria(part)] for part in Part}
-        return {part: self._from(criteria, values) for part, criteria in own.items() if criteria}
+        own = {part: [x for box in self._wide for x in self._judges(box, part)] for part in Part}
+        sets = self._times(values)
+        each = {part: self._from(judges, sets)[1] for part, judges in own.items() if judges}
+        return {part: x.reshape(len(values), -1).min(-1) for part, x in each.items()}
 
-    def _from(self, criteria: Sequence[Judge], values: Array) -> Array:
-        """From where on one of several criteria is exceeded at least, rad/s; the band's end where none is."""
-        start, width = np.array([(low, high - low) for low, high, _ in self._scales]).T
+    def _times(self, values: Array, since: int = 0) -> Array:
+        """Each set of values times each of the factors."""
+        factors = np.array(self.factors[since:], float)
+        return (values[:, None] * factors).reshape(-1, len(self.free))
+
+    @cached_property
+    def _wide(self) -> list[DesignBox]:
+        """All values that are off by as much as they may, of each environment."""
+        free = zip(self.free, self.ranges, strict=True)
+        sides = [Side(x.symbol.name, a - self.off * abs(a), b + self.off * abs(b), x.unit) for x, (a, b) in free]
+        return [DesignBox(scene, tuple(sides)) for scene in self.scenes]
+
+    def _judges(self, box: DesignBox, part: Part | None = None) -> list[Judge]:
+        if (id(box), part) not in self._made:
+            self._made[id(box), part] = box.criteria(part)
+        return self._made[id(box), part]
+
+    def _from(self, criteria: Sequence[Judge], values: Array) -> tuple[Array, Array]:
+        """From where on, at least and at most, one of several criteria is exceeded, rad/s; the band's end where none is."""
+        ends = np.array([(float(x.low), float(x.high)) for x in self._wide[0].sides]).T
         low, high = map(float, self.scenes[0].band)
-        shares = at_points(criteria, (values - start) / width)
-        return np.select([shares >= 1, shares > 0], [high, low + shares * (high - low)], 0.0)
+        least, most = (
+            np.select([x >= 1, x > 0], [high, low + x * (high - low)], 0.0)
+            for x in at_points(criteria, np.clip((values - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0))
+        )
+        return least, most
 
     def _kernel(self, scene: Scene) -> Kernel | None:
         """What a sweep has; not of several delays, holds, powers of s or of one and a JND region: a set may take it a second."""
@@ -161,23 +231,91 @@ class Points:
         return self._kernels[id(scene)]
 
     def attained(self, values: Sequence[Expr]) -> Attained | None:
-        """What is exact at some values; None where the model is not defined there."""
+        """What is attained at some values; None where the model is not defined there."""
         key = tuple(values)
         if key not in self.known:
             try:
-                scenes = self._scenes(key)
-                self.known[key] = Attained(key, tuple(map(evaluate, scenes)), self._keep_all(scenes))
+                self.known[key] = self._attained(key)
             except LimitError:
                 raise
             except HaptisymError:
                 self.known[key] = None
         return self.known[key]
 
+    def _attained(self, values: tuple[Expr, ...]) -> Attained:
+        scenes = self._scenes(values)
+        found = Attained(values, tuple(map(evaluate, scenes)), self._keep_all(scenes))
+        if not self.off:
+            return found
+        worst = self.worst(found, self.off, self.gap / 100)
+        if worst.at is not None:
+            there = tuple(map(evaluate, self._at(worst.at)))
+            self._look_at(worst.at, values, min(map(least_of, there)))
+            found = replace(found, evaluations=(*found.evaluations, *there))
+        kept = self.keep_around(values, self.off) if found.kept else found.kept
+        return replace(found, kept=kept, proven=worst.low)
+
+    def _look_at(self, at: Sequence[Expr], values: Sequence[Expr], attained: float) -> None:
+        """One factor more, by which values are worse than by all that are looked at."""
+        for factors in reversed(self.factors):
+            scenes = self._at(tuple(map(mul, values, factors)))
+            if min(least_of(evaluate(x)) for x in scenes) * (1 - self.gap / 2) <= attained:
+                return
+        pairs = zip(at, values, strict=True)
+        self.factors.append(tuple(x / value if value else Integer(1) for x, value in pairs))
+
+    def fits(self, found: Attained) -> bool:
+        """Whether what must be kept is; of values that are off it may stay open, which is said, whether all of them do."""
+        return found.kept is True or (bool(self.off) and found.kept is None)
+
+    def worst(self, found: Attained, relative: Expr, within: float) -> Worst:
+        """What all values within a relative distance of some attain."""
+        each = zip(self.free, found.values, strict=True)
+        sides = tuple(Side(x.symbol.name, v, v, x.unit) for x, v in each)
+        start, end = map(float, self.scenes[0].band)
+        seen = inf if found.is_whole else found.seen
+        lowest = known = min(max(seen - start, 0.0) / (end - start), 1.0)
+        at = None
+        for scene in self.scenes:
+            box, least = DesignBox(scene, sides).around(relative), 0.0
+            for least, most, where in smallest(  # noqa: B007  the last and closest
+                box.criteria(), len(self.free), within, known
+            ):
+                tick()
+                if where is not None and most < known:
+                    known, at = most, tuple(x.at(Fraction(float(u))) for x, u in zip(box.sides, where, strict=True))
+            if least <= 0:
+                tick()  # where the time was over before anything was proven that is no answer
+            lowest = min(lowest, least)
+        return Worst(_frequency(lowest, start, end), at)
+
+    def keep_around(self, values: Sequence[Expr], relative: Expr) -> bool | None:
+        """Whether all values within a relative distance keep what must be kept; None where that is not proven."""
+        if not self.keep:
+            return True
+        if len(self.free) > 1:
+            corners = [tuple(map(mul, values, x)) for x in _offsets(len(self.free), relative)]
+            found = [self._keep_all(self._at(x)) for x in corners]
+            return False if False in found else None
+        from haptisym.verbs.require.required import require
+
+        [value], [free] = values, self.free
+        ends = sorted((value * (1 - relative), value * (1 + relative)))
+        for scene in self.scenes:
+            asked = require(scene, free.path, (ends[0], ends[1]), that=self.keep, limit=None)
+            if asked.undecided:
+                return None
+            if len(asked.feasible) != 1 or any(x.bindings for x in (asked.feasible[0].low, asked.feasible[0].high)):
+                return False
+        return True
+
+    def _at(self, values: Sequence[Expr]) -> list[Scene]:
+        own = dict(zip((x.path for x in self.free), values, strict=True))
+        return [scene.with_values(own) for scene in self.scenes]
+
     def _scenes(self, values: Sequence[Expr]) -> list[Scene]:
-        each = [
-            dict(zip((x.path for x in self.free), map(mul, values, factors), strict=True)) for factors in self.factors
-        ]
-        return [scene.with_values(own) for scene in self.scenes for own in each]
+        each = _offsets(len(self.free), self.off)
+        return [scene for factors in each for scene in self._at(tuple(map(mul, values, factors)))]
 
     def _keep_all(self, scenes: Sequence[Scene]) -> bool | None:
         found = [keeps(scene, x) for x in self.keep for scene in scenes]
@@ -186,26 +324,45 @@ class Points:
     def best(self, start: Array, least: float = 0.0) -> Attained | None:
         """The best that is found from some sets of values that keeps what must be kept, better than ``least``.
 
-        Proposed by floats, which close in on the best so far, and evaluated exactly.
+        Proposed by floats, which close in on the best so far, and evaluated exactly. Where that shows a factor to be worst
+        that nobody had looked at, floats begin again with it.
         """
-        values, found = start, self.bandwidths(start)
-        centre, top, sides = None, least, len(self.free)
+        found = self.bandwidths(start)
+        while True:
+            looked_at = len(self.factors)
+            best = self._best(start, found, least)
+            if len(self.factors) == looked_at:
+                return best if best and self.fits(best) and best.bandwidth > least else None
+            low, high = self.bandwidths(start, looked_at)
+            found = np.minimum(found[0], low), np.minimum(found[1], high)
+
+    def _best(self, values: Array, found: tuple[Array, Array], least: float) -> Attained | None:
+        centre, top, sides, missed, looked_at = None, least, len(self.free), 0, len(self.factors)
         for n in range(_ROUNDS[sides]):
             tick()
-            i = self._first_kept(values, found, top)
-            if i is not None:
-                centre, top = values[i], float(found[i])
-            if centre is None:
+            better = self._first_kept(values, found, top)
+            missed = missed + 1 if better is None else 0
+            if better is not None:
+                centre, top = better
+                if self.off:
+                    self.attained(self.exact(centre))
+            if centre is None or len(self.factors) > looked_at:
                 return None
+            if self.off and missed == _MISSED:
+                break
             values = self._near(centre, _CLOSER[sides] ** (n + 1), n)
             found = self.bandwidths(values)
         assert centre is not None
-        best = self.attained(exact(centre))
-        return best if best and best.kept and best.bandwidth > least else None
+        return self.attained(self.exact(centre))
+
+    def exact(self, values: Array) -> tuple[Expr, ...]:
+        """Floats as the decimals that they are written as, so that what is printed is what was evaluated; in the ranges."""
+        each = zip(map(Rational, map(repr, values.tolist())), self.ranges, strict=True)
+        return tuple(min(max(x, low), high) for x, (low, high) in each)
 
     def _near(self, centre: Array, width: float, n: int) -> Array:
         """Sets of values about one, within a share of the box (by ratios: of the logarithm of its range)."""
-        count = _ROUND[len(self.free)]
+        count = _ROUND[len(self.free)] // self._share
         shares = (_even(len(self.free), np.arange(count) + 7 * n) - 0.5) * 2 * width
         columns = [
             c * (high / low) ** u if by_ratio and c > 0 else c + (high - low) * u
@@ -213,28 +370,47 @@ class Points:
         ]
         return self._inside(np.stack(columns, -1))
 
-    def _first_kept(self, values: Array, found: Array, least: float) -> int | None:
-        """The number of the best proposal above ``least`` that keeps all, of the first few that look so."""
-        order = [int(i) for i in np.argsort(-found, kind="stable") if found[i] > least]
+    def _first_kept(self, values: Array, found: tuple[Array, Array], least: float) -> tuple[Array, float] | None:
+        """The best proposal above ``least`` that keeps all, of the first few that look so, and its bandwidth."""
+        low, high = (x.copy() for x in found)
+        open_ = [int(i) for i in np.argsort(-high, kind="stable") if high[i] > max(low[i] + self._unclear, least)]
+        for i in open_[:_TRIED]:
+            tick()
+            exactly = self.attained(self.exact(values[i]))
+            low[i] = 0.0 if exactly is None else exactly.bandwidth
+        order = [int(i) for i in np.argsort(-low, kind="stable") if low[i] > least]
         for i in order[:_TRIED]:
             tick()
             try:
-                if not self.keep or self._keep_all(self._scenes(exact(values[i]))):
-                    return i
+                if not self.keep or self._keep_all(self._scenes(self.exact(values[i]))):
+                    return values[i], float(low[i])
             except LimitError:
                 raise
             except HaptisymError:
                 continue
         return None
 
+    @property
+    def _share(self) -> int:
+        """How many times fewer sets are looked at where each is looked at many times."""
+        return _FEWER if self.off else 1
+
+    @cached_property
+    def _unclear(self) -> float:
+        """How far floats may be apart, rad/s, where they decide what the bandwidth is."""
+        start, end = map(float, self.scenes[0].band)
+        return self.gap / 100 * (end - start)
+
     def nearest_whole(self, values: Array, high: float, to: Array) -> Attained | None:
-        """Of sets of values with which floats see nothing noticed up to ``high``, the nearest that keeps all."""
-        found = values[self.bandwidths(values) >= high]
+        """Of sets of values with which floats may see nothing noticed up to ``high``, the nearest that keeps all."""
+        least, most = self.bandwidths(values)
+        found, is_open = values[most >= high], least[most >= high] < high
         spans = np.array([high - low for low, high, _ in self._scales])
-        for x in found[np.argsort(np.abs((found - to) / spans).max(-1), kind="stable")][:_TRIED]:
+        away = np.abs((found - to) / spans).max(-1)
+        for x in found[np.lexsort((away, is_open))][:_TRIED]:
             tick()
-            own = self.attained(exact(x))
-            if own and own.kept and own.is_whole:
+            own = self.attained(self.exact(x))
+            if own and self.fits(own) and own.is_whole:
                 return own
         return None
 
@@ -248,7 +424,7 @@ class Points:
             if not all(low <= x <= high for x, (low, high) in zip(values, self.ranges, strict=True)):
                 continue
             found = self.attained(values)
-            if found and found.kept and found.bandwidth >= best.bandwidth * (1 - loss):
+            if found and found.kept == best.kept and found.bandwidth >= best.bandwidth * (1 - loss):
                 return found
         return best
 
@@ -258,12 +434,14 @@ def _even(sides: int, numbers: Array) -> Array:
     return (0.5 + numbers[:, None] * steps) % 1.0
 
 
-def exact(values: Array) -> tuple[Expr, ...]:
-    """Floats as the numbers that they are."""
-    return tuple(Rational(*float(x).as_integer_ratio()) for x in values)
+def _frequency(share: float, low: float, high: float) -> float:
+    """What a share of a band is, rad/s, rounded down; 0 where it is nothing, infinite where it is all."""
+    if share >= 1:
+        return inf
+    return float(np.nextafter(low + share * (high - low), low)) if share > 0 else 0.0
 
 
-def offsets(parameters: int, relative: Expr) -> list[tuple[Expr, ...]]:
+def _offsets(parameters: int, relative: Expr) -> list[tuple[Expr, ...]]:
     """By what values are multiplied that are off by so much at most: not at all, and all together by as much as they may."""
     ends = [tuple(x) for x in product((1 - relative, 1 + relative), repeat=parameters)] if relative else []
     return [(Integer(1),) * parameters, *ends]

@@ -41,6 +41,8 @@ _OFFERED, _PATIENCE, _CUT_FIRST = 32, 8, 5
 _SEEN, _CUT_POINTS = 1e-6, 8
 """How closely first(q) is bounded at single points, a share of the band; how often pieces are cut for it."""
 _WITHOUT_END = 10**12  # pieces: time is the limit
+_MOST_WORST = 30_000
+"""Pieces that are looked at for the worst of a box: a threshold that is touched there is never settled."""
 _REACH = 20
 """As many times the band's high end is looked at for what must be kept: beyond, the highest coefficient alone tells."""
 
@@ -87,8 +89,11 @@ class DesignBox(Box):
         return [(_Activity(wide).below, _PIECES), *((_Coefficient(self, x).curve, 1) for x in _at_both_ends(self))]
 
 
-Offer: TypeAlias = Callable[[Array], float]
-"""Is given points, shares of the box, at which the bandwidth may be large; gives the largest that is attained so far."""
+Offer: TypeAlias = Callable[[Array], float | None]
+"""Is given points, shares of the box, at which the bandwidth may be large; gives the largest that is attained so far.
+
+None where there are more criteria now, and the search has to begin with these.
+"""
 
 
 class LargestBandwidth:
@@ -112,11 +117,11 @@ class LargestBandwidth:
     def prove(self, aim: Callable[[float], float], offer: Offer) -> float | None:
         """A target that no values of the box are better than, the whole band if it is attained.
 
-        None where cells became too narrow, or the time was over.
+        None where cells became too narrow, the time was over, or an offer said so.
 
         ``aim`` : the target for what is attained; it rises where an offer is better than all before.
         """
-        attained = offer(np.empty((0, self._search.left.outer.shape[1])))
+        attained = offer(np.empty((0, self._search.left.outer.shape[1]))) or 0.0
         target = aim(attained)
         self._put_back(target)
         self._reach(target)
@@ -127,12 +132,18 @@ class LargestBandwidth:
                 self._promising() if n % (1 + missed // _PATIENCE) == 0 else ()
             )  # where nothing better was found for long, less often
             missed += len(points) > 0
-            if len(points) and (now := offer(points)) > attained:
+            now = offer(points) if len(points) else attained
+            if now is None:
+                return None
+            if now > attained:
                 if now >= 1:
                     return 1.0
                 attained, target, missed = now, aim(now), 0
                 self._reach(target)
-        return None if len(self._search.left) else target
+        if len(self._search.left):
+            return None
+        # where nothing is attained the cells may show that there is nothing
+        return target if attained > 0 else max(joined(self._settled).ceiling.max(initial=0.0), 0.0)
 
     def _put_back(self, target: float) -> None:
         """Cells that were settled for a larger target, and are not for this one."""
@@ -185,37 +196,53 @@ def _pieces(low: float, high: float, count: int) -> Array:
     return np.stack([ends[:-1], ends[1:]], -1)[:, None]
 
 
-def _whole_box(criteria: Sequence[Judge], sides: int) -> Cells:
-    return Cells.of(np.tile([0.0, 1.0], (1, sides, 1)), [_pieces(0.0, 1.0, _PIECES)] * len(criteria))
+def _whole_box(criteria: Sequence[Judge], sides: int, end: float = 1.0) -> Cells:
+    return Cells.of(np.tile([0.0, 1.0], (1, sides, 1)), [_pieces(0.0, end, _PIECES)] * len(criteria))
 
 
-def at_points(criteria: Sequence[Judge], points: Array) -> Array:
-    """Of points of a box, (points, parameters), what first(q) is at least, in shares of the band; 1 if nothing is positive."""
+def at_points(criteria: Sequence[Judge], points: Array) -> tuple[Array, Array]:
+    """Of points of a box, (points, parameters), what first(q) is at least and at most, in shares of the band.
+
+    Both are 1 where nothing is positive. They stay apart where a criterion comes close to its threshold, or touches it.
+    """
     first = Cells.of(np.repeat(points[:, :, None], 2, -1), [_pieces(0.0, 1.0, _PIECES)] * len(criteria))
     search = Search(
         criteria, first, wide=_uncut, last=_CUT_POINTS,
         settled=lambda low, high: np.minimum(high, 1) - np.minimum(low, 1) <= _SEEN,
     )  # fmt: skip
     cells = joined([*search, search.left])
-    found = np.empty(len(points))
-    found[np.lexsort(points.T)] = np.clip(cells.floor, 0.0, 1.0)[np.lexsort(cells.outer[..., 0].T)]
-    return found
+    asked, answered = np.lexsort(points.T), np.lexsort(cells.outer[..., 0].T)
+    found = np.empty((2, len(points)))
+    found[:, asked] = np.clip(np.stack([cells.floor, cells.ceiling]), 0.0, 1.0)[:, answered]
+    return found[0], found[1]
 
 
-def smallest(criteria: Sequence[Judge], sides: int, relative: float) -> Iterator[tuple[float, float]]:
-    """Bounds on the smallest first(q) in a box, in shares of the band, that come closer until they are within ``relative``."""
-    first = Search(criteria, _whole_box(criteria, sides), wide=_uncut, settled=no_worse(np.inf), last=_CUT_FIRST)
+def smallest(
+    criteria: Sequence[Judge], sides: int, relative: float, seen: float = 1.0
+) -> Iterator[tuple[float, float, Array | None]]:
+    """Bounds on the smallest first(q) in a box, in shares of the band, that come closer until they are within ``relative``.
+
+    ``seen`` : what some values of the box are known to have: of the band below it alone is anything asked. With the bounds
+    come values that have no more than the upper one, as shares of the box; None where that is ``seen`` still.
+    """
+    if not criteria or seen <= 0:
+        yield seen, seen, None
+        return
+    first = Search(criteria, _whole_box(criteria, sides, seen), wide=_uncut, settled=no_worse(np.inf), last=_CUT_FIRST)
     cells = joined([*first, first.left])  # most pieces need no cut of the box
     search = Search(
-        criteria, cells, wide=_wide, settled=no_worse(np.inf), rank=lambda x: x.floor, batch=_BATCH, most=_WITHOUT_END
-    )
-    seen, lowest = 1.0, 1.0
+        criteria, cells, wide=_wide, settled=no_worse(seen * (1 - relative)), rank=lambda x: x.floor, batch=_BATCH,
+        most=_MOST_WORST,
+    )  # fmt: skip
+    lowest, where = seen, None
     for done in search:
-        rest = search.left
-        seen = min([seen, *done.ceiling.tolist(), *rest.ceiling.tolist()])
-        search.settled = no_worse(seen * (1 - relative))
+        known = joined([done, search.left])
+        least = int(np.argmin(known.ceiling))
+        if known.ceiling[least] < seen:
+            seen, where = float(known.ceiling[least]), known.outer[least].mean(-1)
+            search.settled = no_worse(seen * (1 - relative))
         lowest = min([lowest, *done.floor.tolist()])
-        yield min([lowest, seen, *rest.floor.tolist()]), seen
+        yield min([lowest, seen, *search.left.floor.tolist()]), seen, where
 
 
 def profile(criteria: Sequence[Judge], sides: int, within: float, most: int) -> tuple[Array, Array]:

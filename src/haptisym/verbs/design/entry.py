@@ -11,10 +11,11 @@ is left is said.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import cycle
 from pathlib import Path
 from typing import Any, ClassVar, TypeAlias
 
@@ -22,8 +23,7 @@ import numpy as np
 from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.crossings import Criterion, Judged
-from haptisym.judge.excess import Side
+from haptisym.judge.crossings import Criterion, CrossingKind, Judged
 from haptisym.kernel.budget import SECONDS, Told, limited, tick
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
 from haptisym.kernel.objects import titled
@@ -34,8 +34,8 @@ from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.model.scenefile import SceneFamily, as_family
 from haptisym.programs.taylormodels import Array
-from haptisym.verbs.design.attained import KEPT, PASSIVE, STABLE, STEADY, Attained, Points, exact, offsets
-from haptisym.verbs.design.bound import DesignBox, LargestBandwidth, broken, profile, smallest
+from haptisym.verbs.design.attained import KEPT, PASSIVE, STABLE, STEADY, Attained, Points
+from haptisym.verbs.design.bound import LargestBandwidth, broken, profile
 from haptisym.verbs.require.freeparameter import domain
 
 Range: TypeAlias = tuple[Number, Number] | None
@@ -133,12 +133,12 @@ class Design(Answer):
 
     @property
     def certified(self) -> bool:
-        """Whether the bounds are no further apart than the gap."""
+        """Whether the bounds are no further apart than the gap, and what must be kept is proven to be."""
         (low, high), (start, end) = self.bandwidth, map(float, self.family.band)
-        least = (
-            low if low > start else end - start
-        )  # of what is noticed from the low end on the gap is a share of the band
-        return Fraction(high) - Fraction(max(low, start) if high > 0 else low) <= self.gap * Fraction(least)
+        # of what is noticed from the low end on the gap is a share of the band
+        least = low if low > start else end - start
+        apart = Fraction(high) - Fraction(max(low, start) if high > 0 else low)
+        return apart <= self.gap * Fraction(least) and (self.best is None or self.best.kept is True)
 
     @property
     def is_whole(self) -> bool:
@@ -147,15 +147,17 @@ class Design(Answer):
 
     @cached_property
     def binding(self) -> tuple[Bound, ...]:
-        """The criteria that are met at the best values, to within the gap."""
+        """The criteria that are exceeded first at the best values, or at what is worst about them, to within the gap."""
         if self.best is None or self.is_whole:
             return ()
-        names = [name for name in self.family for _ in offsets(len(self.free), self.robust)]
-        end, found = self.best.bandwidth * (1 + float(self.gap)), dict[tuple[str, str], Bound]()
-        for name, evaluation in zip(names, self.best.evaluations, strict=True):
+        end, found = self.best.seen * (1 + float(self.gap)), dict[tuple[str, str], Bound]()
+        for name, evaluation in zip(cycle(self.family), self.best.evaluations, strict=False):
             for x in evaluation.crossings:
-                if float(x.omega) <= end:
-                    found.setdefault((name, x.criterion.name), Bound(x.criterion, x.omega, name))
+                if x.kind is CrossingKind.EXCEEDS and float(x.omega) <= end:
+                    own = Bound(x.criterion, x.omega, name)
+                    least = found.setdefault((name, x.criterion.name), own)
+                    if float(own.omega) < float(least.omega):
+                        found[name, x.criterion.name] = own
         return tuple(sorted(found.values(), key=lambda x: float(x.omega)))
 
     @cached_property
@@ -205,6 +207,7 @@ class Question:
     ranges: tuple[tuple[Expr, Expr], ...]
     keep: tuple[str, ...]
     robust: Expr
+    gap: float
 
     @property
     def scenes(self) -> list[Scene]:
@@ -214,19 +217,15 @@ class Question:
     @cached_property
     def points(self) -> Points:
         """Single sets of values."""
-        return Points(self.scenes, self.free, self.ranges, self.keep, offsets(len(self.free), self.robust))
+        return Points(self.scenes, self.free, self.ranges, self.keep, self.robust, self.gap)
 
     @property
-    def _criteria(self) -> list[Judge]:
-        return [x for own in self.points.criteria for x in own]
-
-    @cached_property
     def _passive(self) -> list[tuple[Judge, int]]:
         return [x for box in self.points.boxes for x in box.passive] if PASSIVE in self.keep else []
 
-    def search(self) -> LargestBandwidth:
-        """The upper bound's."""
-        return LargestBandwidth(self._criteria, self._passive, self._held[0])
+    def search(self, cells: Array | None = None) -> LargestBandwidth:
+        """The upper bound's, in cells outside of which nothing better is left."""
+        return LargestBandwidth(self.points.criteria, self._passive, self._held[0] if cells is None else cells)
 
     @cached_property
     def _held(self) -> tuple[Array, Array]:
@@ -251,7 +250,7 @@ class Question:
 
     def profile(self, within: float, most: int) -> tuple[Array, Array]:
         """Cells in shares, and between which numbers, rad/s, the bandwidths of their values lie; as of ``bound.profile``."""
-        cells, shares = profile(self._criteria, len(self.free), within, most)
+        cells, shares = profile(self.points.criteria, len(self.free), within, most)
         low, high = map(float, self.family.band)
         return cells, np.where(shares > 0, low + shares * (high - low), 0.0)
 
@@ -283,37 +282,6 @@ class Question:
             own[:, :2] = cells
             both.append(own)
         return both[0], both[1]
-
-    def worst(self, best: Attained, relative: Expr, within: float = _LOSS) -> float:
-        """What all values within a relative distance of the best attain, a share of the band; ``within`` : of it, how closely."""
-        sides = tuple(Side(x.symbol.name, v, v, x.unit) for x, v in zip(self.free, best.values, strict=True))
-        criteria = [x for scene in self.scenes for x in DesignBox(scene, sides).around(relative).criteria()]
-        found = 0.0
-        for found, _ in smallest(criteria, len(self.free), within):  # noqa: B007  the last and closest
-            tick()
-        if found <= 0:
-            tick()  # where the time was over before anything was proven that is no answer
-        return found
-
-    def all_keep(self, best: Attained, relative: Expr) -> bool | None:
-        """Whether all values within a relative distance of the best keep what must be kept; None where that is not proven."""
-        if not self.keep:
-            return True
-        if len(self.free) > 1:
-            corners = Points(self.scenes, self.free, self.ranges, self.keep, offsets(len(self.free), relative))
-            found = corners.attained(best.values)
-            return False if found is not None and found.kept is False else None
-        from haptisym.verbs.require.required import require
-
-        [value], [free] = best.values, self.free
-        ends = sorted((value * (1 - relative), value * (1 + relative)))
-        for scene in self.scenes:
-            asked = require(scene, free.path, (ends[0], ends[1]), that=self.keep, limit=None)
-            if asked.undecided:
-                return None
-            if len(asked.feasible) != 1 or any(x.bindings for x in (asked.feasible[0].low, asked.feasible[0].high)):
-                return False
-        return True
 
 
 @dataclass
@@ -349,19 +317,36 @@ class _Search:
 
     def go(self) -> None:
         """Find the best, and prove how much better it can be."""
+        self.cells = np.tile([0.0, 1.0], (1, len(self.question.free), 1))
         self._start()
+        if self.attained < 1:
+            self._prove()
         if self.attained >= 1:
-            return
+            self.cells = self.cells[:0]
+
+    def _prove(self) -> None:
+        """Bring the upper bound down to what is attained, target by target."""
         cover = self.question.search()
-        for relative in (*(x for x in _TARGETS if x > self.gap), self.gap):
-            proven = cover.prove(lambda share, x=relative: self._aim(share, x), self._offer)  # type: ignore[misc]
-            if self.attained >= 1:
-                return
-            if proven is None:
-                break
-            self.upper = min(self.upper, proven)
-        self.cells = cover.better_than(self.attained)
-        self.is_refused = self.best is None and not len(cover.better_than(-1e-9))
+        try:
+            for relative in (*(x for x in _TARGETS if x > self.gap), self.gap):
+                proven = None
+                while proven is None:
+                    looked_at = len(self.points.factors)
+                    proven = cover.prove(lambda share, x=relative: self._aim(share, x), self._offer)  # type: ignore[misc]
+                    if self.attained >= 1:
+                        return
+                    if len(self.points.factors) > looked_at:
+                        cover = self.question.search(self._open_in(cover))
+                    elif proven is None:
+                        return
+                self.upper = min(self.upper, proven)
+        finally:
+            self.cells = cover.better_than(self.attained)
+            self.is_refused = self.best is None and not len(self._open_in(cover))
+
+    def _open_in(self, cover: LargestBandwidth) -> Array:
+        """Cells that may hold something better; where nothing is attained all that may keep what must be kept."""
+        return cover.better_than(-1e-9 if self.best is None else self.attained)
 
     def _aim(self, share: float, relative: float) -> float:
         relative *= 1 - 1e-6  # what is rounded on the way stays within the gap
@@ -371,7 +356,7 @@ class _Search:
         points, own = self.points, tuple(x.value for x in self.question.free)
         self.given = points.attained(own)
         inside = all(low <= x <= high for x, (low, high) in zip(own, self.question.ranges, strict=True))
-        if inside and self.given and self.given.kept:
+        if inside and self.given and points.fits(self.given):
             self.best = self.given
         if self.attained >= 1:
             return
@@ -379,9 +364,8 @@ class _Search:
         whole = points.nearest_whole(start, self._high, np.array([float(x) for x in own]))
         found = whole or points.best(start, self.best.bandwidth if self.best else 0.0)
         if found is None and self.best is None:  # what is attained may be nothing, and is kept
-            found = next(
-                (x for x in map(points.attained, map(exact, start[:: max(len(start) // 12, 1)])) if x and x.kept), None
-            )
+            some = map(points.attained, map(points.exact, start[:: max(len(start) // 12, 1)]))
+            found = next((x for x in some if x and points.fits(x)), None)
         self.best = found or self.best
         self._round()
 
@@ -393,18 +377,14 @@ class _Search:
         """What the largest bandwidth lies between, rad/s; of all values that are off by as much as they may the worst."""
         if self.is_refused:
             return 0.0, 0.0
-        upper = (
-            self._high if self.upper >= 1 else min(float(np.nextafter(self.frequency(self.upper), np.inf)), self._high)
-        )
+        upper = self._high if self.upper >= 1 else 0.0
+        if 0 < self.upper < 1:
+            upper = min(float(np.nextafter(self.frequency(self.upper), np.inf)), self._high)
         if self.best is None:
             return 0.0, upper
-        if self.attained >= 1 and not self.question.robust:
+        if self.best.is_whole:
             return self._high, self._high
-        low = self.best.bandwidth
-        if self.question.robust:
-            share = self.question.worst(self.best, self.question.robust, self.gap / 100)
-            low = min(self.frequency(share), low) if share > 0 else 0.0
-        return low, max(upper, low)
+        return self.best.bandwidth, max(upper, self.best.bandwidth)
 
     def where(self) -> Array:
         """Cells outside of which nothing is better, SI."""
@@ -412,31 +392,46 @@ class _Search:
         cells = self.cells if len(self.cells) else np.empty((0, len(low), 2))
         return low[:, None] + width[:, None] * cells
 
-    def losses(self) -> Iterator[Loss]:
-        """What it costs to miss the best values."""
-        best = self.best
-        for relative in () if best is None else _MISSED:
-            assert best is not None
+    def losses(self) -> list[Loss]:
+        """What it costs to miss the best values; what holds for all values holds for all that are nearer."""
+        best, found = self.best, list[Loss]()
+        if best is None:
+            return found
+        robust = Loss(self.question.robust, best.bandwidth, best.kept)
+        middle = replace(best, evaluations=best.evaluations[: len(self.question.scenes)], proven=None)
+        for relative in reversed(_MISSED):
             try:
                 with limited(_MOST_LOSS):
-                    share = self.question.worst(best, relative)
-                    kept = self.question.all_keep(best, relative)
+                    low = min(self.points.worst(middle, relative, _LOSS).low, self._high)
+                    kept = self.points.keep_around(best.values, relative)
             except (LimitError, UndecidedError, SceneError):
                 continue
-            yield Loss(relative, self.frequency(share) if share > 0 else 0.0, kept)
+            further = [x for x in (robust, *found) if x.relative >= relative]
+            low = max([low, *(x.bandwidth for x in further)])
+            found.append(Loss(relative, low, kept or any(x.kept for x in further) or kept))
+        return found[::-1]
 
-    def _offer(self, shares: Array) -> float:
+    def _offer(self, shares: Array) -> float | None:
         tick()
         if not len(shares):
             return self.attained
+        looked_at = len(self.points.factors)
         values, least = self.points.values(shares), self.best.bandwidth if self.best else 0.0
-        found = self.points.bandwidths(values)
-        if (found > least * (1 + self.gap / 20)).any():
-            better = self.points.best(values[np.argsort(-found, kind="stable")[:8]], least * (1 + self.gap / 20))
-            if better is not None:
-                self.best = better
-                self._round()
-        return self.attained
+        better = self._near(values, least * (1 + self.gap / 20))
+        if better is not None:
+            self.best = better
+            self._round()
+        return self.attained if len(self.points.factors) == looked_at else None
+
+    def _near(self, values: Array, least: float) -> Attained | None:
+        """Something better than ``least`` near some sets of values."""
+        if self.question.robust:  # what floats say of it is of some factors alone: one exactly tells which it wants
+            found = self.points.attained(self.points.exact(values[0]))
+            return found if found and self.points.fits(found) and found.bandwidth > least else None
+        _, most = self.points.bandwidths(values)
+        if not (most > least).any():
+            return None
+        return self.points.best(values[np.argsort(-most, kind="stable")[:8]], least)
 
 
 def design(
@@ -475,7 +470,7 @@ def design(
     knobs, ranges = _box(family, free)
     off = Rational(0) if robust is None else _share("robust", robust)
     within = _GAPS[len(knobs)] if gap is None else Fraction(str(_share("gap", gap)))
-    question = Question(family, knobs, ranges, wanted, off)
+    question = Question(family, knobs, ranges, wanted, off, float(within))
     search = _Search(question, float(within))
     with limited(limit, told) as budget:
         cut = _reached(search.go)
