@@ -86,6 +86,8 @@ def unpacked(found: bytes) -> Any:
 
 def copied(thing: Any) -> tuple[Any, ...]:
     """As ``__reduce__`` of a class: pools of processes and files on disk take its values, and a copy asks nothing again."""
+    if not hasattr(thing, "__dict__"):  # as of a dataclass with slots
+        return object.__new__, (type(thing),), thing.__getstate__()
     items = tuple(thing) if isinstance(thing, tuple) else None
     return _restored, (type(thing), packed((items, state(thing))))
 
