@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Sequence
+from decimal import Decimal
 from functools import reduce
 from importlib import import_module
-from operator import mul
+from numbers import Real
+from operator import add, mul
 from types import ModuleType
 from typing import Any, TypeAlias
 
 import numpy as np
-from sympy import Add, Expr, I, Integer, Matrix
+from sympy import Add, Expr, I, Integer, Matrix, eye
 
 from haptisym import effects, environments
 from haptisym.kernel.dynamics import Ring
@@ -34,7 +36,7 @@ System: TypeAlias = Any
 def dynamics(system: System) -> Expr:
     """The transfer function of a system, exact, as an expression in haptisym's ``s``.
 
-    ``system`` : a SymPy expression in a symbol named s; a system of ``sympy.physics.control``, ``control`` or
+    ``system`` : a SymPy expression in a symbol named s; a number; a system of ``sympy.physics.control``, ``control`` or
     ``scipy.signal`` (transfer function, zeros and poles, state space; SymPy's also in series, parallel or feedback); a pair
     of numerator and denominator, coefficients of the highest power first; an Environment, or an Effect in series. Floats are
     read as their shortest decimals. Raises SceneError for several inputs or outputs, for discrete time, and for
@@ -50,6 +52,8 @@ def dynamics(system: System) -> Expr:
         return system.H
     if isinstance(system, Effect):
         return _series_gain(system)
+    if isinstance(system, Real | Decimal) and not isinstance(system, bool):
+        return _number(system)
     for read in (_sympy, _control, _scipy, _pair):
         found = read(system)
         if found is not None:
@@ -148,10 +152,32 @@ def _sympy(system: System) -> Expr | None:
     if package is None or not isinstance(system, package.LinearTimeInvariant):
         return None
     _one_channel(system.num_inputs, system.num_outputs)
+    found: Expr = _channels(system, package)[0, 0]
+    return found
+
+
+def _channels(system: System, package: ModuleType) -> Matrix:
+    """The matrix of transfer functions, a row for each output, of a system that may be made of others."""
     _continuous(getattr(system, "sampling_time", 0))
     if isinstance(system, package.StateSpace):
-        return _state_space(system.A, system.B, system.C, system.D)
-    return in_laplace(system.to_expr(), system.var)
+        A, B, C, D = system.A, system.B, system.C, system.D
+        entries = lambda i, j: _state_space(A, B[:, j], C[i, :], D[i, j])  # noqa: E731
+        return Matrix(*D.shape, entries)
+    if isinstance(system, package.TransferFunctionMatrix):
+        return Matrix(system.num_outputs, system.num_inputs, lambda i, j: _channels(system[i, j], package)[0, 0])
+    if isinstance(
+        system, package.Series | package.MIMOSeries
+    ):  # the first is the one that the input meets, as in SymPy
+        return reduce(lambda x, y: y * x, (_channels(x, package) for x in system.args))
+    if isinstance(system, package.Parallel | package.MIMOParallel):
+        return reduce(add, (_channels(x, package) for x in system.args))
+    if isinstance(system, package.Feedback | package.MIMOFeedback):
+        forward, back = (_channels(x, package) for x in (system.sys1, system.sys2))
+        loop = eye(forward.rows) - system.sign * forward * back
+        if loop.det().together().expand() == 0:
+            raise SceneError("a loop without dynamics has no transfer function: 1 - sign*G1*G2 is 0 at every frequency")
+        return loop.inv() * forward
+    return Matrix([[in_laplace(system.to_expr(), system.var)]])
 
 
 def _control(system: System) -> Expr | None:

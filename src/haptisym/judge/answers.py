@@ -11,7 +11,7 @@ from pkgutil import resolve_name
 from typing import Any, ClassVar, Protocol
 
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.objects import Shown, made, packed, state, unpacked
+from haptisym.kernel.objects import Shown, copied
 
 
 class Subject(Protocol):
@@ -57,10 +57,7 @@ class Answer(Shown):
     _figure: ClassVar[str] = ""
     _certificate: ClassVar[str] = ""
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """So that pools of processes and files on disk take answers: a copy says the same, and asks nothing again."""
-        items = tuple(self) if isinstance(self, tuple) else None
-        return _restored, (type(self), packed((items, state(self))))
+    __reduce__ = copied
 
     @property
     def certified(self) -> bool:
@@ -146,10 +143,3 @@ class Answer(Shown):
     def __str__(self) -> str:
         page = self.document()
         return page if isinstance(page, str) else str(resolve_name("haptisym.writing.plain:plain")(page))
-
-
-def _restored(kind: type, content: bytes) -> Any:
-    items, attributes = unpacked(content)
-    found = made(kind, items)
-    vars(found).update(attributes)
-    return found

@@ -84,6 +84,21 @@ def unpacked(found: bytes) -> Any:
     return pickle.loads(found)
 
 
+def copied(thing: Any) -> tuple[Any, ...]:
+    """As ``__reduce__`` of a class: pools of processes and files on disk take its values, and a copy asks nothing again."""
+    if not hasattr(thing, "__dict__"):  # as of a dataclass with slots
+        return object.__new__, (type(thing),), thing.__getstate__()
+    items = tuple(thing) if isinstance(thing, tuple) else None
+    return _restored, (type(thing), packed((items, state(thing))))
+
+
+def _restored(kind: type, content: bytes) -> Any:
+    items, attributes = unpacked(content)
+    found = made(kind, items)
+    vars(found).update(attributes)
+    return found
+
+
 def state(thing: object) -> dict[str, Any]:
     """The attributes of an object, but for what it keeps of what was computed from them."""
     kept = {k for c in type(thing).__mro__ for k, v in vars(c).items() if isinstance(v, cached_property)}
@@ -100,7 +115,8 @@ class _Pickler(pickle.Pickler):
         kind = type(thing)
         if kind in _PARTS:
             return _again, (kind, _PARTS[kind](thing))
-        is_special = any(name in vars(c) for c in kind.__mro__[:-1] for name in ("__reduce__", "__reduce_ex__"))
+        own = (vars(c).get(name) for c in kind.__mro__[:-1] for name in ("__reduce__", "__reduce_ex__"))
+        is_special = any(x not in (None, copied) for x in own)
         if not is_special and kind.__module__.startswith("haptisym.") and hasattr(thing, "__dict__"):
             return made, (kind, tuple(thing) if isinstance(thing, tuple) else None), state(thing)
         return NotImplemented

@@ -24,7 +24,7 @@ from sympy import Expr, Integer, Pow, Rational, cos, log, pi, sin, sinc, tan
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.objects import Viewed
+from haptisym.kernel.objects import Viewed, copied
 
 
 def whole(name: str, given: SupportsIndex, least: int = 1, most: int | None = None, *, of: str = "") -> int:
@@ -121,6 +121,7 @@ class RealNumber(Viewed, ABC):
     """
 
     __slots__ = ()
+    __reduce__ = copied
 
     @abstractmethod
     def ball(self, bits: int) -> Ball:

@@ -4,21 +4,26 @@ Each irreducible factor is solved on its own. One that holds omega only by its s
 the angle omega tau of one delay) and is of degree one or two in it is inverted in square roots, powers, asin or acos. All
 others stay what they are: the polynomial is the answer.
 
+Every root is given, each with what must hold for it to be a frequency: that it is real, and that it is not negative. Of the
+two roots x of a x^2 + b x + d the signs are those of Vieta: their product is d/a and their sum -b/a. So where a d < 0 both
+are real, and one is positive; where a d > 0 both have the sign of -b/a. What the assumptions on the symbols settle is not
+asked: a condition that holds is left out, and so is a formula with a condition that cannot hold.
+
 A zero omega of F(omega, p) = 0 moves with a parameter by d omega/dp = -(dF/dp)/(dF/d omega).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from flint import fmpq
 from sympy import (
     Add,
     Expr,
     Integer,
-    Pow,
+    Mul,
     Rational,
     S,
     Symbol,
@@ -44,35 +49,29 @@ from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials, omega
 class Solution(Shown):
     """A zero of a real function as a formula in its parameters.
 
-    ``omega``: the frequency, rad/s, in force where it is real and positive; None for a factor with no readable
-    inverse, whose zeros are those of ``equation``. ``period``: adding any multiple of it gives the further zeros of a
-    delay's angle; 0 for a single zero. ``order``: of the zero.
+    ``omega``: the frequency, rad/s; None for a factor with no readable inverse, whose zeros are those of ``equation``.
+    ``period``: adding any multiple of it gives the further zeros of a delay's angle; 0 for a single zero. ``order``: of the
+    zero. ``conditions``: what must not be negative; where all of them hold ``omega`` is real and not negative. Of one
+    function the formulas whose conditions hold are all its zeros, unless there is one without ``omega`` beside them, or the
+    values make the highest coefficient of a factor vanish.
     """
 
     omega: Expr | None
     equation: Expr
     period: Expr = S.Zero
     order: int = 1
+    conditions: tuple[Expr, ...] = ()
 
     def _line(self) -> str:
         return f"omega = {self.omega}" if self.omega is not None else f"of {self.equation} = 0"
 
-    @property
-    def conditions(self) -> tuple[Expr, ...]:
-        """What must not be negative for the formula to be a frequency: empty where that is sure.
-
-        >>> from sympy import symbols
-        >>> c, tau = symbols("c tau", positive=True)
-        >>> Solution(asin(c) / tau, c).conditions
-        (1 - c,)
-        """
-        if self.omega is None:
-            return ()
-        inside = [x.base for x in self.omega.atoms(Pow) if x.exp.is_Rational and not x.exp.is_Integer]
-        inside += [1 + sign * x.args[0] for x in self.omega.atoms(asin, acos) for sign in (1, -1)]
-        own = [] if inside else [self.omega]  # where roots and angles are real, so is the frequency, and positive
-        found = (x for x in dict.fromkeys([*inside, *own]) if not x.is_nonnegative)
-        return tuple(sorted(found, key=lambda x: (count_ops(x), str(x))))
+    def put(self, values: Mapping[Symbol, Expr]) -> Solution | None:
+        """The same with values for some symbols; None where a condition does not hold then."""
+        omega, equation, period, *conditions = (
+            x and x.xreplace(values) for x in (self.omega, self.equation, self.period, *self.conditions)
+        )
+        left = left_to_ask(conditions)
+        return None if left is None else Solution(omega, equation, period, self.order, left)
 
 
 def solve(function: RealFunction, *, readable: bool = False) -> tuple[Solution, ...]:
@@ -98,8 +97,8 @@ def _half_turns(function: RealFunction) -> list[Solution]:
     above, below = (p.degrees()[axis.size :] for p in (function.function.numerator, function.function.denominator))
     for angle, up, down in zip(axis.angles, above, below, strict=False):
         if not angle.constant and down > up:
-            equation = cos(angle.value / 2)
-            found.append(Solution(pi / angle.rate, equation, 2 * pi / angle.rate, int(down - up)))
+            equation, period = cos(angle.value / 2), 2 * pi / angle.rate
+            found += _told([_Zero(pi / angle.rate, (angle.rate,), period)], equation, int(down - up))
     return found
 
 
@@ -116,23 +115,51 @@ def _solved(polynomial: Polynomial, order: int, axis: Axis, *, readable: bool) -
         found = _angles(polynomial, axis, turning[0])
     elif powers:
         index = axis.size + len(axis.angles) + powers[0]
-        found = _each(lambda x: (x ** (1 / axis.orders[powers[0]]), S.Zero), _roots(_row(polynomial, axis, index)))
+        roots = _roots(_row(polynomial, axis, index))
+        found = _each(roots, lambda x: x ** (1 / axis.orders[powers[0]]))
         if any(angle.constant and n for angle, n in zip(axis.angles, degrees[axis.size :], strict=False)):
             found = None  # the sign of the root depends on the constant angle, which stays a name here
     else:
         found = _frequencies(polynomial, axis)
-    if found is None and readable:
-        return []
-    equation = _equation(polynomial, axis)
-    return [Solution(x, equation, period, order) for x, period in ([(None, S.Zero)] if found is None else found)]
+    if found is None:
+        return [] if readable else [Solution(None, _equation(polynomial, axis), order=order)]
+    return _told(found, _equation(polynomial, axis), order)
 
 
-_Found: TypeAlias = "list[tuple[Expr, Expr]] | None"
-"""Zeros with their periods; None where the degree is too high to invert."""
+class _Zero(NamedTuple):
+    """A zero, and what must not be negative for it to be a frequency."""
+
+    omega: Expr
+    needs: tuple[Expr, ...]
+    period: Expr = S.Zero
 
 
-def _each(change: Callable[[Expr], tuple[Expr, Expr]], roots: list[Expr] | None) -> _Found:
-    return None if roots is None else [change(x) for x in roots]
+def _told(zeros: Iterable[_Zero], equation: Expr, order: int) -> list[Solution]:
+    """The solutions among some zeros, with the conditions that are left to ask."""
+    settled = ((x, left_to_ask(x.needs)) for x in zeros)
+    return [Solution(x.omega, equation, x.period, order, left) for x, left in settled if left is not None]
+
+
+def left_to_ask(conditions: Iterable[Expr]) -> tuple[Expr, ...] | None:
+    """Those conditions that may fail or hold, the shortest first; None where one of them fails for sure.
+
+    >>> from sympy.abc import x, y
+    >>> left_to_ask([Integer(2), 1 + x, y]), left_to_ask([1 + x, Integer(-2)])
+    ((y, x + 1), None)
+    """
+    asked = dict.fromkeys(conditions)
+    if any(x.is_negative for x in asked):
+        return None
+    return tuple(sorted((x for x in asked if not x.is_nonnegative), key=lambda x: (count_ops(x), str(x))))
+
+
+_Found: TypeAlias = list[_Zero] | None
+"""Zeros; None where the degree is too high to invert."""
+
+
+def _each(roots: list[_Root] | None, change: Callable[[Expr], Expr]) -> _Found:
+    """The zeros at roots that are not negative."""
+    return None if roots is None else [_Zero(change(x.value), x.needs()) for x in roots]
 
 
 def _frequencies(polynomial: Polynomial, axis: Axis) -> _Found:
@@ -140,30 +167,45 @@ def _frequencies(polynomial: Polynomial, axis: Axis) -> _Found:
     if polynomial.degrees()[0] > 4:  # neither it nor one in omega^2 has a readable formula
         return None
     row = _row(polynomial, axis, 0)
-    if not any(row[1::2]):
-        return _each(lambda x: (sqrt(x), S.Zero), _roots(row[::2]))
-    return _each(lambda x: (x, S.Zero), _roots(row))
+    is_even = not any(row[1::2])
+    roots = _roots(row[::2] if is_even else row)
+    return _each(roots, sqrt if is_even else lambda x: x)
 
 
 def _angles(polynomial: Polynomial, axis: Axis, index: int) -> _Found:
     """Zeros of a polynomial in t = tan(omega tau/2) alone: cos = (1 - t^2)/(1 + t^2), sin = 2 t/(1 + t^2)."""
     rate = axis.angles[index].rate
     row = _row(polynomial, axis, axis.size + index)
-    period = 2 * pi / rate
     if not any(row[1::2]):
-        squares = _roots(row[::2])
-        if squares is None:
-            return None
-        found = [acos(((1 - t2) / (1 + t2)).cancel()) for t2 in squares]
-        return [(x / rate, period) for angle in found for x in (angle, 2 * pi - angle)]
-    if len(row) == 3 and row[0] == row[2]:
-        sine = asin(-2 * row[0] / row[1])
-        first = sine + 2 * pi if sine.could_extract_minus_sign() else sine
-        return [(first / rate, period), ((pi - sine) / rate, period)]
-    # the first positive angle whose half has this tangent; between -pi and pi where the sign of t is open
-    return _each(
-        lambda t: ((2 * atan(t) + (2 * pi if t.is_nonpositive else 0)) / rate, period), _roots(row, positive=False)
-    )
+        found = _by_cosine(_roots(row[::2]))
+    elif len(row) == 3 and row[0] == row[2]:
+        found = _by_sine(_quotient(-2 * row[0], row[1]))
+    else:
+        found = _by_tangent(_roots(row))
+    return found and [_Zero(x.omega / rate, (*x.needs, rate), 2 * pi / rate) for x in found]
+
+
+def _by_cosine(squares: list[_Root] | None) -> _Found:
+    """Angles from 0 to 2 pi of the squares of their half's tangent: t^2 >= 0 is cos <= 1, and above -1."""
+    if squares is None:
+        return None
+    pairs = [(acos(((1 - x.value) / (1 + x.value)).cancel()), x.needs()) for x in squares]
+    return [_Zero(x, needs) for angle, needs in pairs for x in (angle, 2 * pi - angle)]
+
+
+def _by_sine(sine: Expr) -> list[_Zero]:
+    """Angles from 0 to 2 pi of a sine."""
+    needs, sign = (1 - sine, 1 + sine), _of_sign(sine)
+    angle = asin(sine)
+    return [_Zero(angle, (*needs, sign)), _Zero(angle + 2 * pi, (*needs, -sign)), _Zero(pi - angle, needs)]
+
+
+def _by_tangent(tangents: list[_Root] | None) -> _Found:
+    """Angles from 0 to 2 pi of their half's tangent, which is negative in the second half of the turn."""
+    if tangents is None:
+        return None
+    found = [_Zero(2 * atan(x.value), x.needs()) for x in tangents if x.value != 0]
+    return found + [_Zero(2 * atan(x.value) + 2 * pi, x.needs(-1)) for x in tangents]
 
 
 def _row(polynomial: Polynomial, axis: Axis, index: int) -> list[Expr]:
@@ -184,22 +226,56 @@ def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list
     return [expressions.get(n, Integer(0)) for n in range(max(expressions) + 1)]
 
 
-def _roots(row: list[Expr], *, positive: bool = True) -> list[Expr] | None:
-    """The roots of a polynomial of degree 1 or 2, unless told otherwise those that may be positive; None for a higher degree."""
+class _Root(NamedTuple):
+    """A root; an expression that has its sign; and what must not be negative for it to be real."""
+
+    value: Expr
+    sign: Expr
+    real: tuple[Expr, ...] = ()
+
+    def needs(self, sign: int = 1) -> tuple[Expr, ...]:
+        """What must not be negative for it to be real and of this sign, or 0."""
+        return *self.real, sign * self.sign
+
+
+def _roots(row: list[Expr]) -> list[_Root] | None:
+    """The roots of a polynomial of degree 1 or 2, real or not, the lower one first where that is known; None for others."""
     if len(row) == 2:
-        root = _quotient(-row[0], row[1])
-        return [root] if not positive or root.is_positive is not False else []
+        return [_Root(_quotient(-row[0], row[1]), _of_sign(-row[0] * row[1]))]
     if len(row) != 3:
         return None
-    c, b, a = row
+    d, b, a = row
     if a.could_extract_minus_sign():
-        a, b, c = -a, -b, -c
-    whole = b**2 - 4 * a * c
+        a, b, d = -a, -b, -d
+    whole = b**2 - 4 * a * d
     discriminant = split if (split := factor(whole)).is_Mul else whole
-    if discriminant.is_negative:
-        return []
-    found = [_quotient(-b + sign * sqrt(discriminant), 2 * a) for sign in (-1, 1)]
-    return [x for x in found if not positive or x.is_positive is not False]
+    product = _of_sign(a * d)
+    found = []
+    for side in (-1, 1):
+        root = _quotient(-b + side * sqrt(discriminant), 2 * a)
+        if product.is_negative:
+            found.append(_Root(root, _of_sign(side * a)))
+        elif product.is_positive:
+            found.append(_Root(root, _of_sign(-a * b), (discriminant,)))
+        else:
+            found.append(_Root(root, _of_sign(a) * (-b + side * sqrt(discriminant)), (discriminant,)))
+    return found
+
+
+def _of_sign(x: Expr) -> Expr:
+    """A shorter expression of the same sign: without factors that are not negative, a divisor as a factor."""
+    found = Integer(1)
+    for part in Mul.make_args(factor(x)):
+        base, power = part.as_base_exp()
+        if part.is_nonnegative and not part.is_zero:
+            continue
+        if part.is_negative:
+            found = -found
+        elif power.is_odd:
+            found = found * base
+        else:
+            found = found * part
+    return found
 
 
 def _quotient(above: Expr, below: Expr) -> Expr:

@@ -15,7 +15,9 @@ import inspect
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from decimal import Decimal
 from functools import cache, wraps
+from numbers import Real
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, NamedTuple, TypeAlias, TypeVar, get_args, get_type_hints
@@ -359,8 +361,8 @@ def _given(
 
 
 def is_system(given: object) -> bool:
-    """Whether something is a transfer function of another package, or a pair of coefficients."""
-    if isinstance(given, Expr):
+    """Whether something is a number, a transfer function of another package, or a pair of coefficients."""
+    if isinstance(given, Expr | Real | Decimal) and not isinstance(given, bool):
         return True
     if isinstance(given, tuple | list):
         return len(given) == 2 and all(isinstance(x, Sequence) and not isinstance(x, str) for x in given)
@@ -388,8 +390,6 @@ def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
         with within(key):
             found = in_laplace(given)
         return found.xreplace({x: by_name[x.name] for x in found.free_symbols if x.name in by_name})
-    if isinstance(given, int | float):
-        given = str(given)
     if not isinstance(given, str):
         if not is_system(given):
             raise SceneError(

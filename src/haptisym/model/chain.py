@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from sympy import (
     Add,
     Expr,
-    Float,
     I,
     Integer,
     Mul,
@@ -31,8 +30,8 @@ from sympy import (
     cos,
     count_ops,
     exp,
+    factor_terms,
     im,
-    nan,
     oo,
     pi,
     re,
@@ -42,16 +41,16 @@ from sympy import (
 
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of
-from haptisym.kernel.errors import SceneError, quoted
+from haptisym.kernel.errors import SceneError, quoted, within
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, omega, s
+from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, degree_in, omega, s
 from haptisym.kernel.rings import c as symbol_c
-from haptisym.kernel.roots import chart
+from haptisym.kernel.roots import Chart, chart, sign_of_number
 from haptisym.kernel.solutions import Solution, solve
 from haptisym.model.catalogue import Matrix, given_band
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import in_place
-from haptisym.model.quantities import Dimension, decimal, number
+from haptisym.model.quantities import Dimension, number, quantity
 
 if TYPE_CHECKING:
     from haptisym.programs.program import Program
@@ -95,9 +94,17 @@ class Chain:
     @cached_property
     def ring(self) -> Ring:
         """The ring that holds them all."""
-        # the symbol c comes along so that thresholds may stay symbols; a variable that does not occur costs nothing
+        # a threshold comes along so that it may stay a symbol; a variable that does not occur costs nothing
+        return Ring.of([*self.entries(), self.stand_in])
+
+    @cached_property
+    def stand_in(self) -> Symbol:
+        """What stands for a threshold in the ring: c, or a like name where a parameter has that."""
         own = {x.name for entry in self.entries() for x in entry.free_symbols}
-        return Ring.of([*self.entries(), *(() if symbol_c.name in own else (symbol_c,))])
+        name = symbol_c.name
+        while name in own:
+            name += "_"
+        return Symbol(name, positive=True)
 
     def entries(self) -> tuple[Expr, ...]:
         """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
@@ -343,23 +350,38 @@ def properties(response: Response, frequency: Symbol = omega) -> Properties:
     return Properties(real, imag, frequency)
 
 
-def first_changeover(f: RealFunction) -> Expr | None:
-    """The lowest zero or pole of odd order, where every one has a readable formula and the lowest is known."""
-    if f.is_zero or any(angle.constant for angle in f.axis.angles):
-        return None  # with s^alpha the sign of a root depends on the order, which may be a symbol
-    # a denominator is a squared modulus and changes no sign, but where its zeros meet those of the numerator
-    numeric = not (f.expression().free_symbols - {omega})
-    poles = solve(RealFunction(f.axis.one / f.function)) if numeric else ()
-    odd = [x for x in (*solve(f), *poles) if x.order % 2]
-    found = [x.omega for x in odd if x.omega is not None]
-    if not found or len(found) < len(odd):
+def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = None) -> Expr | None:
+    """The formula among some that is the lowest frequency, for these values if there are any; None where it is not known.
+
+    >>> from haptisym.kernel.rings import symbols
+    >>> k, m = symbols("k m")
+    >>> both = [Solution(x, k, conditions=(y,)) for x, y in ((sqrt(k - m), k - m), (sqrt(m - k), m - k))]
+    >>> lowest(both), lowest(both, {k: Integer(5), m: Integer(1)})
+    (None, sqrt(k - m))
+    """
+    if any(x.omega is None for x in found):
         return None
-    if all(x.is_number for x in found):
-        return min(found)
-    lowest = [x for x in found if all(x is other or (x - other).is_negative for other in found)]
-    if lowest:
-        return lowest[0]
-    return found[0] if len({x.equation for x in odd}) == 1 else None
+    if values is not None:
+        here = {}
+        for x, y in ((x, x.put(values)) for x in found):
+            if y is None:
+                continue
+            if y.omega is None or not y.omega.is_real or y.conditions:
+                return None
+            here[float(y.omega)] = x.omega
+        return here[min(here)] if here else None
+    return next((x.omega for x in found if all(x is other or _is_lower(x, other) for other in found)), None)
+
+
+def _is_lower(one: Solution, other: Solution) -> bool:
+    """Whether a formula is in force wherever another one is, and below it there: proven."""
+    assert one.omega is not None
+    assert other.omega is not None
+    if not set(one.conditions) <= set(other.conditions):
+        return False
+    gap = factor_terms((other.omega**2 - one.omega**2).expand())  # of two roots: the root of a discriminant, over a
+    known = (x.is_positive for x in Mul.make_args(gap) if not (x.is_Pow and x.exp == Rational(1, 2)))
+    return bool((one.omega - other.omega).is_negative) or all(known)
 
 
 _SQUARE = Symbol("W", positive=True)  # omega^2, the unknown of a threshold polynomial
@@ -403,17 +425,21 @@ def part_named(given: Any) -> Part:
     return given
 
 
-def threshold(given: Any) -> Expr:
-    """A fraction > 0 as a number or symbols. SceneError for any other."""
+def threshold(given: Any, named: Mapping[str, str]) -> Expr:
+    """A fraction > 0, as a number or in symbols of its own; ``named`` : what other names mean. SceneError for any other."""
     if isinstance(given, str):
         raise SceneError(f"c: {quoted(given)}: give a number or a symbol, as 0.1 or Rational(1, 10)")
-    value = decimal(str(float(given))) if isinstance(given, int | float | Float) else given
-    if not isinstance(value, Expr) or value.is_positive is False or value is nan:
+    with within("c"):
+        value = quantity(given, Dimension.RATIO).value
+    if (value.is_number and sign_of_number(value) <= 0) or value.is_positive is False:
         raise SceneError(f"c: {quoted(given)}: give a fraction > 0")
+    for x in sorted(value.free_symbols, key=str):
+        if x.name in named:
+            raise SceneError(f'c: {x} is {named[x.name]}: give the threshold another symbol, as Symbol("eps")')
     return value
 
 
-def _excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
+def excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
     """r^2 - c^2."""
     f = squared_ratio.function
     square = f.ring.convert(c**2)
@@ -421,26 +447,34 @@ def _excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
     return RealFunction(f.ring.function(top, f.denominator * square.denominator).reduced())
 
 
-def crossings(squared_ratio: RealFunction, c: Expr, band: tuple[Any, Any] | None, *, symbolic: bool) -> Frequencies:
-    """Where a ratio meets a threshold; ``symbolic`` : where parameters are symbols."""
+def crossings(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> tuple[Solution, ...]:
+    """Where a ratio meets a threshold, as formulas; ``stand_in`` : what the ring has for a threshold."""
     if not c.free_symbols:
-        return zeros(_excess(squared_ratio, c), band, odd=False, symbolic=symbolic)
-    names = {symbol_c: c}
-    return tuple(
-        Solution(x.omega and x.omega.xreplace(names), x.equation.xreplace(names), x.period.xreplace(names), x.order)
-        for x in solve(_excess(squared_ratio, symbol_c))
-    )
+        return solve(excess(squared_ratio, c))
+    found = solve(excess(squared_ratio, stand_in))
+    return tuple(y for x in found if (y := x.put({stand_in: c})) is not None)
 
 
-def zeros(f: RealFunction, band: tuple[Any, Any] | None, *, odd: bool, symbolic: bool) -> Frequencies:
-    """All positive zeros of a function, or those of ``odd`` order: formulas, or certified numbers."""
-    if symbolic:
-        return tuple(x for x in solve(f) if x.order % 2 or not odd)
+def zeros(f: RealFunction, band: tuple[Any, Any] | None) -> tuple[RealNumber, ...]:
+    """All positive zeros of a function that is known, on a band if one is given: certified numbers."""
+    return tuple(p.omega for p in _chart(f, band).points if p.orders.get(0, 0) > 0)
+
+
+def sign_changes(f: RealFunction) -> tuple[RealNumber, ...]:
+    """Where a function that is known changes its sign, poles among them: certified numbers."""
+    alike = RealFunction(f.axis.function(f.function.numerator * f.function.denominator))  # of its sign, and without poles
+    return tuple(p.omega for p in _chart(alike, None).sign_changes(0) if float(p.omega))
+
+
+def _chart(f: RealFunction, band: tuple[Any, Any] | None) -> Chart:
     low, high = _ends(band) if band else (Integer(0), _far(f))
-    points = chart({0: f}, low, high).points
-    return tuple(
-        p.omega for p in points if (n := p.orders.get(0, 0)) > 0 and (n % 2 or not odd) and (not odd or float(p.omega))
-    )
+    return chart({0: f}, low, high)
+
+
+def unknown(*functions: RealFunction) -> set[Symbol]:
+    """The parameters on which some functions depend."""
+    parts = [(f.axis, (f.function.numerator, f.function.denominator)) for f in functions]
+    return {x for axis, both in parts for i, x in enumerate(axis.symbols, 2) if degree_in(both, i)}
 
 
 def _ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:
@@ -462,22 +496,23 @@ def _far(f: RealFunction) -> Expr:
     return max(found.radius, Integer(1))
 
 
-def threshold_polynomial(squared_ratio: RealFunction, c: Expr) -> Poly | Expr:
-    """What vanishes where a ratio meets a threshold."""
-    f = _excess(squared_ratio, symbol_c if c.free_symbols else c)
-    found = f.function.expression().as_numer_denom()[0].expand().xreplace({symbol_c: c})
-    is_polynomial = found.is_polynomial(omega) and all(n % 2 == 0 for (n,) in Poly(found, omega).monoms())
-    return Poly(found.subs(omega, sqrt(_SQUARE)), _SQUARE) if is_polynomial else found
+def threshold_polynomial(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> Poly | Expr:
+    """What vanishes where a ratio meets a threshold; ``stand_in`` : what the ring has for a threshold."""
+    f = excess(squared_ratio, stand_in if c.free_symbols else c)
+    found = f.function.expression().as_numer_denom()[0].expand().xreplace({stand_in: c})
+    if not found.is_polynomial(omega) or any(n % 2 for (n,) in Poly(found, omega).monoms()):
+        return found
+    if _SQUARE.name in {x.name for x in found.free_symbols}:
+        raise SceneError(f"{_SQUARE} is reserved for omega^2: give the parameter another name")
+    return Poly(found.subs(omega, sqrt(_SQUARE)), _SQUARE)
 
 
-def bandwidth(
-    squared_ratios: Mapping[Part, RealFunction], c: Expr, band: tuple[Any, Any] | None, symbols: frozenset[Symbol]
-) -> RealNumber | Expr:
-    """The end of the interval from 0, or the band's low end, on which no ratio exceeds c; ``symbols`` : that are left."""
-    if c.free_symbols or symbols:
-        free = ", ".join(sorted(map(str, c.free_symbols | symbols)))
-        raise SceneError(f"a bandwidth needs values for {free}; crossings(part, c) has the formulas")
-    functions = {part: _excess(f, c) for part, f in squared_ratios.items()}
+def bandwidth(squared_ratios: Mapping[Part, RealFunction], c: Expr, band: tuple[Any, Any] | None) -> RealNumber | Expr:
+    """The end of the interval from 0, or the band's low end, on which no ratio exceeds c."""
+    if free := unknown(*squared_ratios.values()) | c.free_symbols:
+        named = ", ".join(sorted(map(str, free)))
+        raise SceneError(f"a bandwidth needs values for {named}; crossings(part, c) has the formulas")
+    functions = {part: excess(f, c) for part, f in squared_ratios.items()}
     low, high = _ends(band) if band else (Integer(0), max(map(_far, functions.values())))
     table = chart(functions, low, high)
     kept = table.where(lambda signs: all(x <= 0 for x in signs.values()))

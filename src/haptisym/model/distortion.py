@@ -9,18 +9,19 @@ import cmath
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import gcd
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from sympy import Abs, Expr, Poly, Rational, Symbol, im, lambdify, re, sqrt
+from sympy import Abs, Add, Expr, I, Poly, Rational, Symbol, im, lambdify, re, sqrt
 
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, squared_modulus
-from haptisym.kernel.errors import SceneError, meant, need, quoted
-from haptisym.kernel.objects import Shown, counted
+from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of, squared_modulus
+from haptisym.kernel.errors import SceneError, meant, need, quoted, within
+from haptisym.kernel.objects import Shown, copied, counted
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import RationalFunction, omega, s
+from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega, s
 from haptisym.kernel.rings import c as symbol_c
-from haptisym.kernel.solutions import Solution
+from haptisym.kernel.solutions import Solution, solve
 from haptisym.model.catalogue import Effect, Environment, given_effects, given_environment, with_controller
 from haptisym.model.chain import (
     Asymptote,
@@ -32,16 +33,20 @@ from haptisym.model.chain import (
     asymptote,
     bandwidth,
     crossings,
-    first_changeover,
+    excess,
     low_frequency,
+    lowest,
     part_named,
     properties,
     shortest,
+    sign_changes,
     threshold,
     threshold_polynomial,
+    unknown,
     zeros,
 )
 from haptisym.model.jnd import Part
+from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.programs.accuracy import Accuracy, Engine
 
 if TYPE_CHECKING:
@@ -110,8 +115,8 @@ class Distortion(Shown):
     omega**2/(omega**2 + w**2)
     """
 
-    env: RationalFunction = field(repr=False)
-    perc: RationalFunction = field(repr=False)
+    env: RationalFunction = field(repr=False, compare=False)
+    perc: RationalFunction = field(repr=False, compare=False)
     chain: Chain
     frequency: Symbol = omega
     """The symbol of omega in closed forms."""
@@ -125,6 +130,8 @@ class Distortion(Shown):
         Raises SceneError where H_env is zero everywhere or H_perc is not a dynamics.
         """
         return cls(*chain.dynamics(ring), chain)
+
+    __reduce__ = copied
 
     def _line(self) -> str:
         return f"of H_env = {self.chain.environment}, {counted(len(self.chain.matrices), 'effect')}"
@@ -320,9 +327,27 @@ class Distortion(Shown):
         others = sorted(set(self.chain.parameters) - self.free_symbols, key=str)
         return self.chain.at({x: Rational(n + 7, 5) for n, x in enumerate(others)})
 
-    def at(self, values: Mapping[str, Rational]) -> Distortion:
-        """The distortion with exact numbers for the parameters of these names."""
-        known = {x: values[x.name] for x in self.free_symbols}
+    def at(self, values: Mapping[Symbol | str, Number]) -> Distortion:
+        """The distortion with values for some parameters, by symbol or name; the others stay symbols.
+
+        A value is a number, read exactly (a float as its decimal), or a string with or without a unit. SceneError for a name
+        that is none of the parameters, and for a value with a sign that its symbol is declared not to have.
+
+        >>> from haptisym import effects, environments, symbols
+        >>> d = distort(environments.mass_spring_damper(k=symbols("k")), effects.first_order_lag(symbols("w")))
+        >>> d.at({"k": 0.1}).real, d.at({"k": 100, "w": "20 rad/s"}).bandwidth(0.1).digits(5)
+        (-omega**2/(10*omega**2 + 10*w**2), '2.0204')
+        """
+        need("values", values, Mapping, 'give names and values, as {"k": 100}')
+        own = {x.name: x for x in self.chain.parameters}
+        known = {}
+        for key, given in values.items():
+            name = str(key)
+            if name not in own:
+                valid = f"valid are {', '.join(own)}" if own else "there is none"
+                raise SceneError(f"unknown parameter {quoted(name)}: {meant(name, own)}{valid}")
+            with within(name):
+                known[own[name]] = _allowed(own[name], quantity(given, Dimension.ANY).value)
         return replace(Distortion.of(self.chain.at(known)), frequency=self.frequency) if known else self
 
     def functions(self, names: Sequence[str]) -> dict[str, RealFunction]:
@@ -361,27 +386,76 @@ class Distortion(Shown):
         >>> [x.digits(8) for x in own.crossings("real", 0.2)]
         ['10.000000']
         """
-        self._need_names(symbol_c.name)
-        squared = self.squared_ratios[part_named(part)]
-        found = crossings(squared, threshold(c), band, symbolic=bool(self.free_symbols))
-        own: tuple[Solution, ...] | tuple[RealNumber, ...] = self._in_own_frequency(found)
-        return own
+        level = self._threshold(c)
+        squared = self.with_one_delay.squared_ratios[part_named(part)]
+        free = level.free_symbols | unknown(squared)
+        if band is not None and free:
+            named = ", ".join(sorted(map(str, free)))
+            raise SceneError(f"band: formulas hold on every band: leave it out, or give values for {named} with at()")
+        if band is None and level.free_symbols | self.free_symbols:
+            return self._in_own_frequency(crossings(squared, level, self.chain.stand_in))
+        return zeros(excess(self.squared_ratios[part_named(part)], level), band)
 
-    def _need_names(self, *names: str) -> None:
-        """SceneError where a parameter has a name that a threshold or omega^2 has in the answer."""
-        for x in (x for x in self.free_symbols if x.name in names):
-            meaning = "the threshold" if x.name == symbol_c.name else "omega^2"
-            raise SceneError(f"{x} is reserved for {meaning}: give the parameter another name")
+    def _threshold(self, c: Any) -> Expr:
+        """A threshold, whose symbols are neither a frequency nor a parameter."""
+        taken = {x.name: "a parameter" for x in self.free_symbols}
+        frequencies = {x.name: "the frequency" for x in (omega, self.frequency)}
+        return threshold(c, {**taken, **frequencies, s.name: "the Laplace variable"})
 
-    def _in_own_frequency(self, found: Any) -> Any:
-        return tuple(replace(x, equation=self._told(x.equation)) if isinstance(x, Solution) else x for x in found)
+    @cached_property
+    def with_one_delay(self) -> Distortion:
+        """The same with one delay where several only act together, as in exp(-s tau_1) exp(-s tau_2): formulas know one."""
+        ring = ring_of(self.env)
+        lags = slice(ring.size, ring.size + len(ring.lags))
+        polynomials = [p for f in (self.env, self.perc) for p in (f.numerator, f.denominator)]
+        turns = {tuple(map(int, exponents[lags])) for p in polynomials for exponents in p.monoms()}
+        turns.discard((0,) * len(ring.lags))
+        step = [gcd(*column) for column in zip(*turns, strict=True)]
+        pivot = next((i for i, n in enumerate(step) if n), None)
+        if pivot is None or len(step) == step[pivot] == 1:
+            return self
+        if any(turn[i] * step[pivot] != turn[pivot] * n for turn in turns for i, n in enumerate(step)):
+            return self
+        whole = Add(*(n * lag for n, lag in zip(step, ring.lags, strict=True)))
+        other = Ring(ring.symbols, [whole], ring.orders, j=I in ring.generators)
+
+        def same(p: Polynomial) -> Polynomial:
+            terms = ((tuple(map(int, e)), x) for e, x in monomials(p))
+            own = {(*e[: ring.size], e[lags][pivot] // step[pivot], *e[lags.stop :]): x for e, x in terms}
+            return other.context.from_dict(own)
+
+        env, perc = (other.function(same(f.numerator), same(f.denominator)) for f in (self.env, self.perc))
+        return replace(self, env=env, perc=perc)
+
+    def _in_own_frequency(self, found: Iterable[Solution]) -> tuple[Solution, ...]:
+        return tuple(replace(x, equation=self._told(x.equation)) for x in found)
 
     @property
     def changeovers(self) -> Changeovers:
         """Where Re H_env and Re H_perc change their sign, each all of them: formulas, or certified numbers, as ``crossings``."""
-        both = (x.real for x in (self.env_response, self.perc_response))
-        found = (zeros(f, None, odd=True, symbolic=bool(self.free_symbols)) for f in both)
-        return Changeovers(*map(self._in_own_frequency, found))
+        if not self.free_symbols:
+            return Changeovers(*(sign_changes(x.real) for x in (self.env_response, self.perc_response)))
+        return Changeovers(*(self._in_own_frequency(self._sign_changes(x)) for x in ("env", "perc")))
+
+    def _sign_changes(self, system: str) -> tuple[Solution, ...]:
+        """Formulas of the zeros and poles of odd order of Re H."""
+        own = self.with_one_delay
+        H = getattr(own, system)
+        real = on_axis(H).real
+        if real.is_zero:
+            return ()
+        # a denominator is a squared modulus, which changes its sign only where the numerator takes part of it away
+        poles = () if _is_definite(H) else solve(RealFunction(real.axis.one / real.function))
+        return tuple(x for x in (*solve(real), *poles) if x.order % 2)
+
+    def changeover(self, system: str, values: Mapping[Symbol, Expr] | None = None) -> Expr | None:
+        """The lowest frequency at which Re H of "env" or "perc" changes its sign, as a formula; None where it is not known.
+
+        ``values`` : of all parameters; the formula is then the one that is in force for them.
+        """
+        if any(angle.constant for angle in on_axis(getattr(self, system)).real.axis.angles):
+            return None  # with s^alpha the sign of a root depends on the order, which may be a symbol
+        return lowest(self._sign_changes(system), values)
 
     def threshold_polynomial(self, part: Part | str, c: Any = symbol_c) -> Poly | Expr:
         """What vanishes where a ratio meets a threshold: a polynomial in W = omega^2, or with delays an expression in omega.
@@ -390,16 +464,16 @@ class Distortion(Shown):
         >>> distort(environments.mass_spring_damper(k=1), effects.first_order_lag(1)).threshold_polynomial("imag").all_coeffs()
         [-c**2, 1 - 2*c**2, -c**2]
         """
-        self._need_names(symbol_c.name, "W")
-        found = threshold_polynomial(self.squared_ratios[part_named(part)], threshold(c))
+        squared = self.squared_ratios[part_named(part)]
+        found = threshold_polynomial(squared, self._threshold(c), self.chain.stand_in)
         return found if isinstance(found, Poly) else self._told(found)
 
     def bandwidth(self, c: Any, *, band: tuple[Any, Any] | None = None) -> RealNumber | Expr:
         """The end of the interval from 0 (or the band's low end) on which neither ratio exceeds c; 0 for none, oo for all.
 
-        Certified. SceneError for symbols.
+        Certified. SceneError where the ratios depend on symbols.
         """
-        return bandwidth(self.squared_ratios, threshold(c), band, self.free_symbols)
+        return bandwidth(self.squared_ratios, self._threshold(c), band)
 
     def asymptote(self, at: Any = 0) -> Asymptote:
         """The leading terms of dH, Re dH and Im dH ``at`` 0 or oo.
@@ -452,19 +526,19 @@ class Distortion(Shown):
     def changeover_environment(self) -> Expr | None:
         """The lowest frequency at which Re H_env changes sign, in square roots; None where it has no such form.
 
-        With symbols: while the root is real and positive (the numerator of Re H_env has degree 1 or 2 in omega^2).
+        With symbols: where it is known which one is the lowest, while it is real (``changeovers`` has all, with conditions).
 
         >>> from haptisym.environments import mass_spring_damper
         >>> from haptisym.kernel.rings import symbols
         >>> distort(mass_spring_damper(*symbols("m b k"))).changeover_environment
         sqrt(k)/sqrt(m)
         """
-        return first_changeover(self.env_response.real)
+        return self.changeover("env")
 
     @property
     def changeover_perceived(self) -> Expr | None:
         """The lowest frequency at which Re H_perc changes sign, in square roots; None where it has no such form."""
-        return first_changeover(self.perc_response.real)
+        return self.changeover("perc")
 
 
 _CALLED = frozenset("Abs I abs acos asin atan atan2 cos exp im pi re sin sqrt tan".split())  # noqa: SIM905
@@ -472,6 +546,13 @@ _QUANTITIES = (
     "real", "imag", "ratio_real", "ratio_imag", "relative_real", "relative_imag", "modulus",
     "environment", "perceived", "distortion",
 )  # fmt: skip
+
+
+def _allowed(x: Symbol, value: Expr) -> Expr:
+    """A value for a symbol; SceneError where it has a sign that the symbol is declared not to have."""
+    if (x.is_nonnegative and value.is_negative) or (x.is_nonpositive and value.is_positive):
+        raise SceneError(f"{quoted(value)} must be {'>=' if x.is_nonnegative else '<='} 0: the symbol is declared so")
+    return value
 
 
 def part_of(response: Response, part: Part) -> RealFunction:

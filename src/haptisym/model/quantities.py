@@ -634,6 +634,17 @@ def decimal(text: str) -> Rational:
     return _rational(match, text)
 
 
+def with_decimals(given: Expr) -> Expr:
+    """The expression with each Float as the decimal that it is written as: of a double the shortest, of others all digits.
+
+    SceneError for one that is too large or too small to be read as a number.
+
+    >>> with_decimals(Float("0.12345678901234567890123", 23) * Symbol("k") + 0.1)
+    12345678901234567890123*k/100000000000000000000000 + 1/10
+    """
+    return given.xreplace({x: decimal(str(float(x) if float(x) == x else x)) for x in given.atoms(Float)})
+
+
 def _rational(match: re.Match[str], text: str) -> Rational:
     number = match[1]
     exponent = re.split("[eE]", number)[1:] or ["0"]
@@ -765,7 +776,7 @@ def in_laplace(given: Expr, variable: Symbol | None = None) -> Expr:
         raise SceneError(f"{quoted(given)} contains {known[0]}: write the system in s")
     refuse_unreal(others)
     found = given.xreplace({x: s for x in {*called_s, variable} if x is not None})
-    found = found.xreplace({x: decimal(str(float(x))) for x in found.atoms(Float)})
+    found = with_decimals(found)
     if (degree := _degree(found)) > HIGHEST_DEGREE:
         most = HIGHEST_DEGREE
         raise SceneError(f"{quoted(given)} has the degree {degree} in s; at most {most} is possible")
@@ -795,7 +806,7 @@ def _without_i(expression: Expr, given: Expr) -> Expr:
 def _exact_expression(given: Expr) -> Expr:
     """The expression with its floats read as decimals; a number must be finite and rational in pi."""
     refuse_unreal(given.free_symbols)
-    exact = given.xreplace({x: decimal(str(float(x))) for x in given.atoms(Float)})
+    exact = with_decimals(given)
     known = all(isinstance(x, Rational) or x == pi or x.args for x in preorder_traversal(exact) if x.is_number)
     if exact.has(nan, zoo, oo, -oo, I) or (
         exact.is_number and (not known or any(not x.exp.is_Integer for x in exact.atoms(Pow)))

@@ -83,7 +83,7 @@ def _in_force(x: Solution) -> list[Phrase]:
     if not x.conditions:
         return []
     if max(map(count_ops, x.conditions)) > 4:
-        return [("a formula holds where nothing under its roots is negative.",)]
+        return [("a formula holds where it is real and not negative.",)]
     bounds = (Equation((layout(y), layout(Integer(0))), ("≥",)) for y in x.conditions)
     return [("holds where ", listed((x,) for x in bounds), ".")]
 

@@ -10,15 +10,16 @@ from functools import singledispatch
 from html import escape
 from typing import Any
 
-from sympy import Basic, Expr, ImmutableMatrix
+from sympy import Basic, Expr, ImmutableMatrix, Integer
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Crossing, Judged
 from haptisym.judge.peaks import Peak
 from haptisym.judge.percepts import Percept, felt
 from haptisym.kernel.reals import ExactNumber, RealNumber, Way, printed
-from haptisym.kernel.rings import s
+from haptisym.kernel.rings import omega, s
 from haptisym.kernel.roots import Interval, Point
+from haptisym.kernel.solutions import Solution
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Threshold
@@ -116,6 +117,15 @@ def _effect(x: Effect) -> str:
     return _displayed(f"{hand} = {chain} {environment}", _given(x.parameters))
 
 
+def _solution(x: Solution) -> str:
+    """The formula, with its period and its conditions; or the equation."""
+    if x.omega is None:
+        return _displayed(tex(Equation((layout(x.equation), layout(Integer(0))), ("=",))))
+    turns = rf" + {formula(x.period)} n" if x.period else ""
+    bounds = "".join(rf",\quad {formula(y)} \ge 0" for y in x.conditions)
+    return _displayed(tex(Equation((layout(omega), layout(x.omega)), ("=",))), turns, bounds)
+
+
 def _given(parameters: Iterable[Parameter]) -> str:
     """The values of parameters that have one."""
     return "".join(
@@ -198,7 +208,7 @@ def _interval(x: Interval) -> str:
 
 _LATEX: Mapping[type, Callable[[Any], str]] = {
     Environment: _environment, Effect: _effect, Distortion: _distortion, Threshold: _threshold, RealNumber: _number,
-    Crossing: _crossing, Peak: _peak, Point: _point, Interval: _interval,
+    Solution: _solution, Crossing: _crossing, Peak: _peak, Point: _point, Interval: _interval,
 }  # fmt: skip
 
 

@@ -537,11 +537,11 @@ class _Steps:
             "stiffness, mass and damping perceived are",
         )  # fmt: skip
         yield from self._formulas(lead, FELT)
-        d = self.forms.symbolic
-        found = {"env": d.changeover_environment, "perc": d.changeover_perceived} if d else {}
+        d, values = self.forms.symbolic, {p.symbol: p.value for p in self.evaluation.scene.parameters}
+        found = {name: d.changeover(name, values) for name in ("env", "perc")} if d else {}
         shown = {name: x for name, x in found.items() if x is not None and width(formula(x)) < LINE - 5}
         if shown:
-            yield doc.Paragraph("The lowest frequencies of changeover, while they are real and positive, are")
+            yield doc.Paragraph(f"The lowest frequencies of changeover, with {_VALUES}, are")
             yield self._equations([doc.Line(quantity(f"omega_{name}"), x) for name, x in shown.items()])
 
     def _formulas(self, lead: Phrase, group: FormulaGroup) -> Iterator[Block]:

@@ -86,7 +86,7 @@ class Compiled(Shown):
     def _line(self) -> str:
         return f"of {', '.join(['omega', *self.parameters])}: {', '.join(self.fields)} ({self.accuracy.value})"
 
-    def __call__(self, omega: ArrayLike, **values: ArrayLike) -> Any:
+    def __call__(self, /, omega: ArrayLike, **values: ArrayLike) -> Any:
         inputs, shape, size = self._inputs(omega, values)
         out = np.empty((len(self.fields), size))
         self._fill(inputs, size, out)
@@ -96,7 +96,7 @@ class Compiled(Shown):
     def _kind(self) -> Any:
         return Values if self.fields == Values._fields else _tuple("Values", self.fields)
 
-    def digits(self, omega: ArrayLike, count: int, **values: ArrayLike) -> Any:
+    def digits(self, /, omega: ArrayLike, count: int, **values: ArrayLike) -> Any:
         """Correctly rounded decimal strings with ``count`` significant digits, by the cheapest method that proves them.
 
         The named tuple has the fields, strings or arrays of strings in the broadcast shape, and besides ``method``, what proved

@@ -54,7 +54,7 @@ from haptisym.judge.crossings import Criterion, noticed, opened
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.judge.peaks import largest
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
-from haptisym.kernel.errors import SceneError, meant, several
+from haptisym.kernel.errors import SceneError, meant, quoted, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, SquareRoot
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, c, omega, s
@@ -421,10 +421,19 @@ class Derivation(Answer):
         return self.chain.steps
 
     def __getitem__(self, name: str) -> Expr:
-        key = listed_name(name)
+        key = listed_name(str(name))
         if key is None:
-            raise SceneError(f'unknown quantity "{name}": {meant(name, QUANTITIES)}valid are {", ".join(QUANTITIES)}')
+            raise SceneError(
+                f"unknown quantity {quoted(name)}: {meant(str(name), QUANTITIES)}valid are {', '.join(QUANTITIES)}"
+            )
         return QUANTITIES[key](self)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(QUANTITIES)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether ``derivation[name]`` is a closed form."""
+        return isinstance(name, str) and listed_name(name) is not None
 
     def operations(self, name: str) -> int:
         """How many operations a closed form takes, written out."""
@@ -448,8 +457,10 @@ class Derivation(Answer):
 
     def excess(self, of: Part | Criterion) -> RealFunction:
         """r^2 - c^2: positive exactly where the ratio exceeds its threshold."""
-        own = self.criterion(of)
-        found = own.function(self.distortion)
+        return self._excess(of, self.distortion)
+
+    def _excess(self, of: Part | Criterion, d: Distortion) -> RealFunction:
+        found = self.criterion(of).function(d)
         if isinstance(found, RealFunction):
             return found
         raise SceneError(
@@ -467,7 +478,7 @@ class Derivation(Answer):
 
     def crossings(self, of: Part | Criterion, *, readable: bool = False) -> tuple[Solution, ...]:
         """Where the ratio meets its threshold: formulas, and unless ``readable``, of factors without one the equation itself."""
-        return solve(self.excess(of), readable=readable)
+        return solve(self._excess(of, self.distortion.with_one_delay), readable=readable)
 
     def stiffness(self, system: str) -> RealFunction:
         """Re H of the environment ("env") or of what is felt ("perc")."""
@@ -506,7 +517,7 @@ class Derivation(Answer):
         """The leading terms for fast devices, with a proven bound on the rest; SceneError where no device has a speed."""
         return expansion(self.scene, order)
 
-    def at(self, **values: Number) -> Evaluation:
+    def at(self, /, **values: Number) -> Evaluation:
         """Certified answers for values of the parameters, by name; what is not named keeps the scene's value.
 
         >>> from haptisym.verbs.derive.derivation import derive

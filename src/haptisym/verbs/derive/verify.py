@@ -10,17 +10,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, isfinite, isnan, ulp
+from math import inf, isfinite, isnan, log10, ulp
 from pathlib import Path
 from random import Random
 from typing import Any
 
 import mpmath
 from flint import fmpq
-from sympy import Abs, Rational, Symbol, lambdify
+from sympy import Abs, Integer, Rational, Symbol, lambdify
 
 from haptisym.kernel.budget import SECONDS, limited, tick
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import whole
 from haptisym.kernel.rings import s
@@ -31,6 +31,7 @@ from haptisym.programs.balls import PointValue
 from haptisym.programs.steps import DISTORTION
 
 _DIGITS, _NOISE = 60, 1e-50
+_TRIES = 1000  # to draw a number that a symbol may be
 _SMALLEST = 1e-250  # below it doubles lose digits, and their last place says nothing
 WAYS = ("closed form", "named steps", "ball arithmetic", "compiled")
 
@@ -84,8 +85,9 @@ def verify(
 ) -> Verification:
     """Re dH, Im dH, the ratios and Re and Im(dH/H_env) by four ways, at random points against complex arithmetic of 60 digits.
 
-    ``given`` : a distortion, whose symbols get random values from 0.1 to 10 (orders from 0.1 to 0.9), or a scene with its
-    numbers. Frequencies are drawn from a hundredth to a hundred rad/s, evenly in their logarithm. ``limit`` : seconds.
+    ``given`` : a distortion, whose symbols get random values from 0.1 to 10 in size (orders from 0.1 to 0.9), each of the kind
+    that the symbol is declared to be, or a scene with its numbers. Frequencies are drawn from a hundredth to a hundred rad/s,
+    evenly in their logarithm. ``limit`` : seconds.
 
     >>> from haptisym import distort, effects, environments, symbols
     >>> found = verify(distort(environments.mass_spring_damper(*symbols("m b k")), effects.first_order_lag(symbols("w"))), 20)
@@ -116,6 +118,17 @@ def _frequency(draw: Random) -> Rational:
     return Rational(10 ** draw.uniform(-2, 2))
 
 
+def _drawn(draw: Random, x: Symbol, most: float) -> Rational:
+    """A random double up to that size, or whole number, that is what the symbol is declared to be; positive if nothing is."""
+    for _ in range(_TRIES):
+        size = 10 ** draw.uniform(-1, log10(most))
+        sign = draw.choice((-1, 1)) if x.is_real and not x.is_positive else 1
+        value = sign * (Integer(round(size)) if x.is_integer else Rational(size))
+        if all(getattr(value, f"is_{word}") is told for word, told in x.assumptions0.items()):
+            return value
+    raise SceneError(f"{x}: no number is found that it is declared to be: declare it positive or real")
+
+
 def _errors(found: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, str, float]]:
     for name, row in found.items():
         exact = row["complex"]
@@ -142,10 +155,7 @@ class _Ways:
 
     def draw(self, draw: Random) -> dict[Symbol, Rational]:
         """Random doubles."""
-        return {
-            x: Rational(draw.uniform(0.1, 0.9) if x in self._orders else 10 ** draw.uniform(-1, 1))
-            for x in self._symbols
-        }
+        return {x: _drawn(draw, x, 0.9 if x in self._orders else 10) for x in self._symbols}
 
     def at(self, omega: Rational, values: Mapping[Symbol, Rational]) -> dict[str, dict[str, Any]] | None:
         """By each way, of each quantity; None where the chain has a pole, or no value."""

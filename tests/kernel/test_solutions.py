@@ -1,0 +1,97 @@
+"""Formulas of frequencies with their conditions, against the signs of a device on a dense grid, computed in complex numbers."""
+
+from __future__ import annotations
+
+from random import Random
+
+import numpy as np
+import pytest
+from sympy import Expr, Integer, Rational, Symbol, exp, lambdify
+
+import haptisym as hs
+from haptisym.kernel.rings import c, s
+
+k, b, m, n, w, zeta, tau, T = hs.symbols("k b m n w zeta tau T")
+a = Symbol("a", real=True)
+LAG, FILTER = w / (s + w), w**2 / (s**2 + 2 * zeta * w * s + w**2)
+ONE, NONE = Integer(1), Integer(0)
+
+
+def series(G: Expr) -> hs.Effect:
+    return hs.effects.two_port(G, NONE, NONE, ONE)
+
+
+def beside(Z: Expr) -> hs.Effect:
+    return hs.effects.two_port(ONE, Z, NONE, ONE)
+
+
+def behind(Z: Expr) -> hs.Effect:
+    return hs.effects.two_port(ONE, NONE, 1 / Z, ONE)
+
+
+DEVICES = {
+    "lag on a spring": (k + 0 * s, series(LAG)),
+    "lag on a damper": (b * s, series(LAG)),
+    "lag on spring and damper": (k + b * s, series(LAG)),
+    "lag on mass, spring and damper": (m * s**2 + b * s + k, series(LAG)),
+    "lag and device mass": (k + b * s, series(LAG), beside(m * s**2)),
+    "device mass and damper": (k + b * s, beside(m * s**2 + n * s)),
+    "filter on a spring": (k + 0 * s, series(FILTER)),
+    "filter on mass, spring and damper": (m * s**2 + b * s + k, series(FILTER)),
+    "filter and device mass": (k + b * s, series(FILTER), beside(m * s**2)),
+    "compliance and a mass": (m * s**2, behind(k + 0 * s)),
+    "compliance, spring and damper": (k + b * s, behind(m + n * s)),
+    "gain of either sign in a lag": (m * s**2 + b * s + k, series(1 + a * LAG)),
+    "lead of either sign": (k + b * s, series(1 + a * s)),
+    "resonance without damping": (k + n * m * s**2 / (m * s**2 + n), beside(m * s**2)),
+    "fourth order of either sign": (m * s**4 + a * s**2 + k, series(1 + a * LAG)),
+    "delay on a spring": (k + 0 * s, series(exp(-s * tau))),
+    "delay on a damper": (b * s, series(exp(-s * tau))),
+    "delay and gain of either sign": (k + 0 * s, series(a * exp(-s * tau))),
+    "delayed force beside a spring": (k + 0 * s, series(1 + a * exp(-s * tau))),
+    "predictor": (k + 0 * s, series(1 / (2 - exp(-s * tau)))),
+    "predictor of either sign": (k + 0 * s, series(1 / (5 + a * exp(-s * tau)))),
+    "two delays": (k + 0 * s, series(exp(-s * tau)), series(exp(-s * T))),
+    "delay there and back": (k + 0 * s, series(exp(-s * tau)), series(a + exp(-2 * s * tau)), series(exp(s * tau))),
+}
+
+
+def turns(d: tuple[Expr, ...], values: dict[Symbol, Rational], grid: np.ndarray) -> dict[str, np.ndarray]:
+    """Between which points of a grid the ratios cross their threshold and real parts change their sign."""
+    chain = lambdify(s, [d[0].xreplace(values), *(tuple(x.xreplace(values) for x in e.matrix) for e in d[1:])])
+    env, *rows = chain(1j * grid)
+    felt = env
+    for A, B, C, D in rows:
+        felt = (A * felt + B) / (C * felt + D)
+    change, size, most = felt - env, abs(env) + 0 * grid, float(values[c])
+    parts = {"real": abs(change.real) / size - most, "imag": abs(change.imag) / size - most}
+    parts |= {"environment": env.real / size, "perceived": felt.real / abs(felt)}
+    return {x: np.flatnonzero(np.diff(np.sign(np.where(abs(y) < 1e-12, 0, y)))) for x, y in parts.items()}
+
+
+@pytest.mark.few("lag and device mass", "delay and gain of either sign")
+@pytest.mark.parametrize("name", DEVICES)
+def test_exactly_the_formulas_whose_conditions_hold_are_frequencies(name: str) -> None:
+    device = DEVICES[name]
+    d, draw = hs.distort(*device), Random(name)
+    asked = {part.value: d.crossings(part) for part in hs.Part}
+    asked |= dict(zip(("environment", "perceived"), d.changeovers, strict=True))
+    is_late = d.perceived.has(exp)
+    grid = np.linspace(1e-4, 12, 40_001) if is_late else np.geomspace(1e-4, 1e5, 40_001)
+    for _ in range(6):
+        values = {x: Rational(draw.uniform(0.05, 5)) * (draw.choice((-1, 1)) if x == a else 1) for x in d.free_symbols}
+        values[c] = Rational(draw.uniform(0.02, 1.6))
+        seen = turns(device, values, grid)
+        for kind, found in asked.items():
+            told = []
+            for x in found:
+                if x.omega is not None and all(y.xreplace(values).evalf() >= 0 for y in x.conditions):
+                    first, period = (complex(y.xreplace(values).evalf()) for y in (x.omega, x.period))
+                    assert abs(first.imag) < 1e-9 * abs(first), (kind, x)
+                    assert first.real >= 0 <= period.real
+                    told += [first.real + i * period.real for i in range(60 if period else 1)]
+            places = sorted({int(i) for x in told for i in [np.searchsorted(grid, x) - 1] if 0 <= i < len(grid) - 1})
+            if all(x.omega is not None for x in found):
+                assert places == seen[kind].tolist(), (kind, values, found)
+            else:
+                assert set(places) <= set(seen[kind].tolist()), (kind, values, found)
