@@ -148,6 +148,11 @@ def test_a_mass_that_comes_late_grows_in_a_light_hand() -> None:
 
 def test_friction_holds_what_is_let_go() -> None:
     run = hs.release("stick-with-friction", "1 cm", "postural-arm")
+    hand = [float(run.hand.m.value), float(run.hand.b.value), float(run.hand.k.value)]
+    free = np.polyadd(6400 * np.array([1.8, 15, 100]), np.polymul(hand, [1, 80, 6400]))
+    assert run.closed is not None
+    assert run.closed.s == pytest.approx(max(np.roots(free), key=lambda x: (x.real, x.imag)), rel=1e-9)
+    assert "rightmost pole without friction" in str(run)
     assert run.stopped == "come to rest"
     assert run.grows is False
     assert run.agrees is None
