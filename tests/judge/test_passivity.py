@@ -162,6 +162,12 @@ def test_what_grows_faster_than_frequency_has_no_damping_that_makes_up_for_it() 
         assert found.is_unbounded
 
 
+def test_a_late_display_with_a_pole_after_the_first_turn_has_no_damping_that_makes_up_for_it() -> None:
+    """H = 40000 exp(-s)/(s^2 + 400): -Im H/omega = 40000 sin omega/(omega (400 - omega^2)) has no bound at 20 rad/s."""
+    resonant = hs.interop.environment(([40000], [1, 0, 400]))
+    assert passivity(hs.Scene(resonant, (effects.delay("1 s"),), (0, 15))).damping is None
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["organ-tissue", "zener-tissue", "helicopter-cyclic"])
 @pytest.mark.parametrize("times", ["1/1000", "1/7", "100"])

@@ -1238,8 +1238,12 @@ def test_what_was_meant_is_named_where_another_was_written() -> None:
         hs.effects.first_order_lag("1 khz")
     with pytest.raises(hs.SceneError, match='needs b .*model = "mass-spring-damper" with k only'):
         hs.environments.kelvin_voigt(k=100)
+    spring = hs.environments.mass_spring_damper(k=Symbol("k"))
+    function = hs.distort(spring, hs.effects.first_order_lag(20)).compile()
     with pytest.raises(hs.SceneError, match="omega: give real frequencies"):
-        hs.distort(hs.environments.mass_spring_damper(k=100), hs.effects.first_order_lag(20)).compile()([1 + 2j])
+        function([1 + 2j], k=1)
+    with pytest.raises(hs.SceneError, match="k: give real numbers"):
+        function([1], k=1j)
 
 
 SCENE = """

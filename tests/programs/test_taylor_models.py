@@ -277,6 +277,15 @@ def test_where_takes_each_box_from_one_model_or_the_other(order: int) -> None:
 
 
 @with_many_digits
+def test_a_sum_of_many_coefficients_is_rounded_up() -> None:
+    """1 and 3599 times 2^-54, each of which is lost where it is added to 1."""
+    c2 = np.full((3, 1, 60, 60), 2.0**-54, order="F")
+    c2[..., 0, 0] = 1
+    none = np.zeros((3, 1), order="F")
+    _, high = Model(none, np.zeros((3, 1, 60), order="F"), c2, none).bounds()
+    assert min(map(Fraction, high.ravel().tolist())) >= 1 + Fraction(3599, 2**54)
+
+
 def test_a_constant_a_variable_and_what_lies_between_hold_what_they_stand_for() -> None:
     """To within four roundings, and no more than a hundred; slopes of constants are 0, those of what lies between unknown."""
     random = np.random.default_rng(4)

@@ -575,7 +575,8 @@ def test_what_the_scene_file_says_follows_from_whether_the_model_holds() -> None
         assert bool(ranges) == (error == 0)
         for x in found.estimates if ranges else ():
             low, high = ranges[x.parameter.path].interval  # type: ignore[misc]
-            assert (float(low), float(high), float(ranges[x.parameter.path].value)) == (x.least, x.most, x.value)
+            assert (float(low), float(high), float(ranges[x.parameter.path].value)) == (x.least, x.most, x.written)
+            assert abs(x.written - x.value) < x.error / 100
         assert found.scene.title == "kelvin-voigt, as measured"
         assert found.scene.source == "fitted to bench.csv by haptisym identify"
         assert [float(x) for x in found.scene.band] == [1, 20]
@@ -722,7 +723,8 @@ def test_a_number_is_written_exactly_and_in_hertz_where_pi_is_in_it() -> None:
     assert exactly(Rational(7, 3), Dimension.FREQUENCY, "rad/s") == "7/3 rad/s"
     assert exactly(Rational(7, 3), Dimension.MASS, "kg") == "7/3 kg"
     assert exactly(pi / 3, Dimension.MASS, "") == repr(float(pi / 3))
-    assert band_value(0.1, 1 / 3) == ["0.1 rad/s", f"{1 / 3!r} rad/s"]
+    assert band_value(0.1, 1 / 3) == ["0.1 rad/s", "0.333333333333 rad/s"]
+    assert band_value(2 * np.pi / 5, 40 * np.pi) == ["0.2 Hz", "20 Hz"]
 
 
 # What is given.
@@ -788,6 +790,10 @@ def test_a_maxwell_element_behind_a_lag_has_two_answers_and_both_are_named() -> 
     assert found.ambiguous == ("environment.k", "effects.first-order-lag.omega_c")
     assert "The same response" in str(found)
     assert "# The same response: environment.k" in found.text
+    assert "unless the true values are those of another answer" in found.text
+    written = tomllib.loads(found.text)["environment"]["b"][1]  # three digits of 0.02 noise, not sixteen
+    assert float(written.split()[0]) == pytest.approx(b, abs=found.estimates[1].error / 100)
+    assert len(written.split()[0]) < 8
     [row] = found.to_dict()["others"]
     assert row["environment.k"] == other[0]
 

@@ -395,8 +395,17 @@ def test_a_sampled_scene_comes_back_from_its_file_and_from_control(tmp_path: Pat
 
 def test_a_file_keeps_what_is_known_of_the_certainty(tmp_path: Path) -> None:
     felt = hs.measured([1.0, 2.0], [0.1 + 1j, 1 / 3 - 2e-17j], coherence=[0.9, 1 / 7], averages=9)
-    again = hs.measured(felt.to_csv(tmp_path / "out.csv"), averages=9)
-    assert np.array_equal(again.discs, felt.discs)
+    assert np.array_equal(hs.measured(felt.to_csv(tmp_path / "out.csv")).discs, felt.discs)
+    stated: dict[str, Any] = {"confidence": 0.9, "slope": "20 ms"}
+    for own in ({"coherence": [0.9, 0.5], "averages": 9.5}, {"radius": [0.1, 1 / 3]}):
+        felt = hs.measured([1.0, 2.0], [0.1 + 1j, 1 / 3], **own, **stated)
+        again = hs.measured(felt.to_csv(tmp_path / "out.csv"))
+        assert (again.averages, again.confidence, again.slope) == (felt.averages, 0.9, felt.slope)
+        assert np.array_equal(again.discs, felt.discs)
+        assert hs.measured(tmp_path / "out.csv", confidence=0.5, slope="1 ms").confidence == 0.5
+    plain = hs.measured(hs.measured([1.0], [2.0]).to_csv(tmp_path / "out.csv"))
+    assert (plain.discs, plain.confidence, plain.slope) == (None, 0.95, None)
+    assert (tmp_path / "out.csv").read_text(encoding="utf-8").startswith("omega")
 
 
 def test_the_response_is_exact_and_is_judged_as_the_scene_is(tmp_path: Path, call: Called) -> None:

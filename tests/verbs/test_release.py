@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import replace
-from math import log
+from math import inf, log
 from typing import Any
 
 import mpmath
@@ -148,6 +148,11 @@ def test_a_mass_that_comes_late_grows_in_a_light_hand() -> None:
 
 def test_friction_holds_what_is_let_go() -> None:
     run = hs.release("stick-with-friction", "1 cm", "postural-arm")
+    hand = [float(run.hand.m.value), float(run.hand.b.value), float(run.hand.k.value)]
+    free = np.polyadd(6400 * np.array([1.8, 15, 100]), np.polymul(hand, [1, 80, 6400]))
+    assert run.closed is not None
+    assert run.closed.s == pytest.approx(max(np.roots(free), key=lambda x: (x.real, x.imag)), rel=1e-9)
+    assert "rightmost pole without friction" in str(run)
     assert run.stopped == "come to rest"
     assert run.grows is False
     assert run.agrees is None
@@ -357,7 +362,47 @@ def test_a_chain_of_roots_tends_to_the_logarithm_of_what_comes_back(share: str) 
     two = s * (1 + exp(-s * tau) * 5 / 6 + exp(-2 * s * tau) / 6) + 3  # z = -1/2 and -1/3
     assert chain(two) == pytest.approx(4 * log(1 / 2), rel=1e-12)
     assert chain(s + exp(-s) + 3) is None
-    assert chain(s * (1 + exp(-s) / 2 + exp(-s * Rational(7, 5)) / 9) + 3) is None
+    bent = (1 + exp(-2 * s) / 2) * (1 + exp(-3 * s) / 3)  # each factor by itself; the least delay measures no other
+    assert chain((s * bent).expand() + 3) == pytest.approx(-log(2) / 2, rel=1e-12)
+    x = -0.2  # delays without a small measure: all phases come
+    far = s * (1 + exp(-s) * Rational("0.3") + exp(-s * Rational("1.7320508")) / 2) + 3
+    x = float(mpmath.findroot(lambda x: 1 - 0.3 * mpmath.exp(-x) - mpmath.exp(-1.7320508 * x) / 2, x))
+    assert chain(far) == pytest.approx(x, rel=1e-12)
+
+
+def test_a_root_that_was_not_found_is_not_excluded() -> None:
+    """(s + 3)(s - 5/2), of which a search may have found -3 alone; and a root that was found twice stands for itself alone."""
+    ring = Ring.of([s])
+    function = Characteristic.of(ring.convert(((s + 3) * (s - Rational(5, 2))).expand()).numerator, ring)
+    assert not function.is_rightmost([-3], -3, -inf, 0)
+    assert not function.is_rightmost([2.5, 2.5 + 1e-6], 2.5, -3, 0)
+    assert not function.is_rightmost([-3, -3 + 1e-6], -3, -inf, 0)
+    assert function.is_rightmost([2.5], 2.5, -inf, 0)
+    assert function.is_rightmost([2.5, -3], 2.5, -3, 0)
+
+
+@pytest.mark.few("two")
+@pytest.mark.parametrize(
+    ("form", "root"),
+    [
+        (s**2 + 20 * s + 100, -10), ((s**2 + 2 * s + 5) ** 2 * (s + 3), -1 + 2j), (s**2 * (s + 1), 0),
+        ((s**2 + 4) * (s**2 + 9), 2j), ((s**2 + 2 * s + 2) * (s**2 + 2 * s + 5), -1 + 1j), ((s + 2 * exp(-s)) ** 2, None),
+    ],
+    ids=["two", "pairs", "at 0", "on the axis", "above each other", "delayed"],
+)  # fmt: skip
+def test_of_roots_that_coincide_or_lie_above_each_other_none_is_further_right(form: Expr, root: complex | None) -> None:
+    found = rightmost(form.expand())
+    assert found is not None
+    assert found.certified
+    known = complex(mpmath.lambertw(-2)) if root is None else root
+    assert found.s == pytest.approx(complex(known.real, abs(known.imag)), abs=1e-12)
+    assert abs(found.enclosure.real.rad()) < 1e-20
+
+
+def test_a_pole_at_0_is_one_unless_it_cancels() -> None:
+    ring = Ring.of([exp(-s)])
+    poles = (rightmost_pole(ring.convert(x).reduced()) for x in (1 / (s * (s + 1)), (1 - exp(-s)) / (s * (s + 1))))
+    assert list(poles) == pytest.approx([0, -1])
 
 
 @pytest.mark.parametrize(("K", "k"), [(60000, 50), (200, 0), (9000, 300)])

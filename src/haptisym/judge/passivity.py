@@ -392,8 +392,11 @@ def _damping(d: Distortion, high: Expr) -> Greatest | None:
     axis: Any = d.perc_response.raw_imag.ring
     raw = d.perc_response.raw_imag
     needed = PASSIVE.measure(d) / RealFunction(axis.convert(omega))
-    if not needed.function.numerator.degrees()[0] and len(axis.angles) == 1 and not axis.orders:
-        return greatest(needed, Integer(0), 2 * pi / axis.angles[0].rate)  # a wave, which repeats
+    top, below = needed.function.numerator, needed.function.denominator
+    if not top.degrees()[0] and len(axis.angles) == 1 and not axis.orders and len({x[0] for x in below.monoms()}) == 1:
+        return greatest(
+            needed, Integer(0), 2 * pi / axis.angles[0].rate
+        )  # a wave, which repeats, or falls with a power
     for value in _tried(needed, high):
         left = asymptotic_sign(axis.convert(value * omega) + raw)
         if left.sense is Sense.POSITIVE:
@@ -408,7 +411,7 @@ def _tried(needed: RealFunction, high: Expr) -> list[Expr]:
     """Bounds to try: the limit far out of a rational function, and a little less than the largest value seen."""
     with flint.ctx.workprec(64):
         end = float(high)
-        seen = (float(needed.ball(arb(end * (k / _GRID) ** 2))) for k in range(1, _GRID + 1))
+        seen = (float(needed.ball(arb(end * (k / _GRID) ** 2)).lower()) for k in range(1, _GRID + 1))
         most = max((x for x in seen if isfinite(x)), default=0.0)
     found = [Rational(most * (1 - _BELOW))] if most > 0 else []
     top, below = needed.function.numerator, needed.function.denominator

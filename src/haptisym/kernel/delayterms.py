@@ -161,7 +161,8 @@ class WaveTerm(NamedTuple):
 class WaveSum:
     """sum of p(omega) prod sin(a_i/2)^k_i cos(a_i/2)^(n_i - k_i) prod omega^(alpha l): entire for omega > 0, no divisions.
 
-    ``rates``: d a_i/d omega of each angle, rad per rad/s, or ``(angle, None)`` for a constant angle. ``degrees``: the n_i.
+    ``rates``: of each angle d a_i/d omega, rad per rad/s, with False; of a constant angle itself, rad, with True. ``degrees``:
+    the n_i.
     """
 
     terms: tuple[WaveTerm, ...]

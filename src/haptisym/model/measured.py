@@ -269,13 +269,19 @@ class Measurement(Shown):
             return np.where(np.isinf(relative), np.inf, size * relative)
 
     def to_csv(self, path: str | Path) -> Path:
-        """Write the lines as a file that ``measured`` and a scene's ``file`` read back, every digit of every float."""
+        """Write the lines as a file that ``measured`` and a scene's ``file`` read back, every digit of every float.
+
+        Averages and confidence of the discs, and the slope, are comments before the header, and are read back too.
+        """
+        discs = {} if self.discs is None else {"averages": self.averages, "confidence": self.confidence}
+        stated = discs | {"slope": self.slope and self.slope.text}
         columns = {"omega": self.omega, "real": self.H.real, "imag": self.H.imag}
         columns |= {key: x for key in ("coherence", "radius") if (x := getattr(self, key)) is not None}
         unit = "" if self.motion is None else Dimension.STIFFNESS.unit(self.motion)
         units = {"omega": "rad/s", "coherence": "1"}
         rows = zip(*(x.tolist() for x in columns.values()), strict=True)
         told = [
+            *(f"# {key} = {x}" for key, x in stated.items() if x is not None),
             ",".join(columns),
             ",".join(units.get(key, unit) for key in columns),
             *(",".join(map(repr, x)) for x in rows),

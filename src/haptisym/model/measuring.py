@@ -24,7 +24,7 @@ def measured(
     *,
     coherence: ArrayLike | None = None,
     averages: float | None = None,
-    confidence: float = CONFIDENCE,
+    confidence: float | None = None,
     radius: ArrayLike | None = None,
     slope: str | None = None,
     name: str = "",
@@ -33,9 +33,10 @@ def measured(
     """A measured frequency response: of arrays, of python-control's data (FRD), or of a CSV file.
 
     ``omega`` : rad/s, with ``H``, force per position (N/m or N m/rad), complex; or an FRD object of one input and one output; or
-    the path of a file, which has its own coherence or radius. ``coherence`` : with ``averages``, of the estimate H1, as
-    ``scipy.signal.coherence`` gives it; ``radius`` : of discs that hold the truth with that ``confidence``, instead. ``slope`` :
-    a bound on ``|dH/domega|`` between the lines, "40 N*s/m", or as a share of ``|H|``, "20 ms".
+    the path of a file, which has its own coherence or radius, and says of them what ``to_csv`` writes, where nothing else is
+    given. ``coherence`` : with ``averages``, of the estimate H1, as ``scipy.signal.coherence`` gives it; ``radius`` : of discs
+    that hold the truth with that ``confidence`` (0.95), instead. ``slope`` : a bound on ``|dH/domega|`` between the lines,
+    "40 N*s/m", or as a share of ``|H|``, "20 ms".
     ``records`` : of a file its ``columns`` (role to header or number), ``unit`` (of a role) and ``quantity``, as in a scene; of
     records in time the ``estimator``, and ``segment``, ``overlap``, ``window``, ``every`` as of
     ``estimated``, which takes arrays. Raises SceneError for what cannot be.
@@ -52,7 +53,8 @@ def measured(
         raise SceneError(f"{next(iter(records))}: goes with a file of records in time; for arrays there is estimated")
     if H is None:
         omega, H = _frd(omega)
-    return Measurement(omega, H, coherence, averages, confidence, radius, name=name or "measured", slope=slope)
+    level = CONFIDENCE if confidence is None else confidence
+    return Measurement(omega, H, coherence, averages, level, radius, name=name or "measured", slope=slope)
 
 
 def _frd(system: Any) -> tuple[Any, Any]:

@@ -28,7 +28,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
-from itertools import chain, islice
+from itertools import chain, islice, takewhile
 from pathlib import Path
 from typing import Any, NamedTuple, TextIO
 
@@ -37,7 +37,7 @@ import numpy as np
 from haptisym.kernel.errors import SceneError, meant, quoted
 from haptisym.kernel.objects import counted
 from haptisym.model.estimating import estimated
-from haptisym.model.measured import Estimator, Measurement, check_certainty, check_lines
+from haptisym.model.measured import CONFIDENCE, Estimator, Measurement, check_certainty, check_lines
 from haptisym.model.quantities import Dimension, MotionKind, quantity, read_unit
 
 LARGEST = 500_000_000
@@ -902,8 +902,28 @@ def _read(path: Path, layout: Layout, check: Check, example: str) -> Given:
     return _read_text(path, layout, check, example)
 
 
-def read_file(path: Path, averages: float | None, confidence: float, settings: Mapping[str, Any]) -> Measurement:
-    """The response in a file; of records in time where an estimator is named. ``settings`` : by ``RECORDS`` and ``LAYOUT``."""
+_STATED = re.compile(r"#\s*(averages|confidence|slope)\s*=\s*(\S.*)")
+
+
+def _stated(path: Path) -> dict[str, str]:
+    """What comments before all else state of the lines, as ``Measurement.to_csv`` writes it."""
+    with path.open(encoding="utf-8-sig") as file:
+        found = takewhile(bool, map(_STATED.match, file))
+        return {x[1]: x[2].strip() for x in found if x}
+
+
+def _float(key: str, text: str | None) -> float | None:
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        raise SceneError(f"{key}: {quoted(text)} must be a number") from None
+
+
+def read_file(path: Path, averages: float | None, confidence: float | None, settings: Mapping[str, Any]) -> Measurement:
+    """The response in a file; of records in time where an estimator is named. ``settings`` : by ``RECORDS`` and ``LAYOUT``.
+
+    What the file states of its lines holds where it is not given.
+    """
     for key in settings:
         if key not in (*RECORDS, *LAYOUT):
             valid = (*RECORDS, *LAYOUT)
@@ -914,7 +934,11 @@ def read_file(path: Path, averages: float | None, confidence: float, settings: M
         refuse_universal(path)
         try:
             given = _read(path, layout, _response_roles, "omega,real,imag,coherence")
-            return _measurement(given, layout, averages, confidence)
+            own = {} if path.suffix.lower() == ".mat" else _stated(path)
+            averages = _float("averages", own.get("averages")) if averages is None else averages
+            level = _float("confidence", own.get("confidence")) if confidence is None else confidence
+            found = _measurement(given, layout, averages, CONFIDENCE if level is None else level)
+            return replace(found, slope=own.get("slope"))
         except SceneError as error:
             raise error.within(path.name or str(path)) from None
     if not isinstance(records.get("estimator"), str):
@@ -923,7 +947,7 @@ def read_file(path: Path, averages: float | None, confidence: float, settings: M
         raise SceneError("averages: leave it out, as it follows from the segments")
     if layout.quantity not in (None, "stiffness"):
         raise SceneError("quantity: leave it out: of records force per position is estimated")
-    return read_record(path, confidence=confidence, layout=layout, **records)
+    return read_record(path, confidence=CONFIDENCE if confidence is None else confidence, layout=layout, **records)
 
 
 def refuse_universal(path: Path) -> None:

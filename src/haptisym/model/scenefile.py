@@ -384,7 +384,7 @@ def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
 
 
 def _measurement(table: Table, place: str, folder: Path) -> Measurement:
-    from haptisym.model.measured import CONFIDENCE, read_slope
+    from haptisym.model.measured import read_slope
     from haptisym.model.responsefile import LAYOUT, RECORDS, read_file
 
     with within(place):
@@ -397,7 +397,7 @@ def _measurement(table: Table, place: str, folder: Path) -> Measurement:
         if overlap is not None:
             settings["overlap"] = overlap
         slope = read_slope(table["slope"]) if "slope" in table else None
-        found = read_file(folder / name, averages, CONFIDENCE if confidence is None else confidence, settings)
+        found = read_file(folder / name, averages, confidence, settings)
         return found if slope is None else replace(found, slope=slope)
 
 

@@ -9,7 +9,7 @@ from haptisym.model.quantities import Dimension
 from haptisym.model.scene import clocks
 from haptisym.pages import words as w
 from haptisym.verbs.simulate.entry import Simulation, Simulations
-from haptisym.verbs.simulate.release import Closed, Release
+from haptisym.verbs.simulate.release import FRICTION, Closed, Release
 from haptisym.writing import document as doc
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
 
@@ -136,7 +136,8 @@ def _table_release(r: Release) -> Iterator[Block]:
     if r.closed is not None and not r.is_envelope:
         proven = "proven" if r.closed.root.certified else "not proven to be the rightmost"
         root = "largest pole z, ln z/T" if clocks(r.scene) else "rightmost pole"
-        rows.append((root, w.near(r.closed.rate), w.cell(r.closed.omega), proven))
+        without = " without friction" * any(x.model == FRICTION for x in r.scene.effects)
+        rows.append((root + without, w.near(r.closed.rate), w.cell(r.closed.omega), proven))
     if rows:
         caption = "The motion that decays last: it goes as exp(rate t). The error of the simulated one is estimated."
         yield w.table(

@@ -58,11 +58,11 @@ class Model:
 
     @cached_property
     def _first(self) -> Array:
-        return np.add.reduce(np.abs(self.c1), -1)
+        return _sum_of_sizes(self.c1, 1)
 
     @cached_property
     def _second(self) -> Array:
-        own = np.add.reduce(np.abs(self.c2), (-1, -2))
+        own = _sum_of_sizes(self.c2, 2)
         if own.shape == self.c0.shape:
             return own
         return np.concatenate([own, np.zeros_like(self.c0[:, own.shape[1] :])], 1)
@@ -184,7 +184,7 @@ class Model:
     def _composed(self, f: Array, df: Array, half: Array, rest: Array) -> Model:
         """f + df x + half x^2 + rest for x = the value minus its middle; without slopes."""
         x1, x2, r = self.c1[:, :1], self.c2[:, :1], self.r[:, :1]
-        d1, d2 = np.add.reduce(np.abs(x1), -1), np.add.reduce(np.abs(x2), (-1, -2))
+        d1, d2 = _sum_of_sizes(x1, 1), _sum_of_sizes(x2, 2)
         c1 = df[..., None] * x1
         c2 = df[..., None, None] * x2 + half[..., None, None] * x1[..., :, None] * x1[..., None, :]
         square = 2 * d1 * (d2 + r) + (d2 + r) ** 2  # of x^2, what is not in c2
@@ -206,6 +206,12 @@ class Model:
         k = known[:, None]
         c1, c2 = np.where(k[..., None], self.c1, other.c1), np.where(k[..., None, None], self.c2, other.c2)
         return Model(np.where(k, self.c0, other.c0), c1, c2, np.where(k, self.r, other.r))
+
+
+def _sum_of_sizes(x: Array, axes: int) -> Array:
+    """The sum of sizes along the last axes, or a little more: each addition rounds, and of many variables there are many."""
+    sides = tuple(range(-axes, 0))
+    return np.add.reduce(np.abs(x), sides) * (1 + x.shape[-1] ** axes * 2.0**-53)
 
 
 def _product(x: Model, y: Model) -> Model:

@@ -218,7 +218,7 @@ class Compiled(Shown):
 
 def _array(name: str, given: ArrayLike) -> Array:
     if np.iscomplexobj(given):
-        raise SceneError(f"{name}: give real frequencies in rad/s")
+        raise SceneError(f"{name}: give real {'frequencies in rad/s' if name == 'omega' else 'numbers in SI'}")
     try:
         return np.asarray(given, dtype=float)
     except (TypeError, ValueError):

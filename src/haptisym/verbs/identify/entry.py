@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from functools import cached_property
-from math import erfc, sqrt
+from math import erfc, floor, log10, sqrt
 from pathlib import Path
 from statistics import NormalDist
 from typing import Any, ClassVar
@@ -127,8 +127,13 @@ def _limit(c: Threshold, part: Part) -> Any:
 
 
 def band_value(low: float, high: float) -> list[str]:
-    """What a scene file says of a band that ends at floats."""
-    return [f"{x!r} rad/s" for x in (low, high)]
+    """What a scene file says of a band that ends at floats: in Hz where that has fewer digits, as in the file of the lines.
+
+    Twelve digits are enough: ``Measurement.on_band`` allows for files that round more.
+    """
+    return [
+        min(f"{x:.12g} rad/s", f"{x / (2 * np.pi):.12g} Hz", key=lambda text: len(text.split()[0])) for x in (low, high)
+    ]
 
 
 _EXACT = 1e-9  # of the largest response
@@ -201,6 +206,14 @@ class Estimate:
     high: float
     least: float
     most: float
+
+    @property
+    def written(self) -> float:
+        """The value to a hundredth of its error, and to three digits at least: no file says more than is known."""
+        if self.parameter.rule is Rule.FRACTION or not (self.value and 0 < self.error < np.inf):
+            return self.value
+        last = min(floor(log10(self.error)), floor(log10(abs(self.value))))
+        return round(self.value, 2 - last)
 
     @property
     def told(self) -> bool:
@@ -349,18 +362,19 @@ class Identification(Answer):
         Of lines that were estimated from records neither the leakage of the window nor the bias of loud lines is in them:
         simulated loops of a mass of 0.8 kg, a damper and a spring held the truth in 41 to 89 of 90 intervals of 95 %.
         """
+        share = f"{100 * self.fit.lines.confidence:g} %"
+        which = ", unless the true values are those of another answer with the same response" if self.fit.others else ""
         if self.fit.lines.welch is not None:
-            share = f"at most {100 * self.fit.lines.confidence:g} %"
-            return f"{share}, as records leak and loud ones have a bias: the ranges are too narrow"
-        share = f"about {100 * self.fit.lines.confidence:g} %"
+            return f"at most {share}, as records leak and loud ones have a bias: the ranges are too narrow{which}"
         large = any(x.error > _LARGE * abs(x.value) for x in self.estimates)
-        return f"{share}, some percent less as an error is above a tenth of its value" if large else share
+        less = ", some percent less as an error is above a tenth of its value" if large else ""
+        return f"about {share}{less}{which}"
 
     def _written(self, x: Estimate) -> Any:
         motion, dimension = self.motion, x.parameter.dimension
         plain = dimension in (Dimension.ANY, Dimension.RATIO) or (motion is None and len(set(dimension.value)) > 1)
         unit = "" if plain else f" {dimension.unit(motion)}"
-        return [f"{end!r}{unit}" for end in (x.least, x.value, x.most)] if self.has_ranges else f"{x.value!r}{unit}"
+        return [f"{end!r}{unit}" for end in (x.least, x.written, x.most)] if self.has_ranges else f"{x.written!r}{unit}"
 
     def moved(self, other: Any) -> str:
         """What is another value in another answer with the same response: paths, values and units."""

@@ -536,8 +536,10 @@ class MeasuredEvaluation(Answer):
         """Where a property is named: the part is noticed, and its disc tells what it is felt as."""
         asked = Part if part is None else (part,)
         known = np.all([self.signs[x].known for x in asked], axis=0)
-        active = self.signs[Part.IMAG].perceived < 0  # there the model has no name
-        return self.noticed(part) & known & ~(active if part is not Part.REAL else False)
+        found = self.noticed(part) & known
+        if part is Part.REAL:
+            return found
+        return found & ~(self.signs[Part.IMAG].perceived < 0)  # what is active has no name in the model
 
     @cached_property
     def percepts(self) -> tuple[MeasuredPercept, ...]:

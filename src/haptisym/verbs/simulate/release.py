@@ -13,7 +13,7 @@ what is proven is still the verdict on the linear loop.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import inf, pi
 from pathlib import Path
@@ -40,8 +40,9 @@ from haptisym.verbs.simulate.network import MOTION, Network, Port, SignalSum, at
 from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost_root
 from haptisym.verbs.simulate.statespace import Record
 from haptisym.verbs.stability.entry import chosen
-from haptisym.verbs.stability.held import Held, characteristic, held
+from haptisym.verbs.stability.held import Held, characteristic, held, need_roots
 
+FRICTION = "coulomb-friction"
 _WINDOWS = 6
 _PER_TURN = 1.5  # radians between samples, at the most
 _MOST = 480
@@ -181,7 +182,7 @@ _NEAR = 1e-6  # relative: how well a mode is read at best
 class Closed:
     """The rightmost root of H_perc(s) + m s^2 + b s + k, as far as it is proven (``root.certified``).
 
-    With a clock: ln z/T of the largest root z of the loop through controller, hold and what moves.
+    With a clock: ln z/T of the largest root z of the loop through controller, hold and what moves. Friction is in neither.
     """
 
     root: Rightmost
@@ -391,13 +392,18 @@ def _the_hand(scene: Scene, given: str | Hand | None) -> Hand:
 
 
 def closed_form(scene: Scene, hand: Hand) -> Closed | None:
-    """The rightmost root of H_perc + m s^2 + b s + k, or that of the loop with its clock; None where there is none to find."""
+    """The rightmost root of H_perc + m s^2 + b s + k, or that of the loop with its clock; None where there is none to find.
+
+    It is that of the loop without friction, whose describing function has j among its numbers, and no roots in s.
+    """
+    scene = replace(scene, effects=tuple(x for x in scene.effects if x.model != FRICTION))
     if clocks(scene):
         sampled = clocked_root(scene, hand)
         return None if sampled is None else Closed(sampled)
     perceived = scene.closed.perc
     ring = ring_of(perceived)
     top = characteristic(perceived, ring.convert(hand.Z))
+    need_roots(top, ring)
     shared = min(order_at_0(top, ring), order_at_0(perceived.denominator, ring))
     found = rightmost_root(top, ring, at_least(shared))
     return None if found is None else Closed(found)

@@ -1,17 +1,18 @@
 """The rightmost root of a characteristic function with delays and powers of s: found by Newton's method, certified in balls.
 
-Newton's iteration in floating point runs from many starts; each root it finds is enclosed by interval Newton, and that none lies
-further to the right is proven by the argument principle around what is left of the half plane, as far as roots can lie there.
+Newton's iteration in floating point runs from many starts. Interval Newton encloses the roots that it found furthest to the
+right, and the argument principle proves that there are no others: the proof is written out at ``Characteristic.is_rightmost``.
 
-Of a loop with a clock: the largest root, as rate and frequency of the motion that lasts longest.
+Of a loop with a clock all roots z are enclosed; the largest one is the rate and frequency of the motion that lasts longest.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
-from math import inf, pi
+from functools import cached_property, reduce
+from itertools import combinations
+from math import gcd, inf, lcm, pi
 from typing import Any
 
 import flint
@@ -24,6 +25,7 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.rootcount import at_least, order_at_0
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
@@ -33,7 +35,8 @@ _BITS = 192
 _ITERATIONS = 80
 _TURNS = 12  # of the longest delay, as far as Newton's method starts
 _MOST_PIECES = 40_000  # of a contour
-_MOST_RADIUS = 1e7
+_MOST_DOUBLINGS = 34  # of the radius beyond which there is no root, from 2^-10 rad/s on
+_MOST_POWER = 400  # of exp(-s unit), up to which a chain's polynomial is solved
 _SLACK = 1e-9
 
 
@@ -48,9 +51,10 @@ class Term:
 
 @dataclass(frozen=True)
 class Rightmost:
-    """The rightmost root with Im s >= 0 that was found, rad/s, and its digits; ``certified`` : no root lies right of it, proven.
+    """The rightmost root with Im s >= 0 that was found, rad/s.
 
-    ``enclosure`` : a ball (flint ``acb``) around it; None where interval Newton did not enclose it.
+    ``enclosure`` is a ball (flint ``acb``) around it, None where interval Newton did not enclose it. Its real part holds those
+    of all roots that balls do not tell from it in that. ``certified``: it is proven that no root lies right of this ball.
     """
 
     s: complex
@@ -61,14 +65,14 @@ class Rightmost:
     """All roots that were found, from the right to the left."""
 
     def digits(self, count: int = 15) -> tuple[str, str]:
-        """Real and imaginary part, correctly rounded where it is enclosed."""
+        """Real and imaginary part with up to so many digits: where it is enclosed, those that its ball proves."""
         if self.enclosure is None:
             return f"{self.s.real:.9g}", f"{self.s.imag:.9g}"
         return tuple(x.str(count, radius=False) for x in (self.enclosure.real, self.enclosure.imag))
 
 
 def rightmost_pole(dynamics: RationalFunction) -> complex | None:
-    """The pole with the largest real part; None if none is found.
+    """The pole with the largest real part, in floating point; None if none is found. What cancels at s = 0 is no pole.
 
     >>> from sympy import exp
     >>> from haptisym.kernel.rings import s
@@ -76,27 +80,57 @@ def rightmost_pole(dynamics: RationalFunction) -> complex | None:
     >>> round(pole.real, 4), round(abs(pole.imag), 4)
     (0.1728, 1.6737)
     """
-    assert isinstance(dynamics.ring, Ring)
-    roots = Characteristic.of(dynamics.denominator, dynamics.ring).roots()
-    return max((x for x in roots if abs(x) > _SLACK), key=lambda x: x.real, default=None)
+    ring = dynamics.ring
+    assert isinstance(ring, Ring)
+    roots = [x for x in Characteristic.of(dynamics.denominator, ring).roots() if abs(x) > _SLACK]
+    if order_at_0(dynamics.denominator, ring) > order_at_0(dynamics.numerator, ring):
+        roots.append(0j)
+    return max(roots, key=lambda x: x.real, default=None)
 
 
 def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmost | None:
     """The rightmost root of a characteristic function with numbers only; None if there is none to find.
 
-    ``at_0`` : that many roots at s = 0 are not meant, as they cancel.
+    ``at_0`` : that many roots at s = 0 are not meant, as they cancel. A root that is in several factors of the polynomial is
+    one: balls enclose roots only where they are simple.
     """
-    function = Characteristic.of(polynomial, ring)
-    found = sorted((x for x in function.roots() if not at_0 or abs(x) > _SLACK), key=lambda x: -x.real)
-    if not found:
+    is_root = at_least(order_at_0(polynomial, ring)) > at_0
+    simple = _with_simple_factors(polynomial, ring)
+    function, zeros = Characteristic.of(simple, ring), at_least(order_at_0(simple, ring))
+    found = [x for x in function.roots() if not zeros or abs(x) > _SLACK]
+    listed = sorted([*found, *[0j] * is_root], key=lambda x: -x.real)
+    if not listed:
         return None
-    first = found[0]
-    following = next((x.real for x in found if x.real < first.real - 1e-7 * (1 + abs(first))), -inf)
-    enclosure = function.enclosed(first)
-    certified = enclosure is not None and function.is_rightmost(found, first, following, at_0)
-    return Rightmost(
-        first if enclosure is None else complex(enclosure.mid()), enclosure, certified, function, tuple(found)
-    )
+    first = listed[0]
+    following = next((x.real for x in listed if x.real < first.real - _STRIP * (1 + abs(first))), -inf)
+    balls = [function.enclosed(x) if x else acb(0) for x in listed if x.real > following]
+    if any(ball is None for ball in balls):
+        return Rightmost(first, None, certified=False, function=function, others=tuple(listed))
+    enclosure = _furthest(balls)
+    certified = function.is_rightmost(found, first, following, zeros)
+    return Rightmost(_middle(enclosure), enclosure, certified, function, tuple(listed))
+
+
+_STRIP = 1e-7  # relative: of roots so near to one vertical line floats do not tell which is the rightmost
+
+
+def _furthest(balls: Sequence[Any]) -> Any:
+    """Of the balls furthest to the right the one nearest to the real axis, with the real parts of all of them."""
+    furthest = max(balls, key=lambda x: x.real.mid())
+    level = [x for x in balls if x.real.overlaps(furthest.real)]
+    with flint.ctx.workprec(_BITS):
+        return acb(reduce(arb.union, (x.real for x in level)), min((abs(x.imag) for x in level), key=arb.mid))
+
+
+def _middle(ball: Any) -> complex:
+    """That of a ball; 0 for a part that cannot be told from it."""
+    return complex(*(0.0 if x.contains(0) else float(x.mid()) for x in (ball.real, ball.imag)))
+
+
+def _with_simple_factors(polynomial: Polynomial, ring: Ring) -> Polynomial:
+    """Each factor once, without what all terms share, powers of s and delays: it has the same roots, but for 0."""
+    factors = (x for x, _ in (polynomial / polynomial.term_content()).factor_squarefree()[1])
+    return reduce(lambda x, y: x * y, factors, ring.constant(1))
 
 
 def _terms(polynomial: Polynomial, ring: Ring) -> Iterator[Term]:
@@ -125,17 +159,26 @@ class Characteristic:
 
     @cached_property
     def chain(self) -> float | None:
-        """To which Re s infinitely many roots tend, where delays are in the highest power of s; None where there are none."""
+        """The largest Re s to which infinitely many roots tend, computed in floats; None where there are none.
+
+        They are there where delays are in the highest power of s, and tend to the roots of what it is multiplied by.
+        Delays without a small common measure come as near as one likes to any phases: of all phases those count with which
+        one term outweighs the others until the furthest Re s, as in |c_0| = sum of |c_i| exp(-lag_i Re s).
+        """
         degree = max(t.power for t in self.terms)
-        own = {float(t.lag): float(t.coefficient) for t in self.terms if t.power == degree}
-        own = {lag - min(own): c for lag, c in own.items()}
-        unit = min((lag for lag in own if lag > 0), default=0.0)
-        if not unit or any(abs(lag / unit - round(lag / unit)) > _SLACK for lag in own):
+        own = {t.lag: float(t.coefficient) for t in self.terms if t.power == degree}
+        first = min(own, key=float)
+        later = {(lag - first).expand(): c for lag, c in own.items() if lag != first}
+        if not later:
             return None
-        row = np.zeros(round(max(own) / unit) + 1)
-        for lag, c in own.items():
-            row[round(lag / unit)] = c
-        return float(max(-np.log(np.abs(np.roots(row[::-1])))) / unit)
+        unit = _common_measure(later)
+        if unit is None or max(later, key=float) / unit > _MOST_POWER:
+            return _balance(abs(own[first]), {float(lag): abs(c) for lag, c in later.items()})
+        row = np.zeros(int(max(later, key=float) / unit) + 1)
+        row[0] = own[first]
+        for lag, c in later.items():
+            row[int(lag / unit)] = c
+        return float(max(-np.log(np.abs(np.roots(row[::-1])))) / float(unit))
 
     @cached_property
     def _floats(self) -> tuple[Array, Array, Array]:
@@ -226,19 +269,36 @@ class Characteristic:
     # That no root is further right
 
     def is_rightmost(self, found: Sequence[complex], first: complex, following: float, at_0: int) -> bool:
-        """Whether the half plane right of a line just left of the first root holds only those that were found there."""
-        if any(not t.power.is_Integer for t in self.terms) and following < 0:
-            return False  # powers of s have a cut on the negative real axis
+        """Whether the roots right of a line, which lies between ``following`` and ``first``, are those that were found there.
+
+        The proof, for R = {Re s > line}: in R a root has |s| < radius (``_radius``). So it lies in the box of all s with
+        line < Re s < max(line, 0) + radius and |Im s| < radius, and the argument principle counts the roots in there. Each
+        that was found, and its conjugate, is alone in a ball in R, and no two of these balls meet. If that makes as many as
+        were counted, there are no others. ``at_0`` : how often 0 is a root, which is in R if line < 0, and in none of ``found``.
+        """
         gap = min(first.real - following, 0.2 * abs(first) + 1e-3)
         line = first.real - gap / 2
-        number = sum(1 + bool(x.imag) for x in found if x.real > line) + (at_0 if line < 0 else 0)
-        return self._count_right_of(line) == number
+        if line <= 0 and any(not t.power.is_Integer for t in self.terms):
+            return False  # powers of s have a cut on the negative real axis
+        own = [x for x in found if x.real > line]
+        balls = [ball for x in own for ball in self._both(x)]
+        if any(ball is None or not ball.real > line or (at_0 and ball.contains(0)) for ball in balls):
+            return False
+        if any(x.overlaps(y) for x, y in combinations(balls, 2)):
+            return False
+        return self._count_right_of(line) == len(balls) + (at_0 if line < 0 else 0)
+
+    def _both(self, root: complex) -> list[Any]:
+        """A ball around a root, and one around its conjugate where it is not real."""
+        ball = self.enclosed(root)
+        return [ball] if ball is None or not root.imag else [ball, ball.conjugate()]
 
     def _count_right_of(self, line: float) -> int | None:
+        """How many roots are right of a line, each as often as it counts; None where that is not shown."""
         radius = self._radius(line)
         if radius is None:
             return None
-        right = line + radius
+        right = max(line, 0.0) + radius
         corners = [complex(line, -radius), complex(right, -radius), complex(right, radius), complex(line, radius)]
         with flint.ctx.workprec(64):
             total, left = arb(0), [_MOST_PIECES]
@@ -268,22 +328,52 @@ class Characteristic:
         return total
 
     def _radius(self, line: float) -> float | None:
-        """Beyond which no root lies right of the line: there the highest power outweighs all others."""
+        """A modulus at and beyond which no root has Re s >= line; None where none is found.
+
+        There |c s^p exp(-s lag)| <= |c| |s|^p exp(-lag line). With n the highest power it is 0 for no s where the term of
+        s^n without a delay outweighs all others, each over |s|^n; and as those are of lower powers, or delayed, they do not
+        grow with |s|.
+        """
         degree = max(t.power for t in self.terms)
-        rows = [(abs(c), p, np.exp(min(-lag * line, 700.0))) for c, p, lag in zip(*self._floats, strict=True)]
-        own = [(c, lag) for c, p, lag in zip(*self._floats, strict=True) if p == float(degree)]
-        single = [c for c, lag in own if lag == 0]
-        if not single:
-            return None
-        floor = abs(single[0]) - sum(abs(c) * np.exp(min(-lag * line, 700.0)) for c, lag in own if lag)
-        if floor <= 0:
-            return None
-        radius = 1e-3
-        while radius < _MOST_RADIUS:
-            if 0.9 * floor > sum(c * e * radius ** (p - float(degree)) for c, p, e in rows if p < float(degree)):
-                return float(radius)
-            radius *= 1.5
+        with flint.ctx.workprec(_BITS):
+            floor, others = arb(0), []
+            for c, p, lag in self._balls:
+                size = abs(c) * (-lag * line).exp()
+                if p < degree:
+                    others.append((size, expression_ball(p - degree)))
+                else:
+                    floor += abs(c) if lag == 0 else -size
+            for n in range(_MOST_DOUBLINGS):
+                radius = arb(2) ** (n - 10)
+                if floor > sum((size * radius**power for size, power in others), arb(0)):
+                    return float(radius)
         return None
+
+
+def _common_measure(lags: Iterable[Expr]) -> Rational | None:
+    """The largest number that all are whole multiples of; None where there is none."""
+    first, *others = lags
+    shares = [lag / first for lag in others]
+    if not all(x.is_Rational for x in shares):
+        return None
+    below = lcm(*(int(x.q) for x in shares))
+    return first * Rational(gcd(below, *(int(x * below) for x in shares)), below)
+
+
+def _balance(first: float, later: Mapping[float, float]) -> float:
+    """The x at which ``first`` is the sum of c exp(-lag x), by bisection: the sum falls from infinity to 0."""
+    low, high = (side * _EXPONENT / min(later) for side in (-1, 1))
+    for _ in range(_BISECTIONS):
+        middle = (low + high) / 2
+        is_left = sum(c * np.exp(min(-lag * middle, _EXPONENT)) for lag, c in later.items()) > first
+        low, high = (middle, high) if is_left else (low, middle)
+    return float(low)
+
+
+_EXPONENT, _BISECTIONS = (
+    700.0,
+    80,
+)  # exp of that is the last power of e among the doubles; and what halves to a last digit
 
 
 def _lower(s: Any, p: Rational) -> Any:
@@ -294,24 +384,27 @@ def _lower(s: Any, p: Rational) -> Any:
 
 
 _BITS_CLOCKROOT = 256
-_TINY = 1e-12
 
 
 def clocked_root(scene: Scene, hand: Hand) -> Rightmost | None:
-    """ln z/T of the largest root z, all of them being enclosed; None where that loop is not known."""
+    """ln z/T of the largest root z, all of them being enclosed; None where that loop is not known.
+
+    It is ``certified`` as it stands: each root of the polynomial in w = 1/z is in one of the balls, and the real part that is
+    given holds those of all whose real parts are not certain to be less than another's.
+    """
     try:
         loop = loop_of(scene, hand)
         with flint.ctx.workprec(_BITS_CLOCKROOT):
             found = acb_poly(loop.balls()).roots(tol=arb(2) ** -100, maxprec=8 * _BITS_CLOCKROOT)
+            if any(w.contains(0) for w in found):
+                return None  # 1/w is not known
             T = expression_ball(loop.T)
-            rows = [(-w.log() / T) for w in found if abs(w) > _TINY]  # w = 1/z
+            # an isolated root near the real axis is real, as its conjugate is a root too
+            rows = [-(acb(w.real) if w.imag.contains(0) else w).log() / T for w in found]
     except (UndecidedError, ValueError):
         return None
     if not rows:
         return None
-    rows.sort(key=lambda s: -float(s.real.mid()))
-    first = next(s for s in rows if not s.real < rows[0].real)
-    # an isolated root near the real axis is real, as its conjugate is a root too
-    upper = acb(first.real) if first.imag.contains(0) else acb(first.real, abs(first.imag))
-    apart = all(s.real < first.real or s.real.overlaps(first.real) for s in rows)
-    return Rightmost(complex(upper.mid()), upper, certified=apart, others=tuple(complex(s.mid()) for s in rows))
+    upper = _furthest(rows)
+    others = sorted((complex(s.mid()) for s in rows), key=lambda s: -s.real)
+    return Rightmost(_middle(upper), upper, certified=True, others=tuple(others))
