@@ -379,6 +379,7 @@ def _read_text(path: Path, layout: Layout, check: Check, example: str) -> Given:
         refuse(path)
         with path.open(encoding="utf-8-sig") as file:
             head = _head(file, path, layout, example)
+            _need_numbers(path, head)
             roles = check(head.columns, layout)
             head = _with_units(file, head, roles)
             scales = _scales(head.columns, roles, layout)
@@ -425,6 +426,14 @@ def _head(file: TextIO, path: Path, layout: Layout, example: str) -> Head:
             raise SceneError(f"line {at} has numbers: name the columns in the first line, as {example}")
         return Head(tuple(map(_column, names)), separator, line, at)
     raise SceneError("there are no lines of numbers")
+
+
+def _need_numbers(path: Path, head: Head) -> None:
+    """SceneError unless numbers follow, which repeats nothing of what is no table: a scene may name any file."""
+    with path.open(encoding="utf-8-sig") as again:
+        first = [x for _, x in islice(_numbered(islice(again, head.line - 1, None), head.line), 2)]
+    if not any(sum(map(_is_number, _cells(x, _separator(x) or head.separator))) > 1 for x in first):
+        raise SceneError("there are no lines of numbers, two or more in each, below names of columns")
 
 
 def _with_units(file: TextIO, head: Head, roles: Mapping[str, int]) -> Head:
