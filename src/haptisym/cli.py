@@ -12,12 +12,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from itertools import chain
 from pkgutil import get_data, resolve_name
-from typing import Any
 
 import click
 
 from haptisym import __version__
-from haptisym.commands.terminal import ReaderLeft, interrupts, loading, note, prepare, to_standard_output
+from haptisym.commands.terminal import ReaderLeft, interrupts, loading, note, prepare, says_help, write
 from haptisym.kernel.errors import HaptisymError, UndecidedError, meant
 
 _COMMANDS = {
@@ -64,17 +63,25 @@ class _Sisters(click.Group):
             ctx.fail(f'unknown command "{args[0]}": {hint or "haptisym --help lists them"}'.rstrip())
         return super().resolve_command(ctx, args)
 
-    def make_context(self, *args: Any, **options: Any) -> click.Context:
-        with to_standard_output():  # where the help goes
-            return super().make_context(*args, **options)
+    def get_help_option(self, ctx: click.Context) -> click.Option | None:
+        return says_help(super().get_help_option(ctx))
 
-    def invoke(self, ctx: click.Context) -> Any:
-        with to_standard_output():
-            return super().invoke(ctx)
+
+def _say_version(context: click.Context, _option: click.Parameter, asked: bool) -> None:  # noqa: FBT001  as click calls it
+    if asked and not context.resilient_parsing:
+        write(f"haptisym {__version__}\n")
+        context.exit()
 
 
 @click.group(cls=_Sisters, context_settings={"help_option_names": ["-h", "--help"]}, no_args_is_help=False)
-@click.version_option(__version__, prog_name="haptisym", message="%(prog)s %(version)s")
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_say_version,
+    help="Show the version and exit.",
+)
 def app() -> None:
     """Evaluate haptic displays symbolically.
 

@@ -7,6 +7,7 @@ import json
 import os
 import pickle
 import re
+import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from itertools import count
@@ -26,6 +27,7 @@ from haptisym.cli import LIGHT, VERBS
 from haptisym.commands import shipped, verbs
 from haptisym.kernel.budget import timed_by
 from haptisym.kernel.objects import packed, unpacked
+from haptisym.model.files import write_whole
 from haptisym.verbs.jnd.tables import Answers, Row
 from haptisym.writing.schemas import json_schema, schema_names
 
@@ -283,6 +285,57 @@ def test_two_outputs_are_not_written_to_one_file(call, tmp_path: Path) -> None: 
     status, out, err = call("evaluate", "fu2019", "--certificate", one, "--report", one)
     assert (status, out) == (2, "")
     assert "--certificate and --report would both be written to" in err
+
+
+@pytest.mark.parametrize("words", [["--help"], ["--version"], ["require", "--help"]])
+def test_help_that_cannot_be_written_is_told(call, monkeypatch: pytest.MonkeyPatch, words: list[str]) -> None:  # type: ignore[no-untyped-def]
+    monkeypatch.setattr("sys.stdout", None)
+    status, _, err = call(*words)
+    assert (status, err) == (2, "error: standard output cannot be written: it is closed\n")
+
+
+@pytest.mark.parametrize(
+    "words", [["evaluate", "--figures"], ["evaluate", "--latex"], ["sweep", "--vary=m=1:2:2", "--out"]]
+)
+def test_a_file_without_a_name_is_refused(call, words: list[str]) -> None:  # type: ignore[no-untyped-def]
+    assert call(words[0], "fu2019", *words[1:], "") == (2, "", f'error: {words[-1]} "": give a name\n')
+
+
+def test_a_file_is_replaced_whole_or_stays_and_a_link_stays_one(tmp_path: Path) -> None:
+    old, link = tmp_path / "a.csv", tmp_path / "link.csv"
+    old.write_text("old")
+    link.symlink_to(old)
+    with pytest.raises(UnicodeEncodeError):
+        write_whole(link, "x" * 99_999 + "\ud800")
+    assert old.read_text() == "old"
+    write_whole(link, "new")
+    assert (link.is_symlink(), old.read_text(), {x.name for x in tmp_path.iterdir()}) == (
+        True,
+        "new",
+        {"a.csv", "link.csv"},
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.core
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
+@pytest.mark.parametrize("name", ["latex a.tex", "report a.html", "certificate a.json", "response a.csv", "figures ."])
+def test_where_there_is_no_room_the_old_file_stays(
+    call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:  # type: ignore[no-untyped-def]
+    import resource
+
+    monkeypatch.chdir(tmp_path)
+    old = tmp_path / name.partition(" ")[2].replace(".", "ratios.svg", name.endswith(" ."))
+    old.write_text("old")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    try:
+        status, out, err = call("evaluate", "fu2019", f"--{name.partition(' ')[0]}", name.partition(" ")[2])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert (status, out, "cannot be written: file too large" in err) == (2, "", True)
+    assert (old.read_text(), [*tmp_path.iterdir()]) == ("old", [old])
 
 
 @pytest.mark.slow

@@ -187,10 +187,9 @@ def test_a_sweep_that_is_interrupted_says_how_it_is_continued(tmp_path: Path) ->
     words = ("sweep", "delayed-spring", "--vary", "effects.delay.tau=0.001:0.1:100000", "--out", str(out))
     shown = in_terminal(words, columns=400, keys=[(b" sets", b"\x03")])
     assert shown.status == 130
-    assert f"of 100,000 sets: what is done is in {out}, and the same command goes on from there" in shown.text.replace(
-        "\r\n", " "
-    )
-    assert out.exists()
+    said = f"of 100,000 sets: what is done is in {out}.part.zarr, and the same command goes on from there"
+    assert said in shown.text.replace("\r\n", " ")
+    assert [x.name for x in tmp_path.iterdir()] == ["swept.zarr.part.zarr"]
 
 
 @pytest.mark.slow

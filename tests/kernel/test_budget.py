@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import haptisym as hs
 from haptisym.kernel.budget import Waiting, afford, left, limited, share, spared, tick, timed_by
 from haptisym.kernel.errors import LimitError, SceneError
 
@@ -123,6 +124,15 @@ def test_products_that_take_longer_than_what_is_left_are_not_begun(clock: Clock)
         assert [over(afford, most // 10, 11), over(afford, 11, most // 10)] == [True, True]
         clock.now += 5
         assert over(afford, 0)
+
+
+def test_memory_is_bounded_without_a_limit_too() -> None:
+    """Tangents of 24 angles: a common denominator of 2^24 terms, each with 24 exponents."""
+    powers = "+".join(f"s^({k}/89)" for k in range(1, 25))
+    lag = 'effects = [{ model = "first-order-lag", omega_c = 20 }]'
+    scene = hs.parse_scene(f'{lag}\nenvironment = {{ model = "expression", H = "{powers}" }}')
+    with pytest.raises(LimitError, match="memory"):
+        hs.evaluate(scene, limit=None)
 
 
 def test_a_share_of_a_limit_is_told_beside_the_limit_that_was_set(clock: Clock) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import nullcontext
 from pathlib import Path
 from statistics import NormalDist
@@ -231,7 +232,7 @@ NO_TABLES: list[tuple[str, str]] = [
     (ROW.replace("N/m,N/m", "kg,kg"), "is not a stiffness"), (HEAD + "1_0,2,3\n1,2,3\n", '"1_0"'), (HEAD + "1,2,3\n4,1_0,3\n", 'line 3: real: "1_0"'),
     (HEAD + "1,2,3\n4,5,6,7,8,9\n", "line 3 has 6 cells, .* decimal commas"), (HEAD + "1,2,3\n4,5,6,7\n", "line 3 has 4 cells"),
     ("omega\treal\timag\n1\t2\t3\n0\t5\t6\n2\t5\t6\n", "line 3: the frequency 0"), ("# a\n\nomega,real,imag\n\n1,2,3\n\n# c\n4,,6\n", "line 8: real: the cell is empty"),
-    ("omega\n1\n", "there are omega"), ("1,2\n", "line 1 has numbers"), ("omega,real,imag,magnitude,phase_deg\n1,2,3,4,5\n", "give the response in columns real, imag or"), ("t,position,force\n1,2,3\n", "records in time"),
+    ("omega\n1\n", "no lines of numbers"), ("key,real,imag\n1,2,3\n", "there are key, real, imag"), ("1,2\n", "line 1 has numbers"), ("omega,real,imag,magnitude,phase_deg\n1,2,3,4,5\n", "give the response in columns real, imag or"), ("t,position,force\n1,2,3\n", "records in time"),
     (HEAD + "1,nan,2\n", "line 2: H: nan"), (HEAD + "1,1e999,2\n", "line 2: H: inf"), (HEAD + "-1,1,2\n", "line 2: omega: -1"),
 ]  # fmt: skip
 
@@ -241,6 +242,17 @@ def test_what_is_no_table_is_refused_with_the_place(tmp_path: Path, text: str, t
     with pytest.raises(hs.SceneError, match=told) if told else nullcontext():
         (tmp_path / "bench.csv").write_text(text, encoding="utf-8")
         hs.measured(tmp_path / "bench.csv")
+
+
+@pytest.mark.parametrize(
+    "text", ["pass:0123\nkey:4567\n", "[pass]\nkey = 5\n", "pass\n4567\n", "pass,word\nlet,me\nin,now\n"]
+)
+@pytest.mark.parametrize("keys", [{}, {"columns": {"frequency": 1, "real": 1, "imag": 1}}])
+def test_of_what_is_no_table_nothing_is_repeated(tmp_path: Path, text: str, keys: dict[str, Any]) -> None:
+    (tmp_path / "secret.txt").write_text(text, encoding="utf-8")
+    said = refusal(lambda: hs.measured(tmp_path / "secret.txt", **keys))
+    assert "no lines of numbers" in said
+    assert not any(word in said for word in re.findall(r"\w{4,}", text))
 
 
 @pytest.mark.parametrize("rows", [3, 9000])

@@ -120,7 +120,7 @@ NO_SCENES: list[tuple[str, str]] = [
     (more("[evaluation]\nband = [-1, 3]"), ">= 0"), (more("[evaluation]\nband = [1]"), "two frequencies"), (more("[evaluation]\nband = 3"), "give two frequencies"), (more("[evaluation]\nband = [0, 1, 2]"), "two"),
     (more("[evaluation]\nband = ['0 s', '3 s']"), "rad/s"), (more('[evaluation]\nband = [0, "1e300 THz"]'), "1e300"), (more("[evaluation]\njnd = 0"), "> 0"),
     (env("model='expression'\nH='__import__(1)'"), "__import__"), (env("model='expression'\nH='s'\nparameters={ s = 3 }"), "no name for a parameter"), (env("model='expression'\nH='s'\nparameters=3"), "3"),
-    (env("model='expression'"), "H"),
+    (env("model='expression'"), "H"), (".".join("a" * 20_000) + " = 1", "more than 20 parts"), ("title = '''" + ". 'a" * 9_000, "TOML"),
     # references to the environment's parameters
     *((f'{ENV}[rendered]\nmodel = "kelvin-voigt"\nb = 2\nk = {line}\n', told) for line, told in (
         ('"environment.kk"', 'did you mean "environment.k"'), ('"enviroment.k"', 'did you mean "environment.k"'), ('"rendered.b"', "valid are environment.k, environment.b"),
@@ -164,6 +164,7 @@ def test_what_is_no_measured_scene_is_told(tmp_path: Path, text: str, told: str)
         opened, _ = open_scenes(tmp_path / "my.toml")
         assert isinstance(opened, MeasuredScene)
         assert (opened.band is None) == ("band" not in text)
+        assert "--no-files" in refusal(open_scenes, tmp_path / "my.toml", files=False)
 
 
 def test_a_wrong_file_ends_the_command_with_one_message_and_nothing_of_it_is_executed(

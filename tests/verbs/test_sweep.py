@@ -34,6 +34,7 @@ import haptisym as hs
 from haptisym.figures import sweep as sweep_charts
 from haptisym.figures.layers import draw
 from haptisym.kernel.errors import UndecidedError
+from haptisym.model.files import claimed
 from haptisym.verbs.sweep.axes import INFINITE, axes, spaced
 from haptisym.verbs.sweep.batch import (
     MOST_TERMS,
@@ -697,6 +698,50 @@ def test_a_netcdf_file_holds_the_same_and_is_read_again(few: Any, tmp_path: Path
     assert [x.name for x in tmp_path.iterdir()] == ["a.nc"]
     with pytest.raises(hs.SceneError, match="exists with another sweep"):
         hs.sweep(PAPER, {MASS: [1.0, 2.0]}, out=tmp_path / "a.nc")
+
+
+@pytest.mark.slow
+@pytest.mark.core
+def test_a_relative_name_means_one_place_wherever_workers_are(
+    few: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "other").mkdir()
+    hs.sweep(PAPER, FEW, out="a.zarr", block=3, progress=lambda *_: os.chdir(tmp_path / "other"))
+    assert stored(tmp_path / "a.zarr")[0].load().identical(few)
+    assert not [*(tmp_path / "other").iterdir()]
+
+
+def test_one_process_writes_a_file_and_another_is_told(few: Any, tmp_path: Path) -> None:
+    with claimed(tmp_path / "a.zarr"), pytest.raises(hs.SceneError, match="another process is writing it"):
+        stored(tmp_path / "a.zarr")
+    assert not [*tmp_path.iterdir()]
+    assert stored(tmp_path / "a.zarr")[0].load().identical(few)
+
+
+@pytest.mark.slow
+@pytest.mark.core
+@pytest.mark.parametrize(
+    ("what", "told"),
+    [
+        ("method", "not all sets are there"),
+        (MASS, "does not hold"),
+        ("bandwidth", "does not hold"),
+        ("marks", "differs in band"),
+    ],
+)
+def test_a_file_is_believed_only_where_it_holds_this_sweep(few: Any, tmp_path: Path, what: str, told: str) -> None:
+    changed = few.copy(deep=True)
+    if what == "marks":
+        changed = hs.sweep(PAPER.with_band(0, 14), FEW)
+    elif what == "bandwidth":
+        changed = changed.drop_vars(what)
+    else:
+        changed = changed.assign_coords({MASS: changed[MASS] * 0}) if what == MASS else changed
+        changed["method"][0, 1] = -1
+    changed.to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
+    with pytest.raises(hs.SceneError, match=told):
+        stored(tmp_path / "a.nc")
 
 
 HELD = PAPER.with_hands(hs.Hand("one", m=1, b=5, k=40))

@@ -30,7 +30,10 @@ def engine(workers: int | None, cluster: str | None) -> Iterator[None]:
         if workers:
             local = partial(distributed.LocalCluster, n_workers=workers, threads_per_worker=1, dashboard_address=None)
             with _deaf_children():
-                address = stack.enter_context(local(silence_logs=logging.CRITICAL))
+                try:
+                    address = stack.enter_context(local(silence_logs=logging.CRITICAL))
+                except (OSError, RuntimeError) as error:
+                    raise SceneError(f"--workers {workers}: they could not be started: {error}") from None
         try:
             stack.enter_context(distributed.Client(address, timeout="10s"))
         except (OSError, ValueError):

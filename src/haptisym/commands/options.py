@@ -25,10 +25,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import click
 from click.core import ParameterSource
 
-from haptisym.commands.terminal import note, progress, say, say_document, to_file
+from haptisym.commands.terminal import note, progress, say, say_document, says_help, to_file
 from haptisym.figures.pen import checked, checked_report
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import NothingToDrawError, SceneError, meant
+from haptisym.model.files import write_whole
 
 if TYPE_CHECKING:
     from haptisym.judge.answers import Answer
@@ -63,7 +64,17 @@ def output(flags: str, words: str, checked: Callable[[Path], Path] = Path) -> cl
     def writable(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
         return None if path is None else checked(_can_be_written(what, path))
 
-    return option(flags, words, type=click.Path(dir_okay=False, path_type=Path), callback=writable)
+    return option(flags, words, type=Place(dir_okay=False, path_type=Path), callback=writable)
+
+
+class Place(click.Path):
+    """A path; no name at all, which would be the folder of the call, is refused."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """As click."""
+        if value == "":
+            raise SceneError(f'{param.opts[-1] if param else "file"} "": give a name')
+        return super().convert(value, param, ctx)
 
 
 def choice(flags: str, words: str, *values: str, **given: Any) -> click.Option:
@@ -104,11 +115,15 @@ def _checked_latex(path: Path) -> Path:
 
 
 ENVIRONMENT = option("--environment NAME", "Use this environment, where a scene has several.")
-SCENE = (click.Argument(["scene"]), ENVIRONMENT)
-"""SCENE and, of a scene with several environments, ``--environment NAME``: the verb gets the loaded scene."""
+NO_FILES = option("--no-files", "Read no file that a scene names, as scenes of strangers may.")
+SCENE = (click.Argument(["scene"]), ENVIRONMENT, NO_FILES)
+"""SCENE and, of a scene with several environments, ``--environment NAME``: the verb gets the loaded scene.
+
+It is one of formulas, which names no file: ``--no-files`` has nothing to refuse there.
+"""
 JSON = option("--json", "Print one JSON document.")
 CERTIFICATE = output("--certificate FILE", "Write a certificate, for python -m haptisym_check FILE SCENE.toml.")
-FIGURES = option("--figures DIR", "Write the figures to this folder.", type=click.Path(file_okay=False, path_type=Path))
+FIGURES = option("--figures DIR", "Write the figures to this folder.", type=Place(file_okay=False, path_type=Path))
 _LIMIT: dict[str, Any] = {
     "type": click.FloatRange(min=0, min_open=True, max=1e9),
     "default": SECONDS,
@@ -165,6 +180,10 @@ class Verb(click.Command):
     ) -> None:
         super().__init__(question.__name__, params=params, help=cleandoc(question.__doc__ or ""))
         self.question, self.apart, self.needs, self.each = question, apart, needs, each
+
+    def get_help_option(self, ctx: click.Context) -> click.Option | None:
+        """As click; it says where the help cannot be written."""
+        return says_help(super().get_help_option(ctx))
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """As click; an option that is given twice is refused."""
@@ -290,9 +309,11 @@ def _is_same(one: Path, other: Path) -> bool:
 
 def _can_be_written(what: str, path: Path) -> Path:
     """The path; SceneError where nothing can be written there."""
-    if not path.parent.is_dir():
-        raise SceneError(f"{what}: {path} cannot be written: there is no folder {path.parent}")
-    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+    is_file = path.is_file() or not path.exists()
+    folder = (path.resolve() if path.is_file() else path).parent
+    if not folder.is_dir():
+        raise SceneError(f"{what}: {path} cannot be written: there is no folder {folder}")
+    if (is_file and not os.access(folder, os.W_OK)) or (path.exists() and not os.access(path, os.W_OK)):
         raise SceneError(f"{what}: {path} cannot be written: permission denied")
     return path
 
@@ -311,7 +332,7 @@ def keep_text(what: str, path: Path | None, text: Callable[[], str]) -> None:
     """Write a text, where a file was asked for."""
     if path is not None:
         content = text()
-        keep(what, path, lambda: path.write_text(content, encoding="utf-8"))
+        keep(what, path, lambda: write_whole(path, content))
 
 
 def keep_pages(found: Answer, ask: Ask) -> Callable[[], Any]:
@@ -319,7 +340,7 @@ def keep_pages(found: Answer, ask: Ask) -> Callable[[], Any]:
     page = cache(found.document)
     if ask.latex is not None:
         latex: Callable[..., str] = resolve_name("haptisym.writing.latex:latex")
-        keep("LaTeX", ask.latex, lambda: ask.latex.write_text(latex(page()), encoding="ascii"))
+        keep("LaTeX", ask.latex, lambda: write_whole(ask.latex, latex(page()), "ascii"))
     if ask.report is not None:
         save = resolve_name("haptisym.pages.report:save")
         keep("report", ask.report, lambda: save(page(), found.to_json(), ask.report))

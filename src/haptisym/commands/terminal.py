@@ -13,7 +13,7 @@ import shutil
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from io import TextIOWrapper
@@ -37,12 +37,12 @@ PATIENCE = 0.5  # s; what is done sooner shows no bar
 
 
 @contextmanager
-def progress(unit: str = "", *, kept: str = "there is no answer") -> Iterator[ProgressBar]:
+def progress(unit: str = "", *, kept: Callable[[str], str] = lambda _: "there is no answer") -> Iterator[ProgressBar]:
     """A bar on standard error, where that is a terminal: it comes after half a second and leaves nothing behind.
 
     ``unit`` : of what is counted, as in "1,200 of 65,536 sets"; percent are shown without it.
 
-    ``kept`` : what there is after Ctrl-C, as the end of a sentence that says how far it came.
+    ``kept`` : what there is after Ctrl-C, as the end of a sentence that says how far it came; of how far that was.
 
     What it yields is called with what is done, of how much (None: nobody knows, the bar then shows only that it lives) and, if
     there is something to say, at what it is; as often as one likes. It does nothing where nobody looks, and raises nothing but a
@@ -59,7 +59,8 @@ def progress(unit: str = "", *, kept: str = "there is no answer") -> Iterator[Pr
         try:
             yield told
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(f" at {told.reached}: {kept}" if told.reached else f": {kept}") from None
+            far = f" at {told.reached}" if told.reached else ""
+            raise KeyboardInterrupt(f"{far}: {kept(told.reached)}") from None
 
 
 _BAR = "haptisym.progress"  # under which a call of the command line keeps its bar
@@ -290,9 +291,28 @@ def write(text: str) -> None:
     if sys.stdout is None:
         raise CannotWriteError("standard output cannot be written: it is closed")
     quiet()
-    with to_standard_output():
+    try:
         sys.stdout.write(text)
         sys.stdout.flush()
+    except BrokenPipeError:
+        _close()
+        raise ReaderLeft from None
+    except OSError as error:
+        _close()
+        raise CannotWriteError(f"standard output cannot be written: {_reason(error)}") from None
+
+
+def says_help(option: click.Option | None) -> click.Option | None:
+    """The option ``--help``, which says so where standard output does not take what it prints."""
+    if option is not None:
+        option.callback = _say_help
+    return option
+
+
+def _say_help(context: click.Context, _option: click.Parameter, asked: bool) -> None:
+    if asked and not context.resilient_parsing:
+        write(f"{context.get_help()}\n")
+        context.exit()
 
 
 def note(message: str) -> None:
@@ -315,21 +335,6 @@ def _narrowed(line: str) -> str:
 
 def _encoding() -> str:
     return getattr(sys.stdout, "encoding", None) or "utf-8"
-
-
-@contextmanager
-def to_standard_output() -> Iterator[None]:
-    """What goes wrong inside with standard output, by name; nothing more is then tried to be written there."""
-    try:
-        yield
-    except BrokenPipeError:
-        _close()
-        raise ReaderLeft from None
-    except OSError as error:
-        if error.filename is not None:
-            raise
-        _close()
-        raise CannotWriteError(f"standard output cannot be written: {_reason(error)}") from None
 
 
 @contextmanager

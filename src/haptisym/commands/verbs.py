@@ -21,14 +21,17 @@ from haptisym.commands.options import (
     FORMULAS,
     JSON,
     LIMIT,
+    NO_FILES,
     OWN_LIMIT,
     SCENE,
     Ask,
+    Place,
     choice,
     draw,
     end,
     figure,
     given,
+    hand_over,
     keep,
     keep_pages,
     keep_text,
@@ -52,6 +55,7 @@ from haptisym.model.scenefile import chosen, felt_through, load_scene, open_scen
     click.Argument(["more"], nargs=-1, metavar=""),
     JSON,
     ENVIRONMENT,
+    NO_FILES,
     option("--environments FILE...", "Use the environments of these scenes instead.", multiple=True),
     option("--tolerance X", "Leave out effects that together change the ratios by at most X."),
     option("--regions", "Compare with square, disc and diamond of the same half widths."),
@@ -105,7 +109,7 @@ def evaluate(ask: Ask) -> Answer:
     """
     if ask.more and not ask.environments:
         raise click.UsageError(f"got an unexpected argument ({ask.more[0]})")
-    opened, _ = open_scenes(ask.scene)
+    opened, _ = open_scenes(ask.scene, files=not ask.no_files)
     if isinstance(opened, MeasuredScene):
         return _measured(opened, ask)
     family = felt_through(opened, ask.scene, (*ask.environments, *ask.more))
@@ -379,6 +383,7 @@ def stability(ask: Ask) -> Answer:
 @verb(
     click.Argument(["scene"]),
     ENVIRONMENT,
+    NO_FILES,
     option(
         "--free PATH[=LO:HI]", "Free parameter and its range; up to three. A tenth to ten times its value if no range is given.",
         multiple=True, required=True,
@@ -409,7 +414,7 @@ def design(ask: Ask) -> Answer:
     """
     from haptisym.verbs.design.entry import design as of
 
-    found, _ = open_scenes(ask.scene)
+    found, _ = open_scenes(ask.scene, files=not ask.no_files)
     if isinstance(found, MeasuredScene):
         raise SceneError("a measured scene has no parameters to choose: haptisym identify fits a model to it")
     scene = found if ask.environment is None else chosen(found, Path(ask.scene).name, ask.environment)
@@ -494,14 +499,14 @@ def tolerances(ask: Ask) -> Answer:
         required=True,
     ),
     option("--hand NAME", "Count unstable poles in this hand; repeatable.", multiple=True),
-    option("--out FILE", "Write to FILE.zarr or FILE.nc; continues what is there.", type=click.Path(path_type=Path)),
+    option("--out FILE", "Write to FILE.zarr or FILE.nc; continues what is there.", type=Place(path_type=Path)),
     JSON,
     figure("the design chart of one or two parameters"),
     option("--workers N", "Processes on this machine (1 if not given).", type=click.IntRange(1, 1024)),
     option("--cluster ADDRESS", 'Address of a dask scheduler, as "tcp://10.0.0.1:8786".'),
     apart=[("--workers", "--cluster", "--workers computes on this machine, --cluster on others")],
 )  # fmt: skip
-def sweep(ask: Ask) -> Answer:
+def sweep(ask: Ask) -> None:
     """Evaluate a scene for every combination of values.
 
     SCENE is a scene file (TOML) or the name of a shipped scene. PATH is effects.NAME.KEY, environment.KEY,
@@ -532,11 +537,23 @@ def sweep(ask: Ask) -> Answer:
         raise SceneError("--vary: each path may be given only once")
     if ask.figure is not None and len(varied) > 2:
         raise SceneError(f"figure: {ask.figure} would show one or two parameters, not {len(varied)}")
-    kept = f"what is done is in {ask.out}, and the same command goes on from there"
-    if ask.out is None:
-        kept = "nothing is kept; with --out FILE.zarr the same command would go on from there"
-    with engine(ask.workers, ask.cluster), progress("sets", kept=kept) as told:
-        return Swept(scene, of(scene, dict(varied), out=ask.out, progress=told), ask.out)
+    with progress("sets", kept=lambda reached: _kept(ask.out, reached)) as told:
+        with engine(ask.workers, ask.cluster):
+            data = of(scene, dict(varied), out=ask.out, progress=told)
+        hand_over(Swept(scene, data, ask.out), ask)
+
+
+def _kept(out: Path | None, reached: str) -> str:
+    """What is left of a sweep that Ctrl-C ended there; before anything is reached, its file has not been opened."""
+    from haptisym.verbs.sweep.entry import unfinished
+
+    if out is None:
+        return "nothing is kept; with --out FILE.zarr the same command would go on from there"
+    if not reached:
+        return f"{out} is as it was"
+    if out.exists():
+        return f"all sets are in {out}, and the same command prints the answer"
+    return f"what is done is in {unfinished(out)}, and the same command goes on from there"
 
 
 @verb(
@@ -599,6 +616,7 @@ def metrics(ask: Ask) -> Answer | None:
 @verb(
     optional("scene"),
     ENVIRONMENT,
+    NO_FILES,
     JSON,
     figure("digits against time"),
     option("--quick", "Fewer methods and repeats, for a first look."),
@@ -767,6 +785,7 @@ def _by_role(ctx: click.Context, param: click.Parameter, given: tuple[str, ...])
     option("--title TEXT", "Title of the scene that is written.", default=""),
     JSON,
     output("--scene FILE", "Write the fitted scene, each parameter with its range."),
+    NO_FILES,
     figure("the model over what was measured, and the residuals"),
     LIMIT,
 )
@@ -791,10 +810,9 @@ def identify(ask: Ask) -> Answer:
     """
     from haptisym.verbs.identify import entry
 
-    records = {
-        key: x for key in ("estimator", "segment", "columns", "unit", "quantity", "sign") if (x := getattr(ask, key))
-    }
-    measured = entry.opened(ask.file, ask.averages, ask.confidence, **records)
+    keys = ("estimator", "segment", "columns", "unit", "quantity", "sign")
+    records = {key: x for key in keys if (x := getattr(ask, key))}
+    measured = entry.opened(ask.file, ask.averages, ask.confidence, files=not ask.no_files, **records)
     not_over(measured.files, {key: getattr(ask, key) for key in ("scene", "figure", "latex", "report")})
     asked: dict[str, Any] = {"degrees": ask.degrees, "band": ask.band, "title": ask.title}
     found = entry.identify(measured, ask.environment, ask.effect, **asked, limit=None)

@@ -22,6 +22,7 @@ from haptisym.figures import pen
 from haptisym.figures.layers import Chart, draw, fill, frame
 from haptisym.figures.pen import UNDATED, checked
 from haptisym.kernel.errors import NothingToDrawError, meant
+from haptisym.model.files import replacing
 
 if TYPE_CHECKING:
     from haptisym.judge.answers import Answer
@@ -177,8 +178,12 @@ def _estimated(figure: Figure, about: object) -> Figure:
 def save_as(figure: Figure, path: str | Path) -> Path:
     """The figure in one file, as its ending says, the same file for the same figure; SceneError for any other ending."""
     target = checked(path)
-    with mpl.rc_context({"svg.hashsalt": "haptisym", "pdf.fonttype": 42}), _letters_alone(target):
-        figure.savefig(target, metadata=dict(UNDATED[target.suffix.lower()]), dpi=400)
+    with (
+        mpl.rc_context({"svg.hashsalt": "haptisym", "pdf.fonttype": 42}),
+        _letters_alone(target),
+        replacing(target) as fresh,
+    ):
+        figure.savefig(fresh, metadata=dict(UNDATED[target.suffix.lower()]), dpi=400)
     return target
 
 

@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import comb
+from math import comb, prod
 from typing import TypeAlias
 
 from flint import fmpq
 from sympy import Expr, Symbol, cos, pi, sin, sinc
 
-from haptisym.kernel.budget import afford
+from haptisym.kernel.budget import afford, room
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in, monomials, omega
 
 ComplexPolynomial: TypeAlias = tuple[Polynomial, Polynomial]
@@ -72,7 +72,11 @@ class Axis(PolynomialRing):
         """Each monomial s^n E^k A^l j^i is j^(n+i) times all-passes in the half-angle tangents."""
         real, imag = self.constant(0), self.constant(0)
         gens, first = self.context.gens(), self.size + len(self.angles)
-        for turns, (x, y) in self._alike(polynomial).items():
+        groups = self._alike(polynomial)
+        terms = sum(len(x) + len(y) for x, y in groups.values()) * prod(most + 1 for most in highest)
+        room(terms)
+        afford(terms)
+        for turns, (x, y) in groups.items():
             for i, (turn, most) in enumerate(zip(turns, highest, strict=False)):
                 a, b = self._all_pass(i, turn, most)
                 x, y = x * a - y * b, x * b + y * a

@@ -157,7 +157,23 @@ def afford(terms: int, others: int = 1) -> None:
             )
 
 
+def room(terms: int) -> None:
+    """LimitError for a polynomial of so many terms, known before it is there, that memory would not hold it and what follows.
+
+    Memory is bounded without a limit in time, too.
+    """
+    if terms > MOST_TERMS:
+        budget = _budget.get()
+        if budget is not None:
+            budget.reached = True
+        raise LimitError(
+            f"formulas of {terms:,} terms, which memory would not hold: at most {MOST_TERMS:,} are computed with"
+        )
+
+
 _PRODUCTS = 5e7
+MOST_TERMS = 1_000_000
+"""Of one polynomial, some hundred bytes each; a quotient needs several."""
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from sympy import Add, Expr, I, Integer, Rational, Symbol, cosh, exp, gcd, sinh
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import Ball, expression_ball
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, monomials, omega, s
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, monomials, omega, s, times
 
 _MOST_MULTIPLE = 32  # of a common unit delay; beyond it commensurable delays are treated as independent of each other
 
@@ -202,15 +202,16 @@ def on_axis(dynamics: RationalFunction) -> Response:
     """
     axis = _axis(dynamics)
     (a, b), (c, d) = axis.parts([dynamics.numerator, dynamics.denominator])
-    modulus = c * c + d * d
-    return Response(axis.function(a * c + b * d, modulus), axis.function(b * c - a * d, modulus))
+    modulus = times(c, c) + times(d, d)
+    real, imag = times(a, c) + times(b, d), times(b, c) - times(a, d)
+    return Response(axis.function(real, modulus), axis.function(imag, modulus))
 
 
 def squared_modulus(dynamics: RationalFunction) -> RealFunction:
     """|f(j omega)|^2, in lowest terms."""
     axis = _axis(dynamics)
     (a, b), (c, d) = axis.parts([dynamics.numerator, dynamics.denominator])
-    return RealFunction(axis.function(a * a + b * b, c * c + d * d).reduced())
+    return RealFunction(axis.function(times(a, a) + times(b, b), times(c, c) + times(d, d)).reduced())
 
 
 def _axis(dynamics: RationalFunction) -> Axis:

@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from math import gcd, lcm
+from math import gcd, lcm, prod
 from operator import add, mul
 from typing import Any, TypeAlias
 
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
 from sympy import Add, Expr, Integer, Mul, Rational, Symbol, pi
 
-from haptisym.kernel.budget import afford
+from haptisym.kernel.budget import MOST_TERMS, afford, room
 from haptisym.kernel.errors import SceneError, need
 
 s = Symbol("s")
@@ -245,8 +245,8 @@ class RationalFunction:
     def __add__(self, other: RationalFunction) -> RationalFunction:
         if self.denominator == other.denominator:
             return self._new(self.numerator + other.numerator, self.denominator)
-        top = _times(self.numerator, other.denominator) + _times(other.numerator, self.denominator)
-        return self._new(top, _times(self.denominator, other.denominator))
+        top = times(self.numerator, other.denominator) + times(other.numerator, self.denominator)
+        return self._new(top, times(self.denominator, other.denominator))
 
     def __neg__(self) -> RationalFunction:
         return self._new(-self.numerator, self.denominator)
@@ -255,15 +255,15 @@ class RationalFunction:
         return self + -other
 
     def __mul__(self, other: RationalFunction) -> RationalFunction:
-        return self._new(_times(self.numerator, other.numerator), _times(self.denominator, other.denominator))
+        return self._new(times(self.numerator, other.numerator), times(self.denominator, other.denominator))
 
     def __truediv__(self, other: RationalFunction) -> RationalFunction:
         if other.is_zero:
             raise SceneError("division by zero")
         if other.numerator.is_constant():  # the denominator stays what it was, so that sums have it in common
             number = other.numerator.leading_coefficient()
-            return self._new(_times(self.numerator, other.denominator) / number, self.denominator)
-        return self._new(_times(self.numerator, other.denominator), _times(self.denominator, other.numerator))
+            return self._new(times(self.numerator, other.denominator) / number, self.denominator)
+        return self._new(times(self.numerator, other.denominator), times(self.denominator, other.numerator))
 
     def __pow__(self, exponent: int) -> RationalFunction:
         if exponent < 0:
@@ -315,13 +315,15 @@ class RationalFunction:
         return self.ring.factored_expression(reduced.numerator) / self.ring.factored_expression(reduced.denominator)
 
 
-def _times(x: Polynomial, y: Polynomial) -> Polynomial:
+def times(x: Polynomial, y: Polynomial) -> Polynomial:
     """The product, where there is time for it."""
     if x.is_one():
         return y
     if y.is_one():
         return x
     afford(len(x), len(y))
+    if len(x) * len(y) > MOST_TERMS:
+        room(min(len(x) * len(y), prod(int(n) + int(m) + 1 for n, m in zip(x.degrees(), y.degrees(), strict=True))))
     return x * y
 
 

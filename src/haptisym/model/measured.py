@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from haptisym.kernel.errors import SceneError, quoted
 from haptisym.kernel.objects import Shown, counted
+from haptisym.model.files import write_whole
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
 
 _WAYS = 'give |dH/domega| with its unit, as in "40 N*s/m" or "250 N/m/Hz", or as a share of |H|, as in "20 ms"'
@@ -286,9 +287,8 @@ class Measurement(Shown):
             ",".join(units.get(key, unit) for key in columns),
             *(",".join(map(repr, x)) for x in rows),
         ]
-        target = Path(path)
-        target.write_text("\n".join(told) + "\n", encoding="utf-8")
-        return target
+        write_whole(path, "\n".join(told) + "\n")
+        return Path(path)
 
     def on_band(self, low: float, high: float) -> Measurement:
         """The lines on a band, rad/s; a share of 1e-9 beyond its ends is on it, as files round. SceneError if there are none."""

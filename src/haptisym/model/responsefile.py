@@ -432,6 +432,7 @@ def _understood_head(
     """The header and its roles: at the top, or else above the first line of numbers, after what an instrument writes before."""
     try:
         head = _head(file, path, layout, example)
+        _need_numbers(path, head)
         return head, check(head.columns, layout)
     except SceneError:
         file.seek(0)
@@ -503,6 +504,14 @@ def _head(file: TextIO, path: Path, layout: Layout, example: str, start: int = 1
             raise SceneError(f"line {at} has numbers: name the columns in the first line, as {example}")
         return Head(tuple(map(_column, names)), separator, line, at)
     raise SceneError("there are no lines of numbers")
+
+
+def _need_numbers(path: Path, head: Head) -> None:
+    """SceneError unless numbers follow, which repeats nothing of what is no table: a scene may name any file."""
+    with path.open(encoding="utf-8-sig") as again:
+        first = [x for _, x in islice(_numbered(islice(again, head.line - 1, None), head.line), 2)]
+    if not any(sum(map(_is_number, _cells(x, _separator(x) or head.separator))) > 1 for x in first):
+        raise SceneError("there are no lines of numbers, two or more in each, below names of columns")
 
 
 def _with_units(file: TextIO, head: Head, roles: Mapping[str, int]) -> Head:

@@ -6,6 +6,7 @@ A scene goes by the name of a shipped one, by the path of a file, or is read fro
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -199,8 +200,25 @@ def _is_table_of_lines(text: str) -> bool:
     return any(x in first for x in ",;\t") and not any(x in first for x in "=[{")
 
 
+DEEPEST = 20
+"""Parts of a key with dots; the time to read one grows with the square of them."""
+_QUOTED = re.compile(
+    r""""{3}(?:[^"\\]|\\.|"(?!""))*+(?:"{3,5})?|'{3}(?:[^']|'(?!''))*+(?:'{3,5})?|"(?:[^"\\\n]|\\[^\n])*+"?|'[^'\n]*+'?|#[^\n]*+""",
+    re.DOTALL,
+)
+"""A string of TOML, or a comment; one without its end goes to where it must have been, so that none is read twice."""
+
+
+def _deepest(text: str) -> int:
+    """Of the keys of a text, or whatever else has dots outside of strings, the most parts."""
+    words = re.split(r"[\s,=\[\]{}]+", _QUOTED.sub("", text).replace(" ", "").replace("\t", ""))
+    return 1 + max(x.count(".") for x in words)
+
+
 def _toml(text: str) -> Table:
     need("scene", text, str, "give the text of a scene file; load_scene reads a file")
+    if _deepest(text) > DEEPEST:
+        raise SceneError(f"not a scene: a key has more than {DEEPEST} parts")
     try:
         return tomllib.loads(text.removeprefix("\N{BYTE ORDER MARK}"), parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
@@ -222,9 +240,11 @@ def read_scenes(text: str) -> SceneFamily:
     return _formulas(table, text)
 
 
-def read_any(text: str, folder: Path) -> SceneFamily | MeasuredScene:
-    """The same; or a scene whose responses are measured, and lie in files of that folder."""
+def read_any(text: str, folder: Path, *, files: bool = True) -> SceneFamily | MeasuredScene:
+    """The same; or a scene whose responses are measured, in ``files`` of that folder; SceneError if these are not read."""
     table = _toml(text)
+    if not files and _is_measured(table):
+        raise SceneError("file: names a file, and with --no-files none that a scene names is read")
     return _measured_scene(table, folder) if _is_measured(table) else _formulas(table, text)
 
 
@@ -468,11 +488,15 @@ def felt_through(own: SceneFamily, name: str, environments: Iterable[str | Path]
         return named(((label, _with_environment(own.first, label, x)) for label, x in given), own.title, own.source)
 
 
-def open_scenes(scene: str | Path) -> tuple[SceneFamily | MeasuredScene, str]:
-    """What is in that file, or has that name: scenes of formulas, or one that is measured; and what error messages call it."""
+def open_scenes(scene: str | Path, *, files: bool = True) -> tuple[SceneFamily | MeasuredScene, str]:
+    """What is in that file, or has that name: scenes of formulas, or one that is measured; and what error messages call it.
+
+    ``files`` : whether files that the scene names are read; without them, a scene may come from anybody.
+    """
     text, name = scene_text(scene)
-    folder = SHIPPED / "benches" if str(scene) in bench_names() else Path(str(scene)).parent
-    return _parsed(name, lambda: read_any(text, folder)), name
+    is_shipped = str(scene) in bench_names()
+    folder = SHIPPED / "benches" if is_shipped else Path(str(scene)).parent
+    return _parsed(name, lambda: read_any(text, folder, files=files or is_shipped)), name
 
 
 def as_scene(given: Scene | str | Path) -> Scene:

@@ -21,6 +21,7 @@ from haptisym.figures.files import save_as
 from haptisym.figures.pen import checked_report
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import NothingToDrawError, SceneError
+from haptisym.model.files import replacing, write_whole
 from haptisym.writing.document import Document, Figure
 from haptisym.writing.html import Html, element, html, phrase
 from haptisym.writing.latex import latex
@@ -35,9 +36,11 @@ def save(document: Document, record: str, path: str | Path) -> None:
     """
     target = checked_report(path)
     if target.suffix.lower() == ".pdf":
-        target.write_bytes(pdf(document))
+        made = pdf(document)
+        with replacing(target) as fresh:
+            fresh.write_bytes(made)
     else:
-        target.write_text(_page(document, record), encoding="utf-8")
+        write_whole(target, _page(document, record))
 
 
 def page(answer: Answer) -> str:

@@ -505,9 +505,11 @@ def opened(
     given: Measurement | MeasuredScene | str | Path,
     averages: float | None = None,
     confidence: float | None = None,
+    *,
+    files: bool = True,
     **records: Any,
 ) -> Measurement | MeasuredScene:
-    """What was measured, from wherever it is."""
+    """What was measured, from wherever it is; ``files`` : whether those that a scene names are read."""
     certainty: dict[str, Any] = records | {
         key: x for key, x in (("averages", averages), ("confidence", confidence)) if x is not None
     }
@@ -520,7 +522,7 @@ def opened(
             f"{next(iter(certainty))}: is for a file of frequency points: leave it out, as scene and response have their own"
         )
     if isinstance(given, str | Path):
-        opened, name = open_scenes(given)
+        opened, name = open_scenes(given, files=files)
         if not isinstance(opened, MeasuredScene):
             raise SceneError(
                 f"{name}: this scene has formulas, no measured response: give a file, or a scene with [perceived]"

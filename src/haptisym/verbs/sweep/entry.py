@@ -5,7 +5,8 @@ A sweep is a grid of parameter sets, cut into blocks that are computed one by on
 What is computed is written about every second, and what is there already is not computed again (``stored``). The store is a
 Zarr group whose chunks are the blocks of the sweep. Zarr replaces a chunk's file in one step, and ``method`` is written last;
 so a set is done exactly where ``method`` has no mark of absence left, whenever the process ended. One block is worked on by
-one worker at a time. A NetCDF file is made from such a store at the end, in one step too.
+one worker at a time, and on one sweep by one process. Until all sets are there the store has a name of its own; then it is
+renamed, or a NetCDF file is made from it, in one step too. Whoever opens one, a worker too, asks whether it is this sweep.
 
 The answer in short is its axes, ranges and counts, not the sets themselves.
 """
@@ -17,6 +18,7 @@ import shutil
 import sys
 import warnings
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from hashlib import sha256
@@ -35,6 +37,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.reals import whole
 from haptisym.model.catalogue import Hand
+from haptisym.model.files import beside, claimed, replacing
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import as_scene
@@ -51,6 +54,8 @@ SETS_IN_A_BLOCK = 65_536
 PATIENCE = 1.0
 """Seconds after which, as nearly as one can tell, what is computed is written down and told."""
 Region: TypeAlias = tuple[slice, ...]
+Progress: TypeAlias = Callable[[int, int], None]
+"""Told how many sets are done, and how many there are."""
 
 
 @dataclass
@@ -158,6 +163,7 @@ class SweepGrid:
             ),
             "floats": self._how,
             "fingerprint": self.fingerprint,
+            "marks": json.dumps(self.marks),
             **self._asides(),
         }
 
@@ -177,6 +183,11 @@ class SweepGrid:
     @cached_property
     def fingerprint(self) -> str:
         """A digest of everything that the results depend on."""
+        return _digest(self.marks)
+
+    @cached_property
+    def marks(self) -> dict[str, str]:
+        """A digest of each thing that the results depend on, by its name."""
         scene = self.scene
         told = [
             [
@@ -190,19 +201,24 @@ class SweepGrid:
         c = scene.threshold
         swept = {part for axis in self.axes for part in axis.knob.parts}
         plain = ["" if part in swept else str(x) for part, x in ((Part.REAL, c.real), (Part.IMAG, c.imag))]
-        limits = plain if c.is_plain else [json.dumps(c.row(), sort_keys=True)]
         hands = [[x.name, [str(p.value) for p in x.parameters if not self._is_swept(p.symbol)]] for x in scene.hands]
-        parts = [
-            told, *([hands] if hands else []), [str(x) for x in scene.band], limits, [axis.path for axis in self.axes],
-            TOLERANCE,
-        ]  # fmt: skip
-        digest = sha256(json.dumps(parts).encode())
-        for axis in self.axes:
-            digest.update(np.ascontiguousarray(axis.values).tobytes())
-        return digest.hexdigest()
+        parts = {
+            "format": [_FORMAT, TOLERANCE],
+            "environment and effects": told,
+            "hands": hands,
+            "band": [str(x) for x in scene.band],
+            "threshold": plain if c.is_plain else c.row(),
+            "swept parameters": [axis.path for axis in self.axes],
+            **{f"values of {axis.path}": sha256(axis.values.tobytes()).hexdigest() for axis in self.axes},
+        }
+        return {name: _digest(x) for name, x in parts.items()}
 
     def _is_swept(self, symbol: object) -> bool:
         return any(axis.knob.symbol == symbol for axis in self.axes)
+
+
+def _digest(told: object) -> str:
+    return sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
 
 
 def _threshold(scene: Scene) -> dict[str, Any]:
@@ -238,82 +254,131 @@ def needed(package: str) -> Any:
         raise SceneError(f'{package} is missing: a sweep needs "pip install haptisym[sweep]"') from None
 
 
+_FORMAT = 2
+"""Of what is written; a store of another one is not continued."""
 _NOT_YET = -1
 _NETCDF = (".nc", ".nc4", ".h5")
 
 
-def stored(grid: SweepGrid, out: Path, progress: Callable[[int, int], None] | None = None) -> xr.Dataset:
-    """The sweep in a file: begun, continued, or found done; opened from there with one dask chunk for each block."""
-    if out.suffix == ".zarr":
-        _fill(grid, out, progress)
-        return _opened(out)
-    if out.suffix not in _NETCDF:
+def unfinished(out: Path) -> Path:
+    """The store that holds the sets of a file until all of them are there."""
+    return out.with_name(f"{out.name}.part.zarr")
+
+
+def stored(grid: SweepGrid, out: Path, progress: Progress | None = None) -> xr.Dataset:
+    """The sweep in a file: begun, continued, or found done; opened from there with one dask chunk for each block.
+
+    SceneError unless the file is of this very sweep and all sets are there.
+    """
+    if out.suffix not in (".zarr", *_NETCDF):
         raise SceneError(f"{out}: end the name in .zarr (Zarr) or .nc (NetCDF)")
-    needed("h5py"), needed("h5netcdf")  # asked for now, not after hours of work
-    if not out.exists():
-        _as_netcdf(grid, out, progress)
-    xarray = needed("xarray")
-    try:
-        found: xr.Dataset = xarray.open_dataset(out, engine="h5netcdf", chunks={})
-    except OSError:
-        raise SceneError(f"{out}: exists, but is not a NetCDF file: choose another name") from None
-    _same(grid, found.attrs, out)
+    for package in ("zarr",) if out.suffix == ".zarr" else ("zarr", "h5py", "h5netcdf"):
+        needed(package)  # asked for now, not after hours of work
+    place = out.absolute()  # workers may run in other folders
+    if not place.exists() or _sets_left(grid, place):
+        try:
+            place.parent.mkdir(parents=True, exist_ok=True)
+            with claimed(place):
+                if not place.exists() or _sets_left(grid, place):  # nobody else has made it in the meantime
+                    _made(grid, place, progress)
+        except OSError as error:
+            raise SceneError(f"{out}: cannot be written: {(error.strerror or str(error)).lower()}") from error
+    found = _opened(grid, place)
+    if progress:
+        progress(grid.sets, grid.sets)
     return found
 
 
-def _as_netcdf(grid: SweepGrid, out: Path, progress: Callable[[int, int], None] | None) -> None:
-    store, copy = (out.with_name(out.name + ending) for ending in (".part.zarr", ".part"))
+def _sets_left(grid: SweepGrid, place: Path) -> bool:
+    with _opened(grid, place) as found:
+        return bool((found["method"] == _NOT_YET).any())
+
+
+def _made(grid: SweepGrid, place: Path, progress: Progress | None) -> None:
+    """Compute what is missing beside the place, and put it there whole."""
+    store, dask = unfinished(place), needed("dask")
+    if place.exists() and place.suffix != ".zarr":
+        raise SceneError(f"{place}: not all sets are there: remove it, or choose another name")
+    if place.exists():
+        place.rename(store)
+    elif not store.exists():
+        _begin(grid, store)
     _fill(grid, store, progress)
-    found = _opened(store)
-    found.to_netcdf(
-        copy, engine="h5netcdf", encoding={name: {"chunksizes": grid.block, "zlib": True} for name in grid.variables}
-    )
-    copy.replace(out)
+    if place.suffix == ".zarr":
+        store.rename(place)
+        return
+    encoding = {name: {"chunksizes": grid.block, "zlib": True} for name in grid.variables}
+    with replacing(place) as fresh, _opened(grid, store) as found, dask.config.set(scheduler="synchronous"):
+        found.to_netcdf(fresh, engine="h5netcdf", encoding=encoding)
     shutil.rmtree(store)
 
 
-def _opened(store: Path) -> xr.Dataset:
-    found: xr.Dataset = needed("xarray").open_zarr(store, consolidated=False)
+def _opened(grid: SweepGrid, place: Path) -> xr.Dataset:
+    """What a file holds; SceneError unless it is this very sweep, with all its values and variables."""
+    xarray, is_zarr = needed("xarray"), place.suffix == ".zarr"
+    try:
+        if is_zarr:
+            found: xr.Dataset = xarray.open_zarr(place, consolidated=False)
+        else:
+            found = xarray.open_dataset(place, engine="h5netcdf", chunks={})
+    except (OSError, ValueError, KeyError):
+        kind = "Zarr store" if is_zarr else "NetCDF file"
+        raise SceneError(f"{place}: exists, but is not a {kind}: choose another name") from None
+    _same(grid, found.attrs, place)
+    axes = [np.array_equal(found[x.path].values, x.values) for x in grid.axes if x.path in found.coords]
+    shapes = [found[name].shape == grid.shape for name in grid.variables if name in found]
+    if len(axes) < len(grid.axes) or len(shapes) < len(grid.variables) or not all(axes + shapes):
+        raise SceneError(f"{place}: does not hold what it says that it holds: remove it, or choose another name")
     return found
 
 
-def _fill(grid: SweepGrid, store: Path, progress: Callable[[int, int], None] | None) -> None:
-    zarr = needed("zarr")
-    is_new = not store.exists()
-    if not is_new:
-        try:
-            group = zarr.open_group(store, mode="r")
-        except (OSError, ValueError, KeyError):
-            raise SceneError(f"{store}: exists, but is not a Zarr store: choose another name") from None
-        _same(grid, group.attrs, store)
-    else:
-        _begin(grid, store)
-        group = zarr.open_group(store, mode="r")
-    left, done = [], 0
-    for region in grid.regions():
-        open_sets = 0 if is_new else int((group["method"][region] == _NOT_YET).sum())
-        done += 0 if is_new else size(region) - open_sets
-        if is_new or open_sets:
-            left.append(region)
+def _fill(grid: SweepGrid, store: Path, progress: Progress | None) -> None:
+    """Compute what is missing in a store. SceneError where it is missing still."""
+    _opened(grid, store).close()
+    group, regions = needed("zarr").open_group(store, mode="r"), list(grid.regions())
+
+    def missing() -> list[int]:
+        return [int((group["method"][region] == _NOT_YET).sum()) for region in regions]
+
+    left = missing()
+    done = grid.sets - sum(left)
     if progress:
         progress(done, grid.sets)
-    for count in _run(grid, store, left):
+    for count in _run(grid, store, [region for region, sets in zip(regions, left, strict=True) if sets]):
         done += count
         if progress:
             progress(done, grid.sets)
+    if lost := sum(missing()):
+        raise SceneError(
+            f"{store}: {lost:,} of {grid.sets:,} sets did not arrive: workers must write to this very folder"
+        )
 
 
 def _same(grid: SweepGrid, attributes: Any, where: Path) -> None:
-    if attributes.get("fingerprint") != grid.fingerprint:
-        raise SceneError(f"{where}: exists with another sweep: remove it, or choose another name")
+    if attributes.get("fingerprint") == grid.fingerprint:
+        return
+    try:
+        theirs = dict(json.loads(attributes["marks"]))
+    except (KeyError, ValueError, TypeError):
+        theirs = {}
+    others = [name for name in {**grid.marks, **theirs} if grid.marks.get(name) != theirs.get(name)] if theirs else []
+    told = f", which differs in {', '.join(others)}" if others else ""
+    raise SceneError(f"{where}: exists with another sweep{told}: remove it, or choose another name")
 
 
 def _begin(grid: SweepGrid, store: Path) -> None:
-    """An empty store under another name, then renamed: it is there with all of its arrays or not at all."""
+    """An empty store under a name of its own, then renamed: it is there with all of its arrays or not at all."""
+    fresh = beside(store)
+    try:
+        _lay(grid, fresh)
+        fresh.rename(store)
+    finally:
+        shutil.rmtree(fresh, ignore_errors=True)
+
+
+def _lay(grid: SweepGrid, store: Path) -> None:
     zarr = needed("zarr")
-    fresh = store.with_name(store.name + ".new")
-    shutil.rmtree(fresh, ignore_errors=True)
-    group = zarr.create_group(fresh, attributes=grid.attributes())
+    group = zarr.create_group(store, attributes=grid.attributes())
     names = [axis.path for axis in grid.axes]
     for axis in grid.axes:
         made = group.create_array(
@@ -329,8 +394,7 @@ def _begin(grid: SweepGrid, store: Path) -> None:
         made.attrs.update(about)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # that format 3 does not ask for what xarray looks for first
-        zarr.consolidate_metadata(fresh)
-    fresh.rename(store)
+        zarr.consolidate_metadata(store)
 
 
 def _run(grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
@@ -355,8 +419,8 @@ def _run(grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
 
 
 def _on_cluster(client: Any, grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
-    as_completed = needed("distributed").as_completed
-    shared = client.scatter(grid, broadcast=True, hash=False)
+    distributed = needed("distributed")
+    lost = distributed.KilledWorker, needed("distributed.comm").CommClosedError, CancelledError, TimeoutError
 
     def submitted(region: Region, sets: int) -> Any:
         future = client.submit(_write, shared, str(store), region, sets, pure=False)
@@ -364,12 +428,17 @@ def _on_cluster(client: Any, grid: SweepGrid, store: Path, left: list[Region]) -
         return future
 
     regions: dict[str, Region] = {}
-    running = as_completed([submitted(region, 1) for region in left], with_results=True)
-    for future, part in running:
-        yield part.done
-        region = regions.pop(future.key)
-        if part.is_open:
-            running.add(submitted(region, part.pace))
+    try:
+        shared = client.scatter(grid, broadcast=True, hash=False)
+        running = distributed.as_completed([submitted(region, 1) for region in left], with_results=True)
+        for future, part in running:
+            yield part.done
+            region = regions.pop(future.key)
+            if part.is_open:
+                running.add(submitted(region, part.pace))
+    except lost as error:
+        what = f"the workers were lost ({type(error).__name__})"
+        raise SceneError(f"{what}; what is done is in {store}, and the same call goes on from there") from error
 
 
 def _client() -> Any:
@@ -391,7 +460,11 @@ class _Part(NamedTuple):
 
 def _write(grid: SweepGrid, store: str, region: Region, sets: int) -> _Part:
     """Compute and write what is missing of a block, for about a second: ``method`` last, as the sign that a set is done."""
-    group = needed("zarr").open_group(store, mode="r+")
+    try:
+        group = needed("zarr").open_group(store, mode="r+")
+    except (OSError, ValueError, KeyError):
+        raise SceneError(f"{store}: a worker has no such store: all workers must write to this very folder") from None
+    _same(grid, group.attrs, Path(store))
     missing = group["method"][region] == _NOT_YET
     pace, done, began = Pace(sets), 0, monotonic()
     for piece in _missing(missing, region):
@@ -420,8 +493,6 @@ def _missing(missing: NDArray[np.bool_], region: Region) -> Iterator[Region]:
 
 MOST_BYTES = 4_000_000_000
 """Of a sweep that is kept in memory: some seventy million sets."""
-Progress = Callable[[int, int], None]
-"""Told how many sets are done, and how many there are."""
 
 
 def sweep(
