@@ -155,10 +155,6 @@ class Column(NamedTuple):
 
 def _column(cell: str) -> Column:
     match = re.fullmatch(r"(.*\S)\s*[\[(]((?:[^\[\]()]|\([^()]*\))*)[\])]", cell)
-    if match is None and cell.count("[") != cell.count("]"):
-        raise SceneError(
-            f'{quoted(cell)}: write the unit in brackets, as in "{cell.partition("[")[0].strip() or "x"} [mm]"'
-        )
     name, unit = (match[1].strip(), match[2].strip()) if match and not match[2].strip().isdigit() else (cell, "")
     suffix = re.fullmatch(r"(.+)_([A-Za-z]+)", name)
     if suffix and suffix[2].lower() in _SUFFIXES:
@@ -219,6 +215,9 @@ def _place(columns: Sequence[Column], role: str, wanted: str | int) -> int:
 
 def _unit(role: str, column: Column, layout: Layout) -> str:
     """What the header states, or else the scene, which also has the word where the header is not understood."""
+    if not column.unit and column.text.count("[") != column.text.count("]"):
+        name = column.text.partition("[")[0].strip() or role
+        raise SceneError(f'{quoted(column.text)}: write the unit in brackets, as in "{name} [mm]"')
     own = "" if column.unit == "-" else column.unit
     stated = layout.unit.get(role, "")
     if not (own and stated) or own.lower() == stated.lower():
@@ -646,6 +645,8 @@ def _has_comma(cell: str) -> bool:
 
 # Files of MATLAB, and archives of NumPy.
 
+_ARRAYS = (".mat", ".npz")
+
 
 def _read_variables(path: Path, layout: Layout, check: Check) -> Given:
     """Variables by their names, or the fields of the one struct. SciPy reads files up to version 7."""
@@ -906,7 +907,7 @@ LAYOUT = ("columns", "unit", "quantity", "sign")
 
 
 def _read(path: Path, layout: Layout, check: Check, example: str) -> Given:
-    if path.suffix.lower() in (".mat", ".npz"):
+    if path.suffix.lower() in _ARRAYS:
         return _read_variables(path, layout, check)
     return _read_text(path, layout, check, example)
 
@@ -943,7 +944,7 @@ def read_file(path: Path, averages: float | None, confidence: float | None, sett
         refuse_universal(path)
         try:
             given = _read(path, layout, _response_roles, "omega,real,imag,coherence")
-            own = {} if path.suffix.lower() == ".mat" else _stated(path)
+            own = {} if path.suffix.lower() in _ARRAYS else _stated(path)
             averages = _float("averages", own.get("averages")) if averages is None else averages
             level = _float("confidence", own.get("confidence")) if confidence is None else confidence
             found = _measurement(given, layout, averages, CONFIDENCE if level is None else level)
