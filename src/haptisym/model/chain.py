@@ -462,7 +462,9 @@ def zeros(f: RealFunction, band: tuple[Any, Any] | None) -> tuple[RealNumber, ..
 
 def sign_changes(f: RealFunction) -> tuple[RealNumber, ...]:
     """Where a function that is known changes its sign, poles among them: certified numbers."""
-    alike = RealFunction(f.axis.function(f.function.numerator * f.function.denominator))  # of its sign, and without poles
+    alike = RealFunction(
+        f.axis.function(f.function.numerator * f.function.denominator)
+    )  # of its sign, and without poles
     return tuple(p.omega for p in _chart(alike, None).sign_changes(0) if float(p.omega))
 
 

@@ -1,0 +1,321 @@
+"""What the columns of a measured file mean: their roles, by name or as a scene states them, and their units in SI.
+
+Each column of a table, or variable of MATLAB, has a role: with a frequency it is part of a response, with a time part of a
+record, from which a response is estimated. A role follows from the name and its unit ("Magnitude (dB)", "position [mm]",
+"/joint_states/position[0]"), or a scene states it: ``columns`` (role to header, or number from 1), ``unit`` (of a role), and
+``quantity`` (what the response is). What two columns could be, and what has no unit where several are usual, is refused.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from haptisym.kernel.errors import SceneError, meant, quoted
+from haptisym.model.quantities import Dimension, MotionKind, quantity, read_unit
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What a scene states about a file. SceneError for what is none.
+
+    ``columns`` : role to header or number from 1. ``unit`` : role to unit. ``quantity`` : of the response. ``sign`` : -1 where
+    the force that was measured is the reaction to the one that is meant.
+    """
+
+    columns: Mapping[str, str | int] = field(default_factory=dict)
+    unit: Mapping[str, str] = field(default_factory=dict)
+    quantity: str | None = None
+    sign: int = 1
+
+    def __post_init__(self) -> None:
+        for key, kinds in (("columns", str | int), ("unit", str)):
+            given = getattr(self, key)
+            example, kind = ("F", "a header, or a number from 1") if key == "columns" else ("Hz", "a unit")
+            if not isinstance(given, Mapping):
+                raise SceneError(f'{key}: give a table, as {key} = {{ frequency = "{example}" }}')
+            for role, x in given.items():
+                if role not in _ROLES:
+                    valid = ", ".join(_ROLES)
+                    raise SceneError(f"{key}: unknown column {quoted(role)}: {meant(role, _ROLES)}valid are {valid}")
+                if not isinstance(x, kinds) or isinstance(x, bool) or (isinstance(x, str) and not x.strip()):
+                    raise SceneError(f"{key}: {role}: {quoted(x)} must be {kind}")
+        if self.quantity is not None and self.quantity not in list(QUANTITIES):
+            near, valid = meant(str(self.quantity), QUANTITIES), ", ".join(QUANTITIES)
+            raise SceneError(f"quantity: {quoted(self.quantity)} is unknown: {near}valid are {valid}")
+        if isinstance(self.sign, bool) or self.sign not in (1, -1):
+            raise SceneError(f"sign: {quoted(self.sign)} must be 1, or -1 for a force that is measured as the reaction")
+
+
+QUANTITIES = {
+    "stiffness": (0, 1), "impedance": (1, 1), "apparent-mass": (2, 1),
+    "receptance": (0, -1), "mobility": (1, -1), "accelerance": (2, -1),
+}  # fmt: skip
+"""The order of the derivative of motion, and the power of force over it."""
+RESPONSE = {
+    "frequency": "omega w wout frequency freq f hz angular_frequency x_value",
+    "H": "h frf txy tf response responsedata z " + " ".join(QUANTITIES).replace("-", "_"), "real": "real re",
+    "imag": "imag im imaginary", "magnitude": "magnitude mag gain amplitude modulus abs spl |h|",
+    "phase": "phase angle arg", "coherence": "coherence coh cxy gamma2", "radius": "radius",
+}  # fmt: skip
+RECORD = {
+    "time": "t time timestamp x_value",
+    "position": "position pos x q displacement",
+    "force": "force effort torque f",
+    "reference": "reference ref",
+}
+_PLURAL = {"frequency": "frequencies", "time": "times"}
+_ROLES = (*RESPONSE, *RECORD)
+_TOGETHER = [{"H", "real", "imag", "magnitude", "phase"}, {"coherence", "radius"}]
+_SUFFIXES = {
+    "hz": "Hz", "khz": "kHz", "deg": "deg", "rad": "rad", "db": "dB", "n": "N",
+    "s": "s", "ms": "ms", "us": "us", "ns": "ns", "m": "m", "mm": "mm",
+}  # fmt: skip
+
+
+_HERTZ = {"hz": 2 * np.pi, "khz": 2000 * np.pi}
+_RADIANS = {"rad/s": 1.0, "1/s": 1.0, "rad/sec": 1.0}
+_DEGREES = dict.fromkeys(("deg", "°", "degree", "degrees", "*"), np.pi / 180)
+"""``*`` is how Digilent's WaveForms writes the sign of degrees."""
+_RAD = dict.fromkeys(("rad", "radian", "radians"), 1.0)
+
+
+class Column(NamedTuple):
+    """A column as its header has it: ``real [N/m]`` is a name and a unit, and so is ``phase_deg``."""
+
+    text: str
+    name: str
+    unit: str
+
+    @property
+    def bare(self) -> str:
+        """Without topic, namespace and index: ``/joint_states/position[0]`` and ``field.position0`` are positions."""
+        last = re.split(r"[/.]", re.sub(r"[\[.]?\d+\]?$", "", self.name))[-1]
+        return re.sub(r"[\s_-]+", "_", last.lstrip("%#_ ").lower()).strip("_")
+
+
+def column_of(cell: str) -> Column:
+    match = re.fullmatch(r"(.*\S)\s*[\[(]((?:[^\[\]()]|\([^()]*\))*)[\])]", cell)
+    name, unit = (match[1].strip(), match[2].strip()) if match and not match[2].strip().isdigit() else (cell, "")
+    suffix = re.fullmatch(r"(.+)_([A-Za-z]+)", name)
+    if suffix and suffix[2].lower() in _SUFFIXES:
+        return Column(cell, suffix[1], agreed(name, _SUFFIXES[suffix[2].lower()], unit))
+    return Column(cell, name, unit)
+
+
+def agreed(name: str, implied: str, unit: str) -> str:
+    """The unit of ``phase_deg`` and such, which another unit may not contradict."""
+    own, other = implied.lower(), unit.lower()
+    if unit in ("", "-") or own == other or any({own, other} <= set(x) for x in (_HERTZ, _DEGREES)):
+        return implied if unit in ("", "-") else unit
+    hint = f": call the column {'omega' if other in _RADIANS else name.rpartition('_')[0]}"
+    raise SceneError(f"{name}: the unit must be {implied}, not {quoted(unit)}{hint}")
+
+
+def assigned(columns: Sequence[Column], names: Mapping[str, str], layout: Layout) -> dict[str, int]:
+    """The place of each role. SceneError where a role has two columns, or a name may be a slip of the pen."""
+    found = {role: _place(columns, role, x) for role, x in layout.columns.items() if role in names}
+    if strange := [x for x in layout.columns if x not in names]:
+        raise SceneError(f"columns: {strange[0]}: here it is one of {', '.join(names)}")
+    stated = set().union(*(group for group in _TOGETHER if group & set(found)))
+    known = {word: role for role, words in names.items() for word in words.split()}
+    for i, x in enumerate(columns):
+        role = known.get(x.bare)
+        if i in found.values() or role in layout.columns or role in stated:
+            continue
+        if role is None:
+            if layout.columns or known_role(x.text) or not (hint := meant(x.bare, [y for y in known if len(y) > 3])):
+                continue
+            way = f"columns = {{ {next(iter(names))} = 1 }}"
+            raise SceneError(f"unknown column {quoted(x.text)}: {hint}else name the columns, as {way}")
+        if role in found:
+            both = f"{quoted(columns[found[role]].text)} and {quoted(x.text)}"
+            way = f"columns = {{ {role} = {quoted(x.text)} }}"
+            raise SceneError(f"two columns of {_PLURAL.get(role, role)}, {both}: leave out one, or write {way}")
+        found[role] = i
+    return found
+
+
+def _place(columns: Sequence[Column], role: str, wanted: str | int) -> int:
+    if isinstance(wanted, int):
+        if not 1 <= wanted <= len(columns):
+            raise SceneError(f"columns: {role}: there are {len(columns)} columns, and {wanted} is none of them")
+        return wanted - 1
+    spelt = [{x.text, x.name} for x in columns]
+    for names, name in ((spelt, wanted), ([{y.lower() for y in x} for x in spelt], wanted.lower())):
+        places = [i for i, own in enumerate(names) if name in own]
+        if len(places) == 1:
+            return places[0]
+        if places:
+            raise SceneError(
+                f"columns: {role}: {len(places)} columns have the name {quoted(wanted)}: give a number from 1"
+            )
+    listed = ", ".join(x.text for x in columns)
+    raise SceneError(f"columns: {role}: there is no column {quoted(wanted)}: there are {listed}")
+
+
+def _unit(role: str, column: Column, layout: Layout) -> str:
+    """What the header states, or else the scene, which also has the word where the header is not understood."""
+    if not column.unit and column.text.count("[") != column.text.count("]"):
+        name = column.text.partition("[")[0].strip() or role
+        raise SceneError(f'{quoted(column.text)}: write the unit in brackets, as in "{name} [mm]"')
+    own = "" if column.unit == "-" else column.unit
+    stated = layout.unit.get(role, "")
+    if not (own and stated) or own.lower() == stated.lower():
+        return own or stated
+    try:
+        understood = _scale(role, own, column, layout)
+    except SceneError:
+        return stated
+    wanted = _scale(role, stated, column, layout)
+    if (wanted.factor, wanted.decibel) != (understood.factor, understood.decibel):
+        raise SceneError(f"unit: {role}: the file has {quoted(own)}: leave out {quoted(stated)}")
+    return own
+
+
+# Units.
+
+
+class Scale(NamedTuple):
+    """What the numbers of a column are multiplied by, their unit as it was understood, and the motion that it implies."""
+
+    factor: float
+    unit: str
+    motion: MotionKind | None = None
+    decibel: bool = False
+
+
+def scales_of(columns: Sequence[Column], roles: Mapping[str, int], layout: Layout) -> dict[str, Scale]:
+    if strange := [x for x in layout.unit if x not in roles]:
+        raise SceneError(f"unit: {strange[0]}: the columns in use are {', '.join(roles)}")
+    units = {role: _unit(role, columns[i], layout) for role, i in roles.items()}
+    size = [x for x in ("H", "real", "imag", "magnitude") if x in roles]
+    named, bare = [x for x in size if units[x]], [x for x in size if not units[x]]
+    if named and bare:
+        unit = units[named[0]]
+        raise SceneError(f"{bare[0]} has no unit, and {named[0]} has {unit}: write {bare[0]} [{unit}]")
+    if named and not units.get("radius", "is not there"):
+        units["radius"] = units[named[0]]
+    if units.get("radius", "").lower().startswith("db"):
+        raise SceneError("radius: a radius in dB is none of a disc: give its unit, as radius [N/m]")
+    found = {role: _scale(role, unit, columns[roles[role]], layout) for role, unit in units.items()}
+    if len({x.motion for x in found.values() if x.motion}) > 1:
+        raise SceneError("units: translation and rotation cannot be mixed")
+    return found
+
+
+def _scale(role: str, unit: str, column: Column, layout: Layout) -> Scale:
+    if role == "frequency":
+        return _frequency_scale(unit, column)
+    if role == "phase":
+        if not unit:
+            raise SceneError(f'{column.text}: the phase has no unit: add unit = {{ phase = "deg" }}, or "rad"')
+        return Scale(_listed(column.text, unit, _DEGREES | _RAD), "deg" if unit.lower() in _DEGREES else "rad")
+    if role == "coherence":
+        return Scale(_listed(column.text, unit or "1", {"1": 1.0, "%": 0.01}), "")
+    if role in RECORD:
+        return _record_scale(role, unit)
+    return _size_scale(role, unit, column, layout)
+
+
+def _listed(name: str, unit: str, known: Mapping[str, float], hint: str = "") -> float:
+    if unit.lower() not in known:
+        raise SceneError(f"{name}: the unit must be {' or '.join(list(known)[:2])}, not {quoted(unit)}{hint}")
+    return known[unit.lower()]
+
+
+def _frequency_scale(unit: str, column: Column) -> Scale:
+    if column.bare == "omega":
+        hint = ": call the column frequency_hz" if unit.lower() in _HERTZ else ""
+        return Scale(_listed("omega", unit or "rad/s", _RADIANS, hint), "rad/s")
+    if not unit and column.bare in ("w", "wout", "angular_frequency"):  # as MATLAB and python-control name them
+        return Scale(1.0, "rad/s")
+    if not unit and column.bare not in ("hz", "x_value"):  # LabVIEW writes spectra over Hz
+        raise SceneError(f'{column.text}: the frequency has no unit: add unit = {{ frequency = "Hz" }}, or "rad/s"')
+    known = _HERTZ | _RADIANS
+    if unit and unit.lower() not in known:
+        try:
+            return Scale(float(quantity(f"1 {unit}", Dimension.FREQUENCY).value), unit)
+        except SceneError as error:
+            raise error.within(column.text) from None
+    factor = known[(unit or "Hz").lower()]
+    return Scale(factor, "rad/s" if factor == 1 else "Hz" if factor < 10 else "kHz")
+
+
+def _size_scale(role: str, unit: str, column: Column, layout: Layout) -> Scale:
+    """Of a response and of a radius: to N/m and s, or their turned over."""
+    order, power = QUANTITIES[layout.quantity or "stiffness"]
+    named = column.bare.replace("_", "-")
+    if role != "radius" and layout.quantity is None and named in QUANTITIES and named != "stiffness":
+        raise SceneError(f'{column.text}: add quantity = "{named}", or "stiffness" if it is force per position')
+    decibel = re.fullmatch(r"(?i:db)\s*(?:\(|\[|(?i:re)\b)?\s*1?\s*(.*?)[\])]?", unit)
+    if decibel and role not in ("H", "magnitude"):
+        raise SceneError(f"{column.text}: {quoted(unit)}: only a magnitude is in dB")
+    own = decibel[1] if decibel else unit
+    if not own:
+        return Scale(1.0, "dB" if decibel else "SI", decibel=bool(decibel))
+    try:
+        if (order, power) == (0, 1):
+            read = quantity(f"1 {own}", Dimension.STIFFNESS)
+            return Scale(float(read.value), unit, read.motion, bool(decibel))
+        value, powers = read_unit(own, own, "", partial(_measures, order, power))
+    except SceneError as error:
+        raise SceneError(f"{column.text}: {str(error).rstrip('.')}{_otherwise(own)}") from None
+    length = power * powers.get("length", 0)
+    if not _measures(order, power, powers):
+        raise SceneError(
+            f"{column.text}: {quoted(own)} is no unit of {layout.quantity}{_otherwise(own, layout.quantity)}"
+        )
+    return Scale(float(value), unit, MotionKind.ROTATION if length else MotionKind.TRANSLATION, bool(decibel))
+
+
+def _measures(order: int, power: int, powers: Mapping[str, Fraction]) -> bool:
+    """Whether base dimensions are those of force over the derivative of this order, along a line or about an axis."""
+    mass, length, time = (power * powers.get(x, 0) for x in ("mass", "length", "time"))
+    return (mass, time) == (1, order - 2) and length in (0, 2)
+
+
+def _otherwise(unit: str, own: str | None = "stiffness") -> str:
+    """A hint where the unit is that of another quantity."""
+    for name, (order, power) in QUANTITIES.items():
+        fits = partial(_measures, order, power)
+        with suppress(SceneError):
+            if name != own and fits(read_unit(unit, unit, "", fits)[1]):
+                return f'; this is {name.replace("-", " ")}: add quantity = "{name}"'
+    return ""
+
+
+_DIMENSIONS = {
+    "time": Dimension.TIME, "position": Dimension.DISPLACEMENT, "force": Dimension.FORCE, "reference": Dimension.ANY,
+}  # fmt: skip
+
+
+def _record_scale(role: str, unit: str) -> Scale:
+    if not unit or role == "reference":
+        return Scale(1.0, unit or "SI")
+    try:
+        read = quantity(f"1 {unit}", _DIMENSIONS[role])
+    except SceneError as error:
+        raise SceneError(f"{'t' if role == 'time' else role}: {error}") from None
+    return Scale(float(read.value), unit, read.motion)
+
+
+def is_unit(cell: str) -> bool:
+    if cell.lower() in ("", "-", "db", *_HERTZ, *_RADIANS, *_DEGREES, *_RAD):
+        return True
+    with suppress(SceneError):
+        read_unit(cell, cell, "")
+        return True
+    return False
+
+
+def known_role(name: str) -> str:
+    bare = column_of(name).bare
+    return next((role for role, words in (RESPONSE | RECORD).items() if bare in words.split()), "")
