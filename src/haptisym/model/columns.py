@@ -308,6 +308,7 @@ def _record_scale(role: str, unit: str) -> Scale:
 
 
 def is_unit(cell: str) -> bool:
+    """Whether a cell names a unit, or none: so does each of a row of units."""
     if cell.lower() in ("", "-", "db", *_HERTZ, *_RADIANS, *_DEGREES, *_RAD):
         return True
     with suppress(SceneError):
@@ -317,5 +318,6 @@ def is_unit(cell: str) -> bool:
 
 
 def known_role(name: str) -> str:
+    """The role that a header has by its name; empty where it has none."""
     bare = column_of(name).bare
     return next((role for role, words in (RESPONSE | RECORD).items() if bare in words.split()), "")
