@@ -24,7 +24,7 @@ from haptisym.kernel.arrays import np
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
-from haptisym.kernel.errors import LimitError, UndecidedError
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, Way, in_unit, printed
 from haptisym.kernel.rootcount import RootChain
@@ -46,6 +46,7 @@ from haptisym.verbs.stability.loops import (
     Meetings,
     Pair,
     Switches,
+    Tendency,
     clear_of_chains,
     curve_of,
     from_infinity,
@@ -512,8 +513,10 @@ def critical(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Ne
     still = cache(lambda: drifts(scene, hand))
 
     def is_there(value: Expr) -> bool:  # with nothing to feel there is no scene, unless that is what is asked about
-        in_air = scene.closed.env.is_zero or still()
-        return bool(in_air) or not moved(scene, hand, free, value)[0].closed.env.is_zero
+        with suppress(SceneError):
+            display, _ = moved(scene, hand, free, value)
+            return scene.closed.env.is_zero or bool(still()) or not display.closed.env.is_zero
+        return False
 
     try:
         if clocks(scene):
@@ -601,24 +604,30 @@ class _Walk:
                 if not here and (here := self._here(line)):  # beside a limit only what is stable there ends somewhere
                     sides |= {side: _Ahead() for side in (-1, 1) if not any(_opens(x, side) for x in here)}
                 left = list(self._look(line, sides))
-                if len(sides) == 2:
+                if len(sides) == 2 and all(x.last is None for x in sides.values()):
                     break
         except UndecidedError as error:
-            if not here and not any(x.found for x in sides.values()):
-                raise
             left = [str(error)]
+        if all(side in sides or self._is_lost(side) for side in (-1, 1)):
+            left = []
         below, above = (sides.get(side, _Ahead()) for side in (-1, 1))
         rows = (*reversed(below.found), *here, *above.found)
         return Nearest(self.free.path, rows, "; ".join(dict.fromkeys(left)), below.last, above.last)
 
+    def _is_lost(self, side: int) -> bool:
+        """Whether it is unstable for all values on one side, whatever else happens there."""
+        ends = (None if x is None else ExactNumber(x) for x in (self.low, self.high))
+        low, high = next(ends), next(ends)
+        return Tendency(self.loop).everywhere(self.start if side > 0 else low, high if side > 0 else self.start)
+
     def _look(self, line: _Line, sides: dict[int, _Ahead]) -> Iterator[str]:
         """Put down what lies on either side; of a side that stays open the reason."""
-        for side in (x for x in (-1, 1) if x not in sides):
+        for side in (x for x in (-1, 1) if x not in sides or sides[x].last is not None):
             found = self._side(line, side)
-            if found.reason:
+            if not found.reason:  # a wider window may hold a gap that another one had not
+                sides[side] = max(found, sides.get(side, found), key=lambda x: len(x.found))
+            elif side not in sides:
                 yield found.reason
-            else:
-                sides[side] = found
 
     def _crowded(self, gap: Gap, side: int) -> str:
         """Why the nearest value was not found: where it may lie, or how far was searched."""
