@@ -377,8 +377,9 @@ def windows(found: Nearest) -> list[tuple[float, float]]:
 
 
 @pytest.mark.few(
-    "hand beside", "spring alone", "of nothing", "has none", "no damping", "free mass", "lead", "either sign"
-)
+    "a hand beside a shunt", "a mass beside a spring alone", "a delay of nothing", "damping of what has none",
+    "stiffness of what has no damping", "a spring of a free mass", "a lead behind a delay", "a mass of either sign",
+)  # fmt: skip
 @pytest.mark.parametrize("case", SIDES)
 def test_next_to_a_limit_the_values_that_are_stable_are_told_with_both_ends_and_one_value_alone_as_one(
     case: str,

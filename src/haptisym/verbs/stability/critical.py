@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from enum import Enum
 from fractions import Fraction
 from functools import cache, cached_property
 from typing import TypeAlias
@@ -420,21 +419,14 @@ def _meets(gap: Gap, low: ExactNumber, high: ExactNumber) -> bool:
 Count: TypeAlias = tuple[int | None, RootChain | None]
 
 
-class Side(Enum):
-    """Of a value, the lower numbers or the higher ones."""
-
-    BELOW = "below"
-    ABOVE = "above"
-
-
 @dataclass(frozen=True, repr=False)
 class Critical(Shown):
     """A value of a number at which the count of unstable roots changes: ``below`` and ``above`` it, None if infinite.
 
     ``omega`` : the frequency at which roots then lie on the axis, rad/s; None where they come from infinity.
     ``is_crowded`` : whether the count is that of one value only, as more and more roots of a chain that leaves may stay behind.
-    ``itself`` : the side of which the count is that of the value itself, as nothing is allowed there, or as another
-    limit tells of that side; None where each count is that of a side.
+    ``itself`` : the side, -1 or 1, of which the count is that of the value itself, as nothing is allowed there, or as another
+    limit tells of that side; 0 where each count is that of a side.
     """
 
     path: str
@@ -443,14 +435,10 @@ class Critical(Shown):
     below: int | None
     above: int | None
     is_crowded: bool = False
-    itself: Side | None = None
+    itself: int = 0
 
     def _line(self) -> str:
         return f"{self.path} = {self.value.digits(6)}"
-
-    def _has_none(self, side: Side) -> bool:
-        """Whether the count of a side is 0."""
-        return (self.above if side is Side.ABOVE else self.below) == 0
 
     @property
     def chain_side(self) -> str | None:
@@ -462,12 +450,18 @@ class Critical(Shown):
         """``above``, ``below``, or None where it is stable on neither side, or a chain leaves that open."""
         if self.is_crowded:
             return None
-        return next((x.value for x in (Side.ABOVE, Side.BELOW) if x is not self.itself and self._has_none(x)), None)
+        return (
+            "above"
+            if self.above == 0 and self.itself < 1
+            else "below"
+            if self.below == 0 and self.itself > -1
+            else None
+        )
 
     @property
     def is_alone(self) -> bool:
         """Whether it is stable at the value itself, and beside it not."""
-        return self.itself is not None and self._has_none(self.itself)
+        return self.itself != 0 and (self.above if self.itself > 0 else self.below) == 0
 
 
 Window: TypeAlias = tuple[Critical | None, Critical | None]
@@ -497,9 +491,9 @@ class Nearest:
         for x in self.found:
             if x.is_alone:
                 yield x, x
-            elif x.stable_side == Side.BELOW.value:
+            elif x.stable_side == "below":
                 yield low, x
-            low = x if x.stable_side == Side.ABOVE.value else None
+            low = x if x.stable_side == "above" else None
         if low is not None:
             yield low, None
 
@@ -533,9 +527,7 @@ def _passed(free: Knob, x: Passage, still: int) -> Critical:
     """With a clock. What drifts does so for all of the values, as no walk sets out from a root at z = 1 alone."""
     low = ALLOWED[free.rule][0]
     is_end = low is not None and not ordered(x.value, ExactNumber(low))
-    return Critical(
-        free.path, x.value, x.omega, x.below - still, x.above - still, itself=Side.BELOW if is_end else None
-    )
+    return Critical(free.path, x.value, x.omega, x.below - still, x.above - still, itself=-is_end)
 
 
 def moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Hand]:
@@ -724,19 +716,17 @@ class _Walk:
 
     def _limits(self, line: _Line, i: int, below: Count | None, above: Count | None) -> list[Critical]:
         """What changes at the i-th meeting, between the counts of both sides; two limits where only the value itself differs."""
-        if below and above and below != above and 0 in (below[0], above[0]):
-            return [self._critical(line, i, below, above)]
-        at = self._at(line.places[i])
+        is_plain = below and above and below != above and 0 in (below[0], above[0])
+        at = None if is_plain else self._at(line.places[i])
+        rows: list[tuple[Count | None, Count | None, int]] = [(below, above, 0)]
         if below is None or above is None:
-            side = Side.BELOW if below is None else Side.ABOVE
-            is_end = (
-                self.closed and line.is_whole[side is Side.ABOVE]
-            )  # what is beyond the end of a window is not known
+            side = -1 if below is None else 1
+            is_end = self.closed and line.is_whole[side > 0]  # what is beyond the end of a window is not known
             rows = [(below or at, above or at, side)] if is_end else []
-        elif below[0] == 0:
-            rows = [(below, at, Side.ABOVE), (at, above, Side.BELOW)]
-        else:
-            rows = [(below, at, Side.ABOVE)] if at and at[0] == 0 else [(below, above, None)]
+        elif below == above and below[0] == 0:
+            rows = [(below, at, 1), (at, above, -1)]
+        elif at and at[0] == 0:
+            rows = [(below, at, 1)]
         return [self._critical(line, i, x, y, own) for x, y, own in rows if x and y and x != y]
 
     def _at(self, x: Meeting) -> Count | None:
@@ -748,7 +738,7 @@ class _Walk:
             return self.tally.at(x.value.value) if is_allowed else None
         return None
 
-    def _critical(self, line: _Line, i: int, below: Count, above: Count, itself: Side | None = None) -> Critical:
+    def _critical(self, line: _Line, i: int, below: Count, above: Count, itself: int) -> Critical:
         x, chain = line.places[i], None in (below[0], above[0])
         crowded = self.loop.turns or any(y[0] is not None and line.gap(k) for k, y in ((i, below), (i + 1, above)))
         return Critical(self.free.path, x.value, x.omega, below[0], above[0], chain and crowded, itself)
@@ -756,7 +746,7 @@ class _Walk:
 
 def _opens(x: Critical, side: int) -> bool:
     """Whether it is stable on one side of a limit."""
-    return x.stable_side == (Side.ABOVE if side > 0 else Side.BELOW).value
+    return x.stable_side == ("above" if side > 0 else "below")
 
 
 _ENDLESS = "where roots meet the imaginary axis at ever higher frequencies"
