@@ -504,20 +504,20 @@ def critical(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Ne
     Roots that only drift are not counted if there are some at the value that the number has. ``brief`` : with a clock, as far as
     few cells go.
     """
-    still = cache(lambda: drifts(scene, hand))
+    drifting = cache(lambda: drifts(scene, hand))
 
     def is_there(value: Expr) -> bool:  # with nothing to feel there is no scene, unless that is what is asked about
         with suppress(SceneError):
             display, _ = moved(scene, hand, free, value)
-            return scene.closed.env.is_zero or bool(still()) or not display.closed.env.is_zero
+            return scene.closed.env.is_zero or bool(drifting()) or not display.closed.env.is_zero
         return False
 
     try:
         if clocks(scene):
             found = passages(scene, hand, free, brief=brief)
-            rows = tuple(_passed(free, x, _decided(still())) for x in found.found)
+            rows = tuple(_passed(free, x, _decided(drifting())) for x in found.found)
             return Nearest(free.path, rows, low=found.low, high=found.high)
-        tally = Tally(Loop.of(scene, hand, free), drifts=lambda x: still() and drifts(*moved(scene, hand, free, x)))
+        tally = Tally(Loop.of(scene, hand, free), drifts=lambda x: drifting() and drifts(*moved(scene, hand, free, x)))
         return _Walk(tally, free, is_there).nearest()
     except UndecidedError as error:
         return Nearest(free.path, reason=str(error))
