@@ -83,6 +83,9 @@ PAGES: dict[str, Callable[[], Any]] = {
     "tolerances": lambda: hs.tolerances(DAMPED, samples=0),
     "stability": lambda: hs.stability("delayed-spring", ["light-touch", "postural-arm"]),
     "stability-clock": lambda: hs.stability("virtual-wall", "light-touch"),
+    "stability-undamped": lambda: hs.stability(
+        hs.Scene(E.mass_spring_damper(m=1), hands=(hs.Hand("spring", k=10), hs.Hand("nothing")))
+    ),
     "metrics": lambda: hs.metrics("fu2019"),
     "control-loading": lambda: hs.control_loading("sidestick", sweeps=["4 s"]),
     "peaks": lambda: hs.peaks("steering-wheel"),

@@ -11,6 +11,8 @@ import mpmath
 import numpy as np
 import pytest
 from heldloops import by_eigenvalues, display, drawn, number, on_the_right
+from hypothesis import given
+from hypothesis import strategies as st
 from sympy import Poly, Rational, Symbol, expand, lambdify, pi, sympify
 from windings import late_mass, winding
 
@@ -329,6 +331,129 @@ def test_the_order_of_a_tissue_has_a_critical_value() -> None:
     [(low, high)] = spans(allowed)
     assert (low, high, allowed.certified) == (at, pytest.approx(0.808841, abs=1e-6), True)
     assert [roots(high * x) for x in (0.9999, 1.0001, 1.1)] == [0, 2, 2]
+
+
+# --- both sides of a limit ------------------------------------------------------------------------------------------------
+
+HOLDS_NOTHING = hs.Hand("hand")
+DAMPER = hs.Scene(E.mass_spring_damper(b=0), (F.delay("10 ms"),), hands=(hs.Hand("hand", m=1, k=10),))
+SHUNTED = hs.Scene(
+    E.mass_spring_damper(k=100, b=3), (F.delay("10 ms"), F.shunt(m="0.1", k=-100)), hands=(HOLDS_NOTHING,)
+)
+HELD = hs.Scene(E.mass_spring_damper(m=1), hands=(hs.Hand("hand", k=10),))
+FREE, JERK = (hs.Scene(x, hands=(HOLDS_NOTHING,)) for x in (E.mass_spring_damper(m=1), E.expression("s^3 + 2*s^2")))
+LEAD = F.delay("10 ms"), F.series("1 + s/w", parameters={"w": 180})
+NEUTRAL = hs.Scene(E.mass_spring_damper(m=1), LEAD, hands=(hs.Hand("hand", b=1),))
+LONE = hs.Scene(E.expression("q*s^2 + 10", parameters={"q": 1}), hands=(HOLDS_NOTHING,))
+SIDES: dict[str, tuple[hs.Scene, str, list[tuple[float, float]]]] = {
+    # s^2 + 10 + b s exp(-s/100) is 0 at j omega, omega = 50 pi, for b = (omega^2 - 10)/omega
+    "a late damper": (DAMPER, "environment.b", [(0, 157.015970702253)]),
+    "a mass beside a spring alone": (DAMPER, "hand.m", [(0, 0)]),
+    "a delay of nothing": (DAMPER, "tau", []),
+    # s^2/10 + K + (3 s + k) exp(-s/100): computed elsewhere
+    "a hand beside a shunt": (SHUNTED, "hand.k", [(0, 1443.8396439066)]),
+    "a late spring beside a shunt": (SHUNTED, "environment.k", [(100, 278.6171260293)]),
+    "a shunt": (SHUNTED, "effects.shunt.k", [(-100, 1343.8396439066)]),
+    # m s^2 + k has the root sqrt(-k/m), or two on the axis
+    "damping of what has none": (HELD, "hand.b", [(0, inf)]),
+    "stiffness of what has no damping": (HELD, "hand.k", []),
+    "mass of what has no damping": (HELD, "environment.m", []),
+    # s^2 + k and s^3 + 2 s^2 + k drift at k = 0, and shake for all others
+    "a spring of a free mass": (FREE, "hand.k", [(0, 0)]),
+    "a spring of a free jerk": (JERK, "hand.k", [(0, 0)]),
+    "damping of a free mass": (FREE, "hand.b", []),
+    # the highest power is delayed for all w != 0, and there is no display for w = 0
+    "a lead behind a delay": (NEUTRAL, "w", []),
+    # q s^2 + 10 has no root for q = 0, and else one on the right or two on the axis
+    "a mass of either sign": (LONE, "q", [(0, 0)]),
+}  # fmt: skip
+
+
+def windows(found: Nearest) -> list[tuple[float, float]]:
+    return [
+        (-inf if low is None else float(low.value), inf if high is None else float(high.value))
+        for low, high in found.windows
+    ]
+
+
+@pytest.mark.few(
+    "a hand beside a shunt", "a mass beside a spring alone", "a delay of nothing", "damping of what has none",
+    "stiffness of what has no damping", "a spring of a free mass", "a lead behind a delay", "a mass of either sign",
+)  # fmt: skip
+@pytest.mark.parametrize("case", SIDES)
+def test_next_to_a_limit_the_values_that_are_stable_are_told_with_both_ends_and_one_value_alone_as_one(
+    case: str,
+) -> None:
+    scene, path, expected = SIDES[case]
+    found = nearest(scene, path)
+    assert (found.reason, windows(found)) == ("", [pytest.approx(x, rel=1e-8) for x in expected])
+    told = [(float(x.value), x.stable_side) for x in found.found if x.stable_side]
+    sides = [(x, side) for y in expected for x, side in zip(y, ("above", "below"), strict=True) if y[0] < y[1]]
+    assert told == [(pytest.approx(x, rel=1e-8), side) for x, side in sides if x < inf]
+
+
+def need_agreement(scene: hs.Scene, path: str) -> None:
+    """The limits are the ends of what `require` finds about the value that the scene has, and all that is said to hold does."""
+    near, now = nearest(scene, path), float(scene.knobs[path].value)
+    asked = hs.require(scene, path, that="steady" if held(scene, scene.hands[0]).drifts else "stable")
+    (low, high), ends = asked.to_dict()["searched"], [x for span in spans(asked) for x in span]
+    for window in windows(near):
+        inside = [x for x in window if low < x < high and verdict(asked, x) is not None]
+        assert all(any(x == pytest.approx(y, rel=1e-9) for y in ends) for x in inside), (path, window, asked)
+    limits = [float(x.value) for x in near.found]
+    for span, own in zip(spans(asked), asked.feasible, strict=True):
+        if not near.reason and span[0] <= now <= span[1]:
+            assert all(
+                any(x == pytest.approx(y, rel=1e-9) for y in limits)
+                for x in span
+                if x and low < x < high and verdict(asked, x) is not None
+            ), (path, span, near)
+            if span[0] == 0 and path.startswith("hand."):
+                assert own.low.closed == (0 not in limits or span[1] == 0), (path, near)
+
+
+SHIPPED = ["delayed-spring", "four-channel-teleoperation", "fu2019", "admittance-display", "satellite-contact", "organ-tissue",
+           "position-force-teleoperation", "virtual-coupling", "wave-variable-link", "zener-tissue", "sidestick"]  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("hand", ["light-touch", "postural-arm", "firm-grip"])
+@pytest.mark.parametrize("name", SHIPPED)
+def test_limits_of_shipped_scenes_are_the_ends_of_what_is_required(name: str, hand: str) -> None:
+    scene = hs.load_scene(name)
+    own = scene.with_hands(hs.hands[hand]) if not scene.hands else scene
+    for knob in (x for x in own.knobs if not x.parts):
+        need_agreement(own, knob.path)
+
+
+@st.composite
+def balanced(draw: st.DrawFn) -> hs.Scene:
+    """Scenes whose numbers are often limits: nothing damps them, or one spring takes away what another one gives."""
+    m, b, k, hm, hb, hk = (
+        draw(st.sampled_from(x)) for x in ([0, 1, 2], [0, 0, 3], [5, 100], [0, 1], [0, 0, 2], [0, 10])
+    )
+    late = [F.delay(x) for x in draw(st.sampled_from([[], ["10 ms"], ["2 ms"]]))]
+    lag = [F.first_order_lag(20)] if draw(st.booleans()) else []
+    shunt = [F.shunt(m=draw(st.sampled_from([0, "0.1"])), k=-k - hk)] if draw(st.booleans()) else []
+    return hs.Scene(E.mass_spring_damper(m, b, k), (*lag, *late, *shunt), hands=(hs.Hand("hand", hm, hb, hk),))
+
+
+@pytest.mark.slow
+@pytest.mark.core
+@given(balanced(), st.integers(0, 99))
+def test_limits_at_the_present_value_are_the_ends_of_what_is_required_and_nothing_winds_beside_them(
+    scene: hs.Scene, which: int
+) -> None:
+    knobs = [x for x in scene.knobs if not x.parts]
+    path = knobs[which % len(knobs)].path
+    if held(scene, scene.hands[0]).roots is None:
+        return
+    need_agreement(scene, path)
+    count = counted_at(scene, path, 2000.0)
+    for low, high in windows(nearest(scene, path)):
+        if low < high:
+            inside = low + 0.5 * (min(high, low + 100) - low) if low > -inf else high - 0.1 * abs(high or 1)
+            assert count(float(Rational(f"{inside:.6g}"))) in (0, None), (path, low, high)
 
 
 # --- all values ---------------------------------------------------------------------------------------------------------

@@ -143,7 +143,7 @@ def _needs(x: SampledPassivity, damping: str) -> Phrase:
     if x.sides is None:
         return ""
     has = " (is ", w.near(ExactNumber(x.damping)), ")"
-    if x.needed is None:
+    if x.needed is None or x.pushes:
         return ": no damping of the device is enough"
     if x.asks_nothing:
         return ": needs device damping ≥ 0", *has
@@ -229,10 +229,11 @@ def _limits(found: Stability) -> Iterator[Block]:
     for x in found.held:
         of_hand = [row for y, row in pairs if y is x]
         none = [row for row in of_hand if not row.reason and not any(row.windows)]
-        crossed = "a limit that leaves stability beside it open: " if x.stable else _CROSSED
+        crowded = [row for row in none if any(y.is_crowded for y in row.found)]
         for rows, words in (
             ([row for row in none if not row.found], _kept(x)),
-            ([row for row in none if row.found], crossed),
+            ([row for row in none if row.found and row not in crowded], _CROSSED),
+            (crowded, "a chain of poles leaves open what is stable next to the limit of "),
         ):
             names, ends = (listed(x) for x in (_names(found, rows), _searched(found, rows)))
             notes += [(f"{x.hand.name}: {words}", names, (" (", ends, ")") if ends else "", ".")] if rows else []

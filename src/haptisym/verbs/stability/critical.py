@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from enum import Enum
 from fractions import Fraction
 from functools import cache, cached_property
 from typing import TypeAlias
@@ -24,7 +23,7 @@ from haptisym.kernel.arrays import np
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
-from haptisym.kernel.errors import LimitError, UndecidedError
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, Way, in_unit, printed
 from haptisym.kernel.rootcount import RootChain
@@ -46,6 +45,7 @@ from haptisym.verbs.stability.loops import (
     Meetings,
     Pair,
     Switches,
+    Tendency,
     clear_of_chains,
     curve_of,
     from_infinity,
@@ -434,21 +434,14 @@ def _meets(gap: Gap, low: ExactNumber, high: ExactNumber) -> bool:
 Count: TypeAlias = tuple[int | None, RootChain | None]
 
 
-class Side(Enum):
-    """Of a value, the lower numbers or the higher ones."""
-
-    BELOW = "below"
-    ABOVE = "above"
-
-
 @dataclass(frozen=True, repr=False)
 class Critical(Shown):
     """A value of a number at which the count of unstable roots changes: ``below`` and ``above`` it, None if infinite.
 
     ``omega`` : the frequency at which roots then lie on the axis, rad/s; None where they come from infinity.
     ``is_crowded`` : whether the count is that of one value only, as more and more roots of a chain that leaves may stay behind.
-    ``itself`` : the side of which the count is that of the value itself, as nothing is allowed there, or as another
-    limit tells of that side; None where each count is that of a side.
+    ``itself`` : the side, -1 or 1, of which the count is that of the value itself, as nothing is allowed there, or as another
+    limit tells of that side; 0 where each count is that of a side.
     """
 
     path: str
@@ -457,14 +450,10 @@ class Critical(Shown):
     below: int | None
     above: int | None
     is_crowded: bool = False
-    itself: Side | None = None
+    itself: int = 0
 
     def _line(self) -> str:
         return f"{self.path} = {self.value.digits(6)}"
-
-    def _has_none(self, side: Side) -> bool:
-        """Whether the count of a side is 0."""
-        return (self.above if side is Side.ABOVE else self.below) == 0
 
     @property
     def chain_side(self) -> str | None:
@@ -476,12 +465,18 @@ class Critical(Shown):
         """``above``, ``below``, or None where it is stable on neither side, or a chain leaves that open."""
         if self.is_crowded:
             return None
-        return next((x.value for x in (Side.ABOVE, Side.BELOW) if x is not self.itself and self._has_none(x)), None)
+        return (
+            "above"
+            if self.above == 0 and self.itself < 1
+            else "below"
+            if self.below == 0 and self.itself > -1
+            else None
+        )
 
     @property
     def is_alone(self) -> bool:
         """Whether it is stable at the value itself, and beside it not."""
-        return self.itself is not None and self._has_none(self.itself)
+        return self.itself != 0 and (self.above if self.itself > 0 else self.below) == 0
 
 
 Window: TypeAlias = tuple[Critical | None, Critical | None]
@@ -511,9 +506,9 @@ class Nearest:
         for x in self.found:
             if x.is_alone:
                 yield x, x
-            elif x.stable_side == Side.BELOW.value:
+            elif x.stable_side == "below":
                 yield low, x
-            low = x if x.stable_side == Side.ABOVE.value else None
+            low = x if x.stable_side == "above" else None
         if low is not None:
             yield low, None
 
@@ -524,18 +519,20 @@ def critical(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Ne
     Roots that only drift are not counted if there are some at the value that the number has. ``brief`` : with a clock, as far as
     few cells go.
     """
-    still = cache(lambda: drifts(scene, hand))
+    drifting = cache(lambda: drifts(scene, hand))
 
     def is_there(value: Expr) -> bool:  # with nothing to feel there is no scene, unless that is what is asked about
-        in_air = scene.closed.env.is_zero or still()
-        return bool(in_air) or not moved(scene, hand, free, value)[0].closed.env.is_zero
+        with suppress(SceneError):
+            display, _ = moved(scene, hand, free, value)
+            return scene.closed.env.is_zero or bool(drifting()) or not display.closed.env.is_zero
+        return False
 
     try:
         if clocks(scene):
             found = passages(scene, hand, free, brief=brief)
-            rows = tuple(_passed(free, x, _decided(still())) for x in found.found)
+            rows = tuple(_passed(free, x, _decided(drifting())) for x in found.found)
             return Nearest(free.path, rows, low=found.low, high=found.high)
-        tally = Tally(Loop.of(scene, hand, free), drifts=lambda x: still() and drifts(*moved(scene, hand, free, x)))
+        tally = Tally(Loop.of(scene, hand, free), drifts=lambda x: drifting() and drifts(*moved(scene, hand, free, x)))
         return _Walk(tally, free, is_there).nearest()
     except UndecidedError as error:
         return Nearest(free.path, reason=str(error))
@@ -545,9 +542,7 @@ def _passed(free: Knob, x: Passage, still: int) -> Critical:
     """With a clock. What drifts does so for all of the values, as no walk sets out from a root at z = 1 alone."""
     low = ALLOWED[free.rule][0]
     is_end = low is not None and not ordered(x.value, ExactNumber(low))
-    return Critical(
-        free.path, x.value, x.omega, x.below - still, x.above - still, itself=Side.BELOW if is_end else None
-    )
+    return Critical(free.path, x.value, x.omega, x.below - still, x.above - still, itself=-is_end)
 
 
 def moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Hand]:
@@ -616,24 +611,30 @@ class _Walk:
                 if not here and (here := self._here(line)):  # beside a limit only what is stable there ends somewhere
                     sides |= {side: _Ahead() for side in (-1, 1) if not any(_opens(x, side) for x in here)}
                 left = list(self._look(line, sides))
-                if len(sides) == 2:
+                if len(sides) == 2 and all(x.last is None for x in sides.values()):
                     break
         except UndecidedError as error:
-            if not here and not any(x.found for x in sides.values()):
-                raise
             left = [str(error)]
+        if all(side in sides or self._is_lost(side) for side in (-1, 1)):
+            left = []
         below, above = (sides.get(side, _Ahead()) for side in (-1, 1))
         rows = (*reversed(below.found), *here, *above.found)
         return Nearest(self.free.path, rows, "; ".join(dict.fromkeys(left)), below.last, above.last)
 
+    def _is_lost(self, side: int) -> bool:
+        """Whether it is unstable for all values on one side, whatever else happens there."""
+        ends = (None if x is None else ExactNumber(x) for x in (self.low, self.high))
+        low, high = next(ends), next(ends)
+        return Tendency(self.loop).everywhere(self.start if side > 0 else low, high if side > 0 else self.start)
+
     def _look(self, line: _Line, sides: dict[int, _Ahead]) -> Iterator[str]:
         """Put down what lies on either side; of a side that stays open the reason."""
-        for side in (x for x in (-1, 1) if x not in sides):
+        for side in (x for x in (-1, 1) if x not in sides or sides[x].last is not None):
             found = self._side(line, side)
-            if found.reason:
+            if not found.reason:  # a wider window may hold a gap that another one had not
+                sides[side] = max(found, sides.get(side, found), key=lambda x: len(x.found))
+            elif side not in sides:
                 yield found.reason
-            else:
-                sides[side] = found
 
     def _crowded(self, gap: Gap, side: int) -> str:
         """Why the nearest value was not found: where it may lie, or how far was searched."""
@@ -730,19 +731,17 @@ class _Walk:
 
     def _limits(self, line: _Line, i: int, below: Count | None, above: Count | None) -> list[Critical]:
         """What changes at the i-th meeting, between the counts of both sides; two limits where only the value itself differs."""
-        if below and above and below != above and 0 in (below[0], above[0]):
-            return [self._critical(line, i, below, above)]
-        at = self._at(line.places[i])
+        is_plain = below and above and below != above and 0 in (below[0], above[0])
+        at = None if is_plain else self._at(line.places[i])
+        rows: list[tuple[Count | None, Count | None, int]] = [(below, above, 0)]
         if below is None or above is None:
-            side = Side.BELOW if below is None else Side.ABOVE
-            is_end = (
-                self.closed and line.is_whole[side is Side.ABOVE]
-            )  # what is beyond the end of a window is not known
+            side = -1 if below is None else 1
+            is_end = self.closed and line.is_whole[side > 0]  # what is beyond the end of a window is not known
             rows = [(below or at, above or at, side)] if is_end else []
-        elif below[0] == 0:
-            rows = [(below, at, Side.ABOVE), (at, above, Side.BELOW)]
-        else:
-            rows = [(below, at, Side.ABOVE)] if at and at[0] == 0 else [(below, above, None)]
+        elif below == above and below[0] == 0:
+            rows = [(below, at, 1), (at, above, -1)]
+        elif at and at[0] == 0:
+            rows = [(below, at, 1)]
         return [self._critical(line, i, x, y, own) for x, y, own in rows if x and y and x != y]
 
     def _at(self, x: Meeting) -> Count | None:
@@ -754,7 +753,7 @@ class _Walk:
             return self.tally.at(x.value.value) if is_allowed else None
         return None
 
-    def _critical(self, line: _Line, i: int, below: Count, above: Count, itself: Side | None = None) -> Critical:
+    def _critical(self, line: _Line, i: int, below: Count, above: Count, itself: int) -> Critical:
         x, chain = line.places[i], None in (below[0], above[0])
         crowded = self.loop.turns or any(y[0] is not None and line.gap(k) for k, y in ((i, below), (i + 1, above)))
         return Critical(self.free.path, x.value, x.omega, below[0], above[0], chain and crowded, itself)
@@ -762,7 +761,7 @@ class _Walk:
 
 def _opens(x: Critical, side: int) -> bool:
     """Whether it is stable on one side of a limit."""
-    return x.stable_side == (Side.ABOVE if side > 0 else Side.BELOW).value
+    return x.stable_side == ("above" if side > 0 else "below")
 
 
 _ENDLESS = "where roots meet the imaginary axis at ever higher frequencies"
