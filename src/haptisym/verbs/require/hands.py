@@ -183,7 +183,9 @@ def _on_axis(loop: Loop, value: RealNumber, omega: RealNumber) -> Any:
 def window_of(loop: Loop, free: Knob, asked: Domain) -> Meetings:
     """The values with roots on the axis, as far as the domain goes where that is known."""
     last: Meetings | None = None
-    most = _MOST_WINDOWS if asked.low is None or asked.high is None else None  # a range that is asked about is all searched
+    most = (
+        _MOST_WINDOWS if asked.low is None or asked.high is None else None
+    )  # a range that is asked about is all searched
     try:
         for found in islice(meetings(loop, free.value), most):
             last = found if last is None else _wider(last, found)
