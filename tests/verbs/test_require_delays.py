@@ -70,12 +70,14 @@ def test_a_turn_may_last_as_long_as_the_spring_at_the_end_of_the_band_says(
     ("felt", "gain", "jnd"),
     [
         (SPRING, "1", (2, 1)),  # both ratios just reach their limits, at some frequency of every long delay
+        (environments.mass_spring_damper(m=1, b=5, k=80), "1", (2, 2)),
+        (environments.maxwell(90, 3), "9/10", ("19/10", "5/2")),
         (SPRING, "9/10", ("19/10", "9/10")),
         (SPRING, "-1/2", ("3/2", "3/5")),
     ],
 )
 def test_a_limit_that_no_phase_exceeds_is_kept_by_every_delay_0_among_them(felt: Any, gain: str, jnd: Any) -> None:
-    """Of g exp(-j x) dH/H_env is at most |g| + 1 in its real part, and |g| in its imaginary one."""
+    """Behind g exp(-j x) no change is more than |g| + 1 times H_env, of a spring its imaginary part no more than |g| times."""
     chain = effects.series("g", parameters={"g": gain}), effects.delay("10 ms")
     for asked, expected in ((None, (0, None, True, False)), ((0, "50 ms"), (0, 0.05, True, True))):
         found = hs.require(hs.Scene(felt, chain, (0, 15), hs.Threshold.of(*jnd)), "tau", asked)

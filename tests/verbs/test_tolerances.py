@@ -288,6 +288,14 @@ def test_a_verdict_is_that_of_all_members_and_hangs_on_no_sample(effect: hs.Effe
         agrees_with_evaluate(x)
 
 
+@pytest.mark.slow
+def test_where_no_phase_exceeds_a_limit_all_delays_are_transparent() -> None:
+    """Of a delay on a spring r_r is at most 2 and r_i at most 1, and each is reached, inside of the box."""
+    found = hs.tolerances(hs.Scene(SPRING, (F.delay(["1 ms", "0.3 s"]),), (0, 15), hs.Threshold(2, 1)), samples=0)
+    assert (found.verdict.value, [float(x) for x in found.bandwidth]) == ("all", [15, 15])
+    agrees_with_evaluate(found)
+
+
 def agrees_with_evaluate(found: Any) -> None:
     """Bandwidth and verdict against the other verb's answers for members of the box: its corners, its middle, and some inside."""
     pick = Random(1)

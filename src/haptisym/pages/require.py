@@ -192,12 +192,10 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
     if r.undecided:
         first, last = searched(r.free, r.domain)
         where = listed(
-            ("at ", _limit(r, a, first, Way.NEAREST)) if a is not None and a is b
-            else ("from ", w.bare(_limit(r, a, first, Way.DOWN)), " to ", _limit(r, b, last, Way.UP))
-            for a, b in r.undecided
-        )  # fmt: skip
+            (w.bare(_limit(r, a, first, Way.DOWN)), " to ", _limit(r, b, last, Way.UP)) for a, b in r.undecided
+        )
         why = f"; stopped after {r.limit:g} s" if r.limit is not None else ""
-        yield w.undecided((named(r.free.symbol.name), " ", where, why, f": {r.reason}" if r.reason else ""))
+        yield w.undecided((named(r.free.symbol.name), " from ", where, why, f": {r.reason}" if r.reason else ""))
         if not _is_all(r):
             yield "Proven: all other values in the range."
         return

@@ -20,14 +20,14 @@ import flint
 from flint import fmpq
 from sympy import Expr, Integer, S, Symbol, pi
 
-from haptisym.judge.bounds import for_any_environment
+from haptisym.judge.bounds import ANY_ENVIRONMENT, for_any_environment, is_series
 from haptisym.judge.crossings import Criterion, noticed, opened
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import SceneError, several
 from haptisym.kernel.factors import PolynomialFactor
 from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, expression_ball
-from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
+from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega
 from haptisym.kernel.roots import Lattice, ordered, sign_of_number
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
@@ -162,8 +162,32 @@ def _is_positive(polynomial: Polynomial) -> bool:
     return (even and all(x > 0 for x in polynomial.coeffs())) or _is_modulus(polynomial)
 
 
-def is_never_positive(polynomial: Polynomial) -> bool:
+def is_kept_anyway(scene: Scene, free: Sequence[Knob], x: Criterion, own: Condition) -> bool:
+    """Whether a condition is kept whatever the free parameters, all phases and the frequency are, as factors show.
+
+    By itself, or as r <= |G - 1| of effects in series.
+    """
+    if any(_is_never_positive(f.function.numerator) for f in pieces(own)):
+        return True
+    is_plain = x.part is not None and x.region is None and not x.threshold.has(omega)
+    if (
+        not is_plain
+        or any(knob.parts for knob in free)
+        or not any(f.axis.angles for f in pieces(own))
+        or not is_series(scene.chain)
+    ):
+        return False
+    larger = conditions(scene, free, [replace(ANY_ENVIRONMENT, threshold=x.threshold)]).values()
+    return all(_is_never_positive(f.function.numerator) for bound in larger for f in pieces(bound))
+
+
+_MOST_FACTORED = 300  # terms: nothing interrupts FLINT while it factors
+
+
+def _is_never_positive(polynomial: Polynomial) -> bool:
     """Whether it shows to be positive nowhere, whatever its variables are: by factors that are even or keep their sign."""
+    if len(polynomial) > _MOST_FACTORED:
+        return False
     constant, factors = polynomial.factor()
     signs = [_sign_of_all(factor) for factor, n in factors if n % 2]
     return bool(None not in signs and prod(signs, start=constant) <= 0)  # type: ignore[arg-type]

@@ -7,9 +7,9 @@ the band or one maximum over frequency, and to change along the parameter one wa
 function, known to any number of digits; it is exact where it is rational. What shows neither way is cut in two, down to cells
 that are 1e-13 of their values wide: values at which a ratio only touches its threshold stay undecided.
 
-A condition that is kept at every phase of a delay needs no cells. Nor does a delay that is long for the band: whatever its
-length, it turns the wave to any phase somewhere in every piece of the band that is long enough. Where the condition is broken
-at one phase, all over such a piece, it is broken for all of these values.
+A condition that is kept at every phase of a delay, as its factors show, needs no cells. Nor does a delay that is long for the
+band: whatever its length, it turns the wave to any phase somewhere in every piece of the band that is long enough. Where the
+condition is broken at one phase, all over such a piece, it is broken for all of these values.
 
 **Thresholds.** r <= c holds on the whole band for c at least as large as the supremum of r there. That is the value at an end of
 the band or at one of its local maxima, which are certified zeros of the slope: no value of c needs to be tried.
@@ -62,12 +62,11 @@ from haptisym.model.jnd import Part
 from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.verbs.require.feasible import Binding, Domain, End, Kind, Solved, Span, runs, together
 from haptisym.verbs.require.freeparameter import (
-    Condition,
     Conditions,
     allowed,
     conditions,
     each,
-    is_never_positive,
+    is_kept_anyway,
     missing,
     pieces,
     real_roots,
@@ -350,7 +349,7 @@ class ValueLine:
     domain: Domain
     exists: Callable[[Expr], bool] = field(repr=False)
     asked: Mapping[Expr, bool | None] = field(default_factory=dict, repr=False)
-    """What was told of the ends of the domain by themselves; nothing where leaves tell it."""
+    """What was told of the ends of the domain by themselves."""
 
     @cached_property
     def _merged(self) -> list[Leaf]:
@@ -387,33 +386,33 @@ class ValueLine:
         points[-1] = End(_exact(high))
         kept = [gap is CellVerdict.KEPT for gap in gaps]
         at = [bool(near) for near in (any(kept[max(i - 1, 0) : i + 1]) for i in range(len(points)))]
-        at[0] = low is not None and self.domain.holds_low and self._holds(low, gaps[0]) is True
-        at[-1] = high is not None and self.domain.holds_high and self._holds(high, gaps[-1]) is True
+        at[0] = low is not None and self.domain.holds_low and self._holds(low, gaps[0])
+        at[-1] = high is not None and self.domain.holds_high and self._holds(high, gaps[-1])
         return tuple(Span(replace(points[i], closed=a), replace(points[j], closed=b)) for i, j, a, b in runs(at, kept))
 
-    def _holds(self, end: Expr, beside: CellVerdict) -> bool | None:
-        """Whether an end of the domain will do, None where that is open: of an open stretch it is the end.
-
-        As what is beside it is kept, but 0, which values do not come near; else as it is told by itself.
-        """
-        if beside is CellVerdict.KEPT and (end != 0 or end not in self.asked):
-            return self.exists(end)
-        return None if beside is CellVerdict.OPEN else self.asked.get(end, False)
+    def _holds(self, end: Expr, beside: CellVerdict) -> bool:
+        """Whether an end of the domain will do, by itself or as what is beside it; of an open stretch it is the end."""
+        if beside is CellVerdict.OPEN:
+            return False
+        return bool(self.asked[end]) if end in self.asked else beside is CellVerdict.KEPT and self.exists(end)
 
     @property
     def undecided(self) -> tuple[tuple[RealNumber | None, RealNumber | None], ...]:
         """The values about which nothing is proven."""
-        low, high, leaves = self.domain.low, self.domain.high, self._merged
-        ends = [ExactNumber(_rational(leaf.low)) for leaf in leaves]
-        places = [_exact(low), *ends[1:], _exact(high)]
+        leaves, low, high = self._merged, self.domain.low, self.domain.high
+        places = [_exact(low), *(ExactNumber(_rational(leaf.low)) for leaf in leaves[1:]), _exact(high)]
         pairs = zip(leaves, pairwise(places), strict=True)
         found = [pair for leaf, pair in pairs if leaf.verdict is CellVerdict.OPEN]
-        first, last = leaves[0].verdict, leaves[-1].above or leaves[-1].verdict
-        if low is not None and first is not CellVerdict.OPEN and self._holds(low, first) is None:
-            found.insert(0, (_exact(low),) * 2)
-        if high is not None and last is not CellVerdict.OPEN and self._holds(high, last) is None:
-            found.append((_exact(high),) * 2)
-        return tuple(found)
+        return (
+            *self._alone(low, leaves[0].verdict),
+            *found,
+            *self._alone(high, leaves[-1].above or leaves[-1].verdict),
+        )
+
+    def _alone(self, end: Expr | None, beside: CellVerdict) -> list[tuple[RealNumber | None, RealNumber | None]]:
+        """An end of the domain that stays open though what is beside it does not."""
+        is_open = end is not None and beside is not CellVerdict.OPEN and self.asked.get(end, True) is None
+        return [(_exact(end), _exact(end))] if is_open else []
 
 
 def _rational(x: Fraction) -> Rational:
@@ -590,7 +589,7 @@ def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
         if free.parts and not any(has_floor):
             return Solved(_threshold_problem(scene, free, asked, criteria).solve())
         found, gone = conditions(scene, [free], criteria), missing(scene, free)
-        found = {x: own for x, own in found.items() if not _is_kept_at_any_phase(own, free.symbol)}
+        found = {x: own for x, own in found.items() if not is_kept_anyway(scene, [free], x, own)}
         if not any(free.symbol in f.axis.meanings for own in found.values() for f in pieces(own)):
             solved = _all_alike(scene, free, asked, found)
         else:
@@ -603,17 +602,6 @@ def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
         return replace(solved, feasible=without(solved.feasible, gone))
     except LimitError:
         return Solved((), ((_exact(asked.low), _exact(asked.high)),))
-
-
-def _is_kept_at_any_phase(condition: Condition, free: Symbol) -> bool:
-    """Whether a condition that depends on a delay by its phases alone is kept whatever these, and the frequency, are."""
-    for f in pieces(condition):
-        axis, top = f.axis, f.function.numerator
-        by_phase = any(x.rate.has(free) for x in axis.angles) and not any(x.has(free) for x in axis.orders)
-        depends = free in axis.meanings and top.degrees()[axis.meanings.index(free)]
-        if by_phase and not depends and is_never_positive(top):
-            return True
-    return False
 
 
 def _all_alike(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> Solved:

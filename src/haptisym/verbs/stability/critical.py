@@ -8,7 +8,7 @@ in the others Newton's step in balls proves that there is just one pair. What is
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -284,10 +284,11 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
         home = next((x for x in clear if x.holds(here, here)), None)
         others = tuple(x for x in clear if x is not home)
         if home is None:
-            yield Meetings(far_out, gaps=others)  # also where more is not known
-            if any(x.low is not None for x in others):
-                yield _beside_chains(loop, far_out, others)
-            return
+            yield Meetings(far_out, gaps=others)
+            home = next((x for x in clear if x.low is not None), None)  # of which more may be known
+            if home is None or BesideChains.of(loop) is None:
+                return
+            others = tuple(x for x in clear if x is not home)
     if loop.rests:
         yield _at_0(loop, far_out)
         return
@@ -309,19 +310,6 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
             yield Meetings((*far_out, *near.found), gaps=(*others, *near.gaps))
         return
     yield from _windows(loop, curve, value, far_out)
-
-
-def _beside_chains(loop: Loop, far_out: tuple[Meeting, ...], clear: Sequence[Gap]) -> Meetings:
-    """Where chains are nowhere on the right, the value that is asked about not among these values."""
-    curve, beside, found, gaps = curve_of(loop), BesideChains.of(loop), [*far_out], list[Gap]()
-    if loop.rests or curve is None or curve.condition.is_zero or beside is None:
-        return Meetings(far_out, gaps=tuple(clear))
-    found += [Meeting(x, ExactNumber(Integer(0))) for x in Characteristic(loop).at_0()]
-    for gap in clear:
-        *_, near = [Meetings((), gaps=(gap,))] if gap.low is None else beside.meetings(curve, gap.low, gap.high)
-        found += [x for x in near.found if not any(x.is_like(y) for y in found)]
-        gaps += near.gaps
-    return Meetings(tuple(found), gaps=tuple(gaps))
 
 
 def _of_a_delay(loop: Loop, value: Expr, far_out: tuple[Meeting, ...]) -> Meetings:

@@ -44,6 +44,7 @@ from haptisym.kernel.where import Array, Batches, Cells, Columns, Search, halves
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
+from haptisym.verbs.require.freeparameter import conditions, is_kept_anyway
 from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.sweep.entry import in_floats
 from haptisym.verbs.tolerances.stability import HeldInBox, held_in_box
@@ -490,7 +491,6 @@ _FINEST, _MOST_PIECES = (
     2.0**-12,
     6000,
 )  # of the ranges, cells that are cut no further; pieces of the band behind all of them
-_LOTS = 200  # sets that are drawn where nothing else gives an example
 
 
 @dataclass(frozen=True)
@@ -645,12 +645,28 @@ class Tolerances(Answer):
         open cells that hang together, of which several may have the same frequencies, where r < c in all others: the way does not
         leave them.
         """
-        clustered = [self._greatest(form, x) for form, own in self._search.values() for x in own]
-        corners = clustered if None not in clustered else self._by_cells.tops
+        corners: Sequence[Mapping[str, Expr] | None] = self._tops_of_clusters(self._search)
+        if None in corners:
+            corners = self._by_cells.tops
+        if None in corners:
+            corners = self._tops_of_clusters([x for x in self._search if not self._is_kept_anyway(x)])
         try:
             return all(x is not None and self.one(x).transparent is True for x in [{}, *corners])
         except LimitError:
             return False
+
+    def _tops_of_clusters(self, criteria: Iterable[Criterion]) -> list[dict[str, Expr] | None]:
+        """The values for which what hangs together of clusters is greatest."""
+        own = (self._search[x] for x in criteria)
+        return [self._greatest(form, x) for form, found in own for x in found]
+
+    def _is_kept_anyway(self, criterion: Criterion) -> bool:
+        """Whether a criterion is kept for all values there are, also beyond the box."""
+        free = tuple(self.box.scene.ranges().values())
+        with suppress(LimitError):
+            found = conditions(self.box.scene, free, [criterion])
+            return all(is_kept_anyway(self.box.scene, free, x, own) for x, own in found.items())
+        return False
 
     def _greatest(self, form: Excess, cluster: Cluster) -> dict[str, Expr] | None:
         """The values for which r - c is greatest in a cluster; None where that is not known."""
@@ -670,7 +686,7 @@ class Tolerances(Answer):
         return self._witness(transparent=False)
 
     def _witness(self, *, transparent: bool) -> One | None:
-        """The nominal values, a corner, those in the middle of a cell, or some that are drawn, the same whatever is asked for."""
+        """The nominal values, a corner, or those in the middle of a cell."""
         if self.nominal.transparent is transparent:
             return self.nominal
         if self._is_one or not self._search or (transparent and self._always_noticed()):
@@ -684,11 +700,6 @@ class Tolerances(Answer):
         middle = self._by_cells.kept if transparent else self._by_cells.broken
         if middle is not None:
             yield self.one(middle)
-        yield from (x.exact for x in self._lots if x.transparent is transparent)
-
-    @cached_property
-    def _lots(self) -> tuple[Drawn, ...]:
-        return drawn(self.box, _LOTS, SEED)
 
     @cached_property
     def _by_cells(self) -> _ByCells:
