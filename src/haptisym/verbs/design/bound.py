@@ -229,9 +229,7 @@ def smallest(
         yield seen, seen, None
         return
     end, where = seen if seen >= 1 else seen * (1 - relative), None
-    first = Search(
-        criteria, _whole_box(criteria, sides, end), wide=_uncut, settled=no_worse(np.inf), last=_CUT_FIRST
-    )
+    first = Search(criteria, _whole_box(criteria, sides, end), wide=_uncut, settled=no_worse(np.inf), last=_CUT_FIRST)
     cells = joined([*first, first.left])  # most pieces need no cut of the box
     search = Search(
         criteria, cells, wide=_wide, settled=no_worse(end), rank=lambda x: x.floor, batch=_BATCH, most=_MOST_WORST
