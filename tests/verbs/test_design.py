@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from random import Random
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from sympy import Integer, Rational
 
 import haptisym as hs
@@ -310,3 +313,154 @@ def test_thresholds_with_a_range_are_refused():
     )
     with pytest.raises(hs.SceneError, match="JND"):
         hs.design(scene, ["tau"])
+
+
+def shunted(Z: str, high: int = 60, **values: str) -> hs.Scene:
+    """A spring of 100 N/m beside a shunt whose parts are felt from 10 N/m on."""
+    given = ", ".join(f'{name} = "{value}"' for name, value in values.items())
+    return hs.parse_scene(
+        f'[environment]\nmodel = "mass-spring-damper"\nk = 100\n[[effects]]\nname = "e"\nmodel = "shunt"\nZ = "{Z}"\n'
+        f"parameters = {{ {given} }}\n[evaluation]\nband = [0, {high}]\njnd = 0.1\n"
+    )
+
+
+TOUCHING = {
+    "below the end, for all values": ("10 - 0.0001*(s^2 + 100)^2/(1 + s^4/10000) + p*s", "0.5", (0.4, 1), 0.4, 25, "r_i"),
+    "at the low end, for one value": ("10*(1 + 1000*(p - 1/100)^2) + 0.02*s^2", "0.01", (0, 0.02), 0.01, 31.6227766, "r_r"),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.core
+@pytest.mark.parametrize("where", TOUCHING)
+def test_a_threshold_that_is_touched_neither_limits_nor_hides_the_best(where):
+    """By hand: p omega = 10 at p = 0.4; |10 - omega^2/50| = 10 again at omega^2 = 1000."""
+    Z, value, ends, best, bandwidth, limit = TOUCHING[where]
+    found = hs.design(shunted(Z, 40, p=value), {"p": ends})
+    assert found.certified
+    assert found.best
+    assert float(found.best.values[0]) == pytest.approx(best)
+    assert found.bandwidth[0] == pytest.approx(bandwidth)
+    assert [(x.criterion.symbol, float(x.omega)) for x in found.binding] == [(limit, pytest.approx(bandwidth))]
+
+
+NOTCH = "(10*(p - 1))^2*(1 - (10*(p - 1))^2)"
+"""0 at p = 0.9, 1 and 1.1, a quarter where (10 (p - 1))^2 = 1/2."""
+
+
+def test_the_middle_and_the_corners_prove_nothing_of_values_that_are_off():
+    """60 times a quarter is 15 N/m at p = 1.07, at every frequency: nothing is left of 60 rad/s with the values themselves."""
+    found = hs.design(shunted(f"6*10*{NOTCH}", p="1"), {"p": (0.999, 1.001)}, robust="10 %")
+    assert (found.certified, found.bandwidth, found.is_whole) == (True, (0.0, 0.0), False)
+    assert found.given
+    assert found.given.bandwidth == 0
+
+
+@pytest.mark.slow
+@pytest.mark.core
+def test_the_worst_of_values_that_are_off_lies_between_the_corners():
+    """0.12 omega^2/4 = 10 at omega = 18.2574, which every p from 0.99 to 1.01 can get to; off by 5 % at most, up to 21.08."""
+    found = hs.design(shunted(f"-0.12*{NOTCH}*s^2 + 0.3*s", p="1"), {"p": (0.99, 1.01)}, robust="10 %")
+    assert found.certified
+    assert found.given
+    for low in (found.given.bandwidth, found.bandwidth[0]):
+        assert 18.25 < low <= 18.25741859
+    assert found.bandwidth[1] <= 18.2574 * 1.0011
+    assert {x.criterion.symbol for x in found.binding} == {"r_r"}
+    least = [x.bandwidth for x in found.loss]
+    assert found.bandwidth[0] <= least[1] <= least[0]
+
+
+RESPONSES = {
+    "{a}*p*s^2 + {b}*s": lambda w, p, a, b: -a * p * w * w + 1j * b * w,
+    "10 - 0.0001*(s^2 + 100)^2/(1 + s^4/10000) + {b}*p*s": lambda w, p, a, b: (
+        10 - (100 - w * w) ** 2 / (10000 + w**4) + 1j * b * p * w
+    ),
+    "10*p - 0.0001*(s^2 + 100)^2/(1 + s^4/10000) + {b}*s": lambda w, p, a, b: (
+        10 * p - (100 - w * w) ** 2 / (10000 + w**4) + 1j * b * w
+    ),
+    "-{a}*9*(p - 1)^2*(1 - 9*(p - 1)^2)*s^2 + {b}*s": lambda w, p, a, b: (
+        a * 9 * (p - 1) ** 2 * (1 - 9 * (p - 1) ** 2) * w * w + 1j * b * w
+    ),
+    "{a}*(p - 0.8)*s^2 + {b}*(0.9 - p)*s + 4": lambda w, p, a, b: -a * (p - 0.8) * w * w + 1j * b * (0.9 - p) * w + 4,
+    "11 + {a}*p*s^2": lambda w, p, a, b: 11 - a * p * w * w,
+}
+
+
+@pytest.mark.slow
+@settings(max_examples=25)
+@given(st.sampled_from([*RESPONSES]), st.integers(10, 200), st.integers(10, 150), st.sampled_from([None, "5 %", "10 %"]), st.integers(40, 100), st.integers(5, 60))  # fmt: skip
+def test_bounds_hold_against_a_dense_grid_of_values_and_frequencies(formula, a, b, robust, low, width):
+    """Touches, plateaus, jumps, the whole band, nothing at all: NumPy on 1200 frequencies, 61 values, each off in 41 ways."""
+    p, own = (low / 100, (low + width) / 100), {"a": a / 1000, "b": b / 100}
+    found = hs.design(shunted(formula.format(**own), p=str(p[0])), {"p": p}, robust=robust, limit=20)
+    share, step = 0 if robust is None else float(found.robust), ON[1] - ON[0]
+
+    def worst(value: float, off: float) -> float:
+        sets = value * np.linspace(1 - off, 1 + off, 41 if off else 1)
+        return min(first_beyond(square(z.real, z.imag) - 1e-12) for x in sets for z in [RESPONSES[formula](ON, x, **own) / 100])  # fmt: skip
+
+    best = max(worst(x, share) for x in np.linspace(*p, 61))
+    assert best <= found.bandwidth[1] * (1 if not share else 1.03) + 2 * step or not found.certified
+    if not share:
+        assert best <= found.bandwidth[1] + 2 * step
+    if found.best:
+        value = float(found.best.values[0])
+        assert found.bandwidth[0] <= worst(value, share) + step
+        for x in found.loss:
+            assert x.bandwidth <= worst(value, float(x.relative)) + step
+
+
+PRINTED = {
+    "a corner of two thresholds": (PAPER, {"zeta": (0.01, 1)}, {}),
+    "off by 5 %": (PAPER, {"zeta": (0.01, 1)}, {"robust": "5 %"}),
+    "kept": (PAPER, {"zeta": (0.3, 1)}, {"keep": "passive"}),
+    "the whole band": (hs.load_scene("fu2019"), {"omega_n": (8, 800)}, {"keep": "passive"}),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PRINTED)
+def test_what_is_printed_attains_what_is_printed(name):
+    """The values of page and of JSON, read back, have no less than the bandwidth that stands beside them."""
+    scene, free, more = PRINTED[name]
+    found = hs.design(scene, free, **more)
+    told, row = " ".join(str(found).split()), found.to_dict()
+    [path] = row["best"]["values"]
+    values = re.search(r"Best values \S+ = ([-\d.e]+)", told), re.search(r"Bandwidth ([-\d.e]+) rad/s", told)
+    assert all(values)
+    at, least = (x[1] for x in values if x)
+    assert Rational(at) == Rational(repr(row["best"]["values"][path])) == found.best.values[0]
+    ends = [1] if not found.robust else [1 - found.robust, 1, 1 + found.robust]
+    attained = min(exact(scene, {path: Rational(at) * x}) for x in ends)
+    assert float(least) <= row["best"]["bandwidth"] <= attained * (1 + 1e-12)
+    assert row["best"]["bandwidth"] == row["bandwidth"][0]
+    assert ("--that transparent --that passive" in told) == (name == "the whole band")
+
+
+HELD = {
+    "fu2019": "omega_n", "delayed-spring": "tau", "inertia-compensation": "m_c", "lead-compensation": "T", "organ-tissue": "omega_c",
+    "desktop-device-soft-tissue": "device.m", "helicopter-cyclic": "loader.zeta", "admittance-display": "zeta",
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("keep", ["passive", "stable", "steady"])
+@pytest.mark.parametrize("name", HELD)
+def test_what_is_kept_is_what_is_required(name, keep):
+    """The best values are among those of ``require``; there are none where it has none, the whole band where both can be had."""
+    scene, hand = hs.load_scene(name), None if keep == "passive" else "postural-arm"
+    [knob] = [scene.knobs[HELD[name]]]
+    ends = (knob.value / 3, knob.value * 3)
+    found = hs.design(scene, {knob.path: ends}, keep=keep, hand=hand)
+    kept, both = (hs.require(scene, knob.path, ends, that=x, hand=hand) for x in ([keep], ["transparent", keep]))
+    assert found.certified
+    assert not kept.undecided
+    assert not both.undecided
+    assert (found.best is None) == (not kept.feasible)
+    if found.best:
+        [value] = map(float, found.best.values)
+        assert any(
+            float(x.low.value) <= value <= float(x.high.value) for x in kept.feasible if x.low.value and x.high.value
+        )
+    assert found.is_whole == bool(both.feasible)

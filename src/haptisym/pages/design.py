@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from shlex import quote
 
 from sympy import Expr
 
 from haptisym.kernel.reals import Printable, Way
 from haptisym.model.scene import Knob
 from haptisym.pages.words import bare, both, cell, page_about, proof, undecided, value_of
-from haptisym.verbs.design.attained import PASSIVE, Attained
+from haptisym.verbs.design.attained import PASSIVE, STABLE, STEADY, Attained
 from haptisym.verbs.design.entry import Design
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Column, Document, Figure, Phrase, Real, Table, listed
 from haptisym.writing.layout import named
@@ -28,9 +29,15 @@ def page(a: Design) -> Document:
 def _require(a: Design) -> str:
     """The call that gives all values with which nothing is noticed."""
     ranges = zip(a.free, a.ranges, strict=True)
-    free = " ".join(f"--free {x.path} --range {float(low):.17g} {float(high):.17g}" for x, (low, high) in ranges)
+    free = " ".join(f"--free {x.path} --range {_bare(low)} {_bare(high)}" for x, (low, high) in ranges)
     goals = "".join(f" --that {x}" for x in ("transparent", *a.keep)) if a.keep else ""
-    return f"haptisym require SCENE {free}{goals}"
+    hands = {quote(x.name) for x in a.scene.hands} if {STABLE, STEADY} & {*a.keep} else set()
+    hand = f" --hand {hands.pop()}" if len(hands) == 1 else ""  # of several the scene itself names them
+    return f"haptisym require SCENE {free}{goals}{hand}"
+
+
+def _bare(x: Expr) -> str:
+    return repr(float(x)).removesuffix(".0")
 
 
 def _answer(a: Design) -> Iterator[tuple[Phrase, Phrase]]:

@@ -338,9 +338,11 @@ class Points:
 
     def _best(self, values: Array, found: tuple[Array, Array], least: float) -> Attained | None:
         centre, top, sides, missed, looked_at = None, least, len(self.free), 0, len(self.factors)
+        # some factors alone are looked at: what is little better by these is hardly ever so by all
+        margin = 1 + self.gap / 2 if self.off else 1.0
         for n in range(_ROUNDS[sides]):
             tick()
-            better = self._first_kept(values, found, top)
+            better = self._first_kept(values, found, top * margin)
             missed = missed + 1 if better is None else 0
             if better is not None:
                 centre, top = better

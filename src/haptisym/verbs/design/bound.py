@@ -228,21 +228,26 @@ def smallest(
     if not criteria or seen <= 0:
         yield seen, seen, None
         return
-    first = Search(criteria, _whole_box(criteria, sides, seen), wide=_uncut, settled=no_worse(np.inf), last=_CUT_FIRST)
+    end, where = seen if seen >= 1 else seen * (1 - relative), None
+    first = Search(criteria, _whole_box(criteria, sides, end), wide=_uncut, settled=no_worse(np.inf), last=_CUT_FIRST)
     cells = joined([*first, first.left])  # most pieces need no cut of the box
     search = Search(
-        criteria, cells, wide=_wide, settled=no_worse(seen * (1 - relative)), rank=lambda x: x.floor, batch=_BATCH,
-        most=_MOST_WORST,
-    )  # fmt: skip
-    lowest, where = seen, None
+        criteria, cells, wide=_wide, settled=no_worse(end), rank=lambda x: x.floor, batch=_BATCH, most=_MOST_WORST
+    )
     for done in search:
         known = joined([done, search.left])
         least = int(np.argmin(known.ceiling))
         if known.ceiling[least] < seen:
             seen, where = float(known.ceiling[least]), known.outer[least].mean(-1)
-            search.settled = no_worse(seen * (1 - relative))
-        lowest = min([lowest, *done.floor.tolist()])
-        yield min([lowest, seen, *search.left.floor.tolist()]), seen, where
+            end = seen * (1 - relative)
+            search.settled = no_worse(end)
+            search.restart(_below(search.left, end))
+        yield min([end, *search.left.floor.tolist()]), seen, where
+
+
+def _below(cells: Cells, end: float) -> Cells:
+    """The same without pieces above a place: nobody asks what is there, and cells would be cut for it."""
+    return replace(cells, pieces=tuple(x[x.inner[:, 0, 0] < end] for x in cells.pieces))
 
 
 def profile(criteria: Sequence[Judge], sides: int, within: float, most: int) -> tuple[Array, Array]:

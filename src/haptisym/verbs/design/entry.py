@@ -44,7 +44,7 @@ _GAPS = {1: Fraction(1, 1000), 2: Fraction(1, 1000), 3: Fraction(1, 100)}
 _TARGETS = (1.0, 0.1, 0.01)
 """How far above what is attained an upper bound is proven first, before the gap itself."""
 _MISSED = (Rational(1, 100), Rational(1, 20))
-_LOSS = 1e-3
+_LOSS = 1e-5
 _FINEST_HELD = 2.0**-5
 _ULPS = 1e-15
 _MOST_LOSS = 5.0  # seconds for what a best value costs to miss
