@@ -725,8 +725,8 @@ def test_one_process_writes_a_file_and_another_is_told(few: Any, tmp_path: Path)
     ("what", "told"),
     [
         ("method", "not all sets are there"),
-        (MASS, "does not hold"),
-        ("bandwidth", "does not hold"),
+        (MASS, "are missing in it"),
+        ("bandwidth", "are missing in it"),
         ("marks", "differs in band"),
     ],
 )

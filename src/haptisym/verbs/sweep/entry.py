@@ -332,7 +332,9 @@ def _opened(grid: SweepGrid, place: Path) -> xr.Dataset:
     axes = [np.array_equal(found[x.path].values, x.values) for x in grid.axes if x.path in found.coords]
     shapes = [found[name].shape == grid.shape for name in grid.variables if name in found]
     if len(axes) < len(grid.axes) or len(shapes) < len(grid.variables) or not all(axes + shapes):
-        raise SceneError(f"{place}: does not hold what it says that it holds: remove it, or choose another name")
+        raise SceneError(
+            f"{place}: values or variables of the sweep are missing in it: remove it, or choose another name"
+        )
     return found
 
 
@@ -648,7 +650,8 @@ class Swept(Answer):
 
 def _is_open(data: xr.Dataset) -> xr.DataArray:
     """Of each set whether it has no answer, or was not computed."""
-    return (data.method != FLOAT) & (data.method != EXACT)
+    found: xr.DataArray = (data.method != FLOAT) & (data.method != EXACT)
+    return found
 
 
 def _axis(data: xr.Dataset, name: str) -> dict[str, Any]:
