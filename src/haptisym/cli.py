@@ -136,8 +136,9 @@ def _told(error: Exception, *, is_interrupted: bool) -> int:
             return _failed(f"error: {error}", 2)
         case ModuleNotFoundError() if (package := (error.name or "").split(".")[0]) in _EXTRAS:
             return _failed(f'error: {package} is missing: this needs pip install "haptisym[{_EXTRAS[package]}]"', 2)
-        case OSError() if error.filename is not None:
-            return _failed(f"error: {error.filename}: {error.strerror}", 2)
+        case OSError():
+            where = "" if error.filename is None else f"{error.filename}: "
+            return _failed(f"error: {where}{error.strerror or error}", 2)
     raise error
 
 

@@ -291,12 +291,17 @@ KEYS = {
     "hands",
 }
 
+MOST_STEPS = 10_000_000
+"""For the keys of a scene: to read one takes as many as the square of its dots."""
+
 
 class Scene:
     """Band, thresholds and hands of a scene file, and its chain."""
 
     def __init__(self, data: bytes, name: str | None, free: list[str | int] | None = None) -> None:
         """``name``: which of several environments; ``free``: the keys, in the file, of a number that is left free."""
+        if sum(line.count(b".") ** 2 for line in data.splitlines()) > MOST_STEPS:
+            raise UnreadableError("the scene has too many dots in a line: keys of so many parts are not read")
         try:
             table = tomllib.loads(data.decode("utf-8-sig"), parse_float=lambda x: quantity(x.replace("_", "")).value)
         except (ValueError, RecursionError) as error:

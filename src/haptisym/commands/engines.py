@@ -1,4 +1,4 @@
-"""What computes the sets of a sweep: this process, some processes of this machine, or a cluster."""
+"""What computes the sets of a sweep (this process, some of this machine, or a cluster), and what Ctrl-C leaves of it."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 from importlib import import_module
 from multiprocessing import resource_tracker
+from pathlib import Path
 from typing import Any
 
 from haptisym.kernel.errors import SceneError
+from haptisym.verbs.sweep.entry import unfinished
 
 
 @contextmanager
@@ -68,3 +70,14 @@ def _in_this_process() -> Iterator[None]:
         return
     with config.set(scheduler="synchronous", num_workers=1):
         yield
+
+
+def left_of(out: Path | None, reached: str) -> str:
+    """What is left of a sweep that Ctrl-C ended there; before anything is reached, its file has not been opened."""
+    if out is None:
+        return "nothing is kept; with --out FILE.zarr the same command would go on from there"
+    if not reached:
+        return f"{out} is as it was"
+    if out.exists():
+        return f"all sets are in {out}, and the same command prints the answer"
+    return f"what is done is in {unfinished(out)}, and the same command goes on from there"

@@ -309,11 +309,10 @@ def _is_same(one: Path, other: Path) -> bool:
 
 def _can_be_written(what: str, path: Path) -> Path:
     """The path; SceneError where nothing can be written there."""
-    is_file = path.is_file() or not path.exists()
-    folder = (path.resolve() if path.is_file() else path).parent
+    folder = path.resolve().parent  # of a link that where it leads
     if not folder.is_dir():
-        raise SceneError(f"{what}: {path} cannot be written: there is no folder {folder}")
-    if (is_file and not os.access(folder, os.W_OK)) or (path.exists() and not os.access(path, os.W_OK)):
+        raise SceneError(f"{what}: {path} cannot be written: there is no folder {path.parent}")
+    if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
         raise SceneError(f"{what}: {path} cannot be written: permission denied")
     return path
 

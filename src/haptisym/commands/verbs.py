@@ -525,7 +525,7 @@ def sweep(ask: Ask) -> None:
     """
     if (ask.workers or ask.cluster) and ask.out is None:
         raise SceneError("--workers and --cluster need --out FILE, to which the workers write")
-    from haptisym.commands.engines import engine
+    from haptisym.commands.engines import engine, left_of
     from haptisym.verbs.stability.entry import in_hands
     from haptisym.verbs.sweep.axes import spaced
     from haptisym.verbs.sweep.entry import Swept
@@ -537,23 +537,10 @@ def sweep(ask: Ask) -> None:
         raise SceneError("--vary: each path may be given only once")
     if ask.figure is not None and len(varied) > 2:
         raise SceneError(f"figure: {ask.figure} would show one or two parameters, not {len(varied)}")
-    with progress("sets", kept=lambda reached: _kept(ask.out, reached)) as told:
+    with progress("sets", kept=lambda reached: left_of(ask.out, reached)) as told:
         with engine(ask.workers, ask.cluster):
             data = of(scene, dict(varied), out=ask.out, progress=told)
         hand_over(Swept(scene, data, ask.out), ask)
-
-
-def _kept(out: Path | None, reached: str) -> str:
-    """What is left of a sweep that Ctrl-C ended there; before anything is reached, its file has not been opened."""
-    from haptisym.verbs.sweep.entry import unfinished
-
-    if out is None:
-        return "nothing is kept; with --out FILE.zarr the same command would go on from there"
-    if not reached:
-        return f"{out} is as it was"
-    if out.exists():
-        return f"all sets are in {out}, and the same command prints the answer"
-    return f"what is done is in {unfinished(out)}, and the same command goes on from there"
 
 
 @verb(

@@ -59,22 +59,18 @@ def write_whole(path: str | Path, content: str, encoding: str = "utf-8") -> None
 def claimed(path: Path) -> Iterator[None]:
     """As long as it lasts, nobody else makes this file: SceneError where another process is at it.
 
-    The system drops the claim of a process that was killed. The file that carries it is taken away at the end; who opened it
-    before that holds a claim on nothing, and asks again.
+    The system drops the claim of a process that was killed. The file that carries it is taken away at the end.
     """
     lock = path.with_name(f".{path.name}.lock")
-    while True:
-        handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o666)
-        try:
-            _lock(handle)
-        except OSError:
-            os.close(handle)
-            told = "another process is writing it: wait until it is done, or choose another name"
-            raise SceneError(f"{path}: {told}") from None
-        with suppress(FileNotFoundError):
-            if lock.stat().st_ino == os.fstat(handle).st_ino:
-                break
+    handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        _lock(handle)
+        if lock.stat().st_ino != os.fstat(handle).st_ino:  # whoever had it before is just taking it away
+            raise BlockingIOError
+    except OSError:
         os.close(handle)
+        told = "another process is writing it: wait until it is done, or choose another name"
+        raise SceneError(f"{path}: {told}") from None
     try:
         yield
     finally:

@@ -87,8 +87,9 @@ def _in_sets(what: object, sets: int) -> str:
 
 
 def _how_sure(found: Swept, told: Mapping[str, Any]) -> Iterator[Phrase]:
-    sets = f"for {told['sets']:,} sets of floats"
-    yield w.proof(found.scene, f"all counts, and all frequencies to a relative 1e-10, {sets}")
+    if there := told["certified_in_floats"] + told["exact"]:
+        sets = f"for {there:,} sets of floats"
+        yield w.proof(found.scene, f"all counts, and all frequencies to a relative 1e-10, {sets}")
     if told["open"]:
         part = ", or not in all" if "held" in told else ""
         first = ", ".join(f"{name} = {x:.17g}" for name, x in told["open_at"][0].items())

@@ -42,7 +42,7 @@ from haptisym.model.jnd import Part
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands
-from haptisym.verbs.sweep.axes import EXACT, FLOAT, HELD, INFINITE, OPEN, UNKNOWN, AxisValues, SweepAxis, Told, axes
+from haptisym.verbs.sweep.axes import EXACT, FLOAT, HELD, INFINITE, UNKNOWN, AxisValues, SweepAxis, Told, axes
 from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.passes import TOLERANCE, Kernel
 
@@ -275,27 +275,31 @@ def stored(grid: SweepGrid, out: Path, progress: Progress | None = None) -> xr.D
     for package in ("zarr",) if out.suffix == ".zarr" else ("zarr", "h5py", "h5netcdf"):
         needed(package)  # asked for now, not after hours of work
     place = out.absolute()  # workers may run in other folders
-    if not place.exists() or _sets_left(grid, place):
-        try:
+    try:
+        if not _is_made(grid, place):
             place.parent.mkdir(parents=True, exist_ok=True)
             with claimed(place):
-                if not place.exists() or _sets_left(grid, place):  # nobody else has made it in the meantime
-                    _made(grid, place, progress)
-        except OSError as error:
-            raise SceneError(f"{out}: cannot be written: {(error.strerror or str(error)).lower()}") from error
+                _make(grid, place, progress)
+    except OSError as error:
+        raise SceneError(f"{out}: cannot be written: {(error.strerror or str(error)).lower()}") from error
     found = _opened(grid, place)
     if progress:
         progress(grid.sets, grid.sets)
     return found
 
 
-def _sets_left(grid: SweepGrid, place: Path) -> bool:
-    with _opened(grid, place) as found:
-        return bool((found["method"] == _NOT_YET).any())
+def _is_made(grid: SweepGrid, place: Path) -> bool:
+    """Whether a file is there with all sets."""
+    if not place.exists():
+        return False
+    with _opened(grid, place) as found, needed("dask").config.set(scheduler="synchronous"):
+        return bool((found["method"] != _NOT_YET).all())
 
 
-def _made(grid: SweepGrid, place: Path, progress: Progress | None) -> None:
+def _make(grid: SweepGrid, place: Path, progress: Progress | None) -> None:
     """Compute what is missing beside the place, and put it there whole."""
+    if _is_made(grid, place):  # by another process in the meantime
+        return
     store, dask = unfinished(place), needed("dask")
     if place.exists() and place.suffix != ".zarr":
         raise SceneError(f"{place}: not all sets are there: remove it, or choose another name")
@@ -328,7 +332,9 @@ def _opened(grid: SweepGrid, place: Path) -> xr.Dataset:
     axes = [np.array_equal(found[x.path].values, x.values) for x in grid.axes if x.path in found.coords]
     shapes = [found[name].shape == grid.shape for name in grid.variables if name in found]
     if len(axes) < len(grid.axes) or len(shapes) < len(grid.variables) or not all(axes + shapes):
-        raise SceneError(f"{place}: does not hold what it says that it holds: remove it, or choose another name")
+        raise SceneError(
+            f"{place}: values or variables of the sweep are missing in it: remove it, or choose another name"
+        )
     return found
 
 
@@ -618,7 +624,7 @@ class Swept(Answer):
     @property
     def certified(self) -> bool:
         """Whether every set has an answer."""
-        return not bool((self.data.method == OPEN).any())
+        return not bool(_is_open(self.data).any())
 
     @property
     def _varied(self) -> tuple[Collection[str], Collection[str] | None]:
@@ -628,7 +634,7 @@ class Swept(Answer):
     def _body(self) -> dict[str, Any]:
         data, told = self.data, Told.of(self.scene)
         held = [_held(data[name]) for name in data.data_vars if str(name).startswith(HELD)]
-        methods = [int((data.method == kind).sum()) for kind in (FLOAT, EXACT, OPEN)]
+        methods = [int(x.sum()) for x in (data.method == FLOAT, data.method == EXACT, _is_open(data))]
         return {
             "band": [float(x) for x in data.attrs["band"]], "vary": [_axis(data, str(name)) for name in data.method.dims],
             "sets": int(data.method.size), **dict(zip(("certified_in_floats", "exact", "open"), methods, strict=True)),
@@ -640,6 +646,12 @@ class Swept(Answer):
     def _left(self) -> dict[str, Any]:
         notes = self.asides()
         return ({"notes": notes} if notes else {}) | ({} if self.certified else {"open_at": _places(self.data)})
+
+
+def _is_open(data: xr.Dataset) -> xr.DataArray:
+    """Of each set whether it has no answer, or was not computed."""
+    found: xr.DataArray = (data.method != FLOAT) & (data.method != EXACT)
+    return found
 
 
 def _axis(data: xr.Dataset, name: str) -> dict[str, Any]:
@@ -670,6 +682,6 @@ def _held(column: xr.DataArray) -> dict[str, Any]:
 
 def _places(data: xr.Dataset, most: int = 5) -> list[dict[str, float]]:
     """The parameters of the first few sets that have no answer."""
-    where = np.argwhere((data.method == OPEN).values)[:most]
+    where = np.argwhere(_is_open(data).values)[:most]
     names = [str(name) for name in data.method.dims]
     return [{name: float(data[name].values[i]) for name, i in zip(names, index, strict=True)} for index in where]
