@@ -18,7 +18,7 @@ from types import ModuleType
 from typing import Any, TypeAlias
 
 import numpy as np
-from sympy import Add, Expr, I, Integer, Matrix, eye
+from sympy import Add, Expr, I, Integer, Matrix
 
 from haptisym import effects, environments
 from haptisym.kernel.dynamics import Ring
@@ -151,33 +151,30 @@ def _sympy(system: System) -> Expr | None:
     package = sys.modules.get("sympy.physics.control.lti")
     if package is None or not isinstance(system, package.LinearTimeInvariant):
         return None
+    return _of_sympy(system, package)
+
+
+def _of_sympy(system: System, package: ModuleType) -> Expr:
+    """The transfer function of a system that may be made of others."""
     _one_channel(system.num_inputs, system.num_outputs)
-    found: Expr = _channels(system, package)[0, 0]
-    return found
-
-
-def _channels(system: System, package: ModuleType) -> Matrix:
-    """The matrix of transfer functions, a row for each output, of a system that may be made of others."""
     _continuous(getattr(system, "sampling_time", 0))
     if isinstance(system, package.StateSpace):
-        A, B, C, D = system.A, system.B, system.C, system.D
-        entries = lambda i, j: _state_space(A, B[:, j], C[i, :], D[i, j])  # noqa: E731
-        return Matrix(*D.shape, entries)
+        return _state_space(system.A, system.B, system.C, system.D)
     if isinstance(system, package.TransferFunctionMatrix):
-        return Matrix(system.num_outputs, system.num_inputs, lambda i, j: _channels(system[i, j], package)[0, 0])
-    if isinstance(
-        system, package.Series | package.MIMOSeries
-    ):  # the first is the one that the input meets, as in SymPy
-        return reduce(lambda x, y: y * x, (_channels(x, package) for x in system.args))
-    if isinstance(system, package.Parallel | package.MIMOParallel):
-        return reduce(add, (_channels(x, package) for x in system.args))
-    if isinstance(system, package.Feedback | package.MIMOFeedback):
-        forward, back = (_channels(x, package) for x in (system.sys1, system.sys2))
-        loop = eye(forward.rows) - system.sign * forward * back
-        if loop.det().together().expand() == 0:
-            raise SceneError("a loop without dynamics has no transfer function: 1 - sign*G1*G2 is 0 at every frequency")
-        return loop.inv() * forward
-    return Matrix([[in_laplace(system.to_expr(), system.var)]])
+        return _of_sympy(system[0, 0], package)
+    if not isinstance(system, package.Feedback | package.MIMOFeedback):
+        for kinds, operation in (
+            ((package.Series, package.MIMOSeries), mul),
+            ((package.Parallel, package.MIMOParallel), add),
+        ):
+            if isinstance(system, kinds):
+                return reduce(operation, (_of_sympy(x, package) for x in system.args))
+        return in_laplace(system.to_expr(), system.var)
+    forward, back = (_of_sympy(x, package) for x in (system.sys1, system.sys2))
+    loop = 1 - system.sign * forward * back
+    if loop.together().expand() == 0:
+        raise SceneError("a loop has no transfer function: 1 - sign*G1*G2 is 0 at every frequency")
+    return forward / loop
 
 
 def _control(system: System) -> Expr | None:

@@ -95,3 +95,19 @@ def test_exactly_the_formulas_whose_conditions_hold_are_frequencies(name: str) -
                 assert places == seen[kind].tolist(), (kind, values, found)
             else:
                 assert set(places) <= set(seen[kind].tolist()), (kind, values, found)
+
+
+def test_a_changeover_is_the_root_that_is_in_force() -> None:
+    """k + b w^2/(w^2 + W) ... - m W: one root of m W^2 + (m w^2 - b w) W - k w^2 is positive, whatever the values."""
+    d = hs.distort(k + b * s, LAG, hs.effects.shunt(m=m))
+    values = {k: 200, b: 5, w: 60, m: Rational(1, 10)}
+    [positive] = [x for x in np.roots([0.1, 0.1 * 3600 - 300, -200 * 3600]) if x > 0]
+    assert float(d.changeover_perceived.xreplace(values)) == pytest.approx(positive**0.5)
+    fourth = hs.distort(n * s**4 + m * s**2 - k)
+    assert float(fourth.changeover_environment.xreplace({k: 1, m: 1, n: 1})) == pytest.approx(((1 + 5**0.5) / 2) ** 0.5)
+    either = hs.distort(m * s**4 + a * s**2 + k)
+    for sign, low in ((3, 1), (-3, None)):
+        found = either.changeover("env", {m: Rational(1, 2), k: 1, a: Rational(sign, 2)})
+        assert (found and found.xreplace({m: Rational(1, 2), k: 1, a: Rational(3, 2)})) == low
+    resonant = hs.distort(k + 0 * s, series(1 / (s**2 + w**2)))
+    assert (resonant.changeover_perceived, float(resonant.at({k: 1, w: 7}).changeovers.perceived[0])) == (w, 7.0)

@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
+from decimal import Decimal
+from fractions import Fraction
 from typing import Any
 
 import pytest
-from sympy import Expr, I, Rational, Symbol, exp
-from sympy.physics.control import TransferFunction
+from sympy import Expr, Float, I, Matrix, Rational, Symbol, asin, exp, sqrt
+from sympy.physics.control import (
+    Feedback,
+    MIMOSeries,
+    Parallel,
+    Series,
+    StateSpace,
+    TransferFunction,
+    TransferFunctionMatrix,
+)
 
 import haptisym as hs
-from haptisym.kernel.rings import omega
+from haptisym.kernel.rings import c, omega
 
 s, w = Symbol("s"), Symbol("w", positive=True)
 SPRING = hs.environments.mass_spring_damper(k=100)
@@ -136,3 +147,145 @@ def test_an_exponential_is_a_delay_and_results_carry_the_symbols_given() -> None
 def test_what_is_no_system_is_refused_with_the_argument_named(arguments: tuple[Any, ...], named: str) -> None:
     with pytest.raises(hs.SceneError, match=named):
         hs.distort(*arguments)
+
+
+# --- numbers and symbols at the door ------------------------------------------------------------------------------------
+
+k, b, m, T, tau, z = (Symbol(x, positive=True) for x in ("k", "b", "m", "T", "tau", "z"))
+LAGGED = hs.distort(k + b * s, 1 / (1 + T * s))
+LONG = "0.123456789012345678901234567891"
+
+
+def plain(H: complex, G: complex) -> complex:
+    return (G - 1) * H / abs(H)
+
+
+@pytest.mark.parametrize("late", [T, "T"])
+@pytest.mark.parametrize(
+    "value", [0.02, Fraction(1, 50), Decimal("0.02"), "0.02", "20 ms", Rational(1, 50), Float("0.02", 40)]
+)
+def test_values_are_put_in_by_symbol_or_name_as_they_are_written(late: Any, value: Any) -> None:
+    d = LAGGED.at({late: value, k: 100})
+    assert d.free_symbols == {b}
+    assert d.perceived.equals(50 * (b * s + 100) / (s + 50))
+    found = float(d.at({"b": 1}).bandwidth(0.1))
+    assert abs(plain(100 + 1j * found, 1 / (1 + 0.02j * found)).imag) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"tau": 1}, '"tau": valid are T, b, k'), ({"kk": 1}, 'did you mean "k"'), ({"k": -1}, "k: .*>= 0"), ({"T": "x"}, "T: "),
+        ({"k": True}, "k: "), ([1], "values"),
+    ],
+)  # fmt: skip
+def test_what_is_no_value_of_a_parameter_is_refused_by_name(values: Any, told: str) -> None:
+    with pytest.raises(hs.SceneError, match=told):
+        LAGGED.at(values)
+
+
+def test_a_number_of_many_digits_keeps_them_on_every_way_in() -> None:
+    exact, given = Rational(LONG), Float(LONG, 30)
+    lag = hs.effects.first_order_lag(given)
+    assert (hs.distort(given + s).environment, hs.interop.dynamics(([given, 0], [1]))) == (exact + s, exact * s)
+    assert (lag.parameters[0].value, LAGGED.at({"T": given}).chain) == (exact, LAGGED.at({"T": exact}).chain)
+    assert LAGGED.threshold_polynomial("real", given) == LAGGED.threshold_polynomial("real", exact)
+    assert LAGGED.threshold_polynomial("real", Decimal(LONG)) == LAGGED.threshold_polynomial("real", exact)
+    with pytest.raises(hs.SceneError, match="exponent"):
+        hs.distort(Float("1e-400", 30) + s)
+
+
+def test_numbers_and_roots_are_systems() -> None:
+    """A Butterworth filter is -omega^2 (omega^2 + w^2)/(omega^4 + w^4) off, and a mass critically damped has its double root."""
+    butter = hs.distort(100, 1 / (1 + sqrt(2) * s / w + s**2 / w**2))
+    assert butter.relative_real.equals(-(omega**2) * (omega**2 + w**2) / (omega**4 + w**4))
+    found = float(butter.at({w: 20}).bandwidth(Fraction(1, 10)))
+    G = 1 / (1 + 2**0.5 * 1j * found / 20 - found**2 / 400)
+    assert abs((G - 1).imag) == pytest.approx(0.1)
+    damped = hs.distort(m * s**2 + 2 * z * sqrt(k * m) * s + k, 0.5)
+    assert damped.at({z: 1, m: 2, k: 8}).environment == 2 * (s + 2) ** 2
+    assert damped.at({m: 2, k: 3}).perceived.equals(s**2 + sqrt(6) * z * s + Rational(3, 2))
+    assert hs.distort(k, (s + sqrt(6)) * (s - sqrt(2) * sqrt(3)) / (s**2 - 6)).distortion == 0
+    with pytest.raises(hs.SceneError, match="fractional powers"):
+        hs.evaluate(hs.Scene(1 + sqrt(2) * s, ()))
+
+
+def test_delays_that_act_together_are_one() -> None:
+    two = hs.distort(k, exp(-s * tau), exp(-s * T), omega=w)
+    assert two.crossings("imag")[0].omega == asin(c) / (T + tau)
+    assert hs.distort(k, exp(-s * tau), exp(-s * tau)).crossings("imag") == hs.distort(k, exp(-2 * s * tau)).crossings(
+        "imag"
+    )
+    assert hs.distort(k, exp(-s * tau)).crossings("imag", Rational(3, 2)) == ()
+
+
+@pytest.mark.parametrize(
+    ("d", "level", "more"),
+    [
+        (LAGGED, omega / 10, {}), (LAGGED, s, {}), (LAGGED, Symbol("k"), {}), (LAGGED, 0, {}), (LAGGED, float("nan"), {}),
+        (hs.distort(k, 1 / (1 + T * s), omega=Symbol("c")), c, {}), (hs.distort(k + c * s, 0.5), c, {}), (LAGGED, 0.1, {"band": (0, 1)}),
+    ],
+)  # fmt: skip
+def test_a_threshold_has_symbols_of_its_own_and_a_band_takes_numbers(d: hs.Distortion, level: Any, more: Any) -> None:
+    with pytest.raises(hs.SceneError):
+        d.crossings("real", level, **more)
+
+
+def test_parameters_may_be_called_as_the_threshold_or_self() -> None:
+    damper, me = Symbol("c", positive=True), Symbol("self", positive=True)
+    found = hs.distort(b * s + k, 1 / (1 + T * s)).crossings("real", 0.1)[0].equation
+    assert hs.distort(damper * s + k, 1 / (1 + T * s)).crossings("real", 0.1)[0].equation.equals(found.subs(b, damper))
+    assert hs.distort(me, 0.5).compile(of=["real"])(1.0, self=3).real == -1.5
+    cancelled = hs.distort(k, 1 / (1 + s / 10))
+    assert (
+        cancelled.bandwidth(0.1).digits(12)
+        == cancelled.crossings("imag", 0.1, band=(0, 9))[0].digits(12)
+        == "1.01020514434"
+    )
+
+
+def test_a_distortion_and_what_it_answers_are_values() -> None:
+    again = hs.distort(k + b * s, 1 / (1 + T * s))
+    known = again.at({k: 100, b: 1, T: 0.02})
+    found = known.crossings("imag", 0.1)[0]
+    assert (again == LAGGED, hash(again) == hash(LAGGED), known == LAGGED) == (True, True, False)
+    assert pickle.loads(pickle.dumps(again)) == again
+    assert pickle.loads(pickle.dumps((known, found)))[1].digits(30) == found.digits(30)
+    derived = hs.derive(LAGGED)
+    assert ("Re dH" in derived, "omega_perc" in derived, 3 in derived, next(iter(derived))) == (
+        True,
+        False,
+        False,
+        "H_env",
+    )
+    assert (
+        hs.distort(k, exp(-s * tau))
+        .crossings("imag")[0]
+        ._repr_latex_()
+        .startswith(r"$\displaystyle \omega = \frac{\arcsin")
+    )
+
+
+def test_points_are_drawn_as_symbols_are_declared() -> None:
+    low, whole = Symbol("low", negative=True), Symbol("n", integer=True, positive=True)
+    found = hs.verify(hs.distort(low + whole * s, 1 / (1 + T * s)), 10)
+    assert all(x.values["low"] < 0 < x.values["n"] == int(x.values["n"]) for x in found.rows)
+    with pytest.raises(hs.SceneError, match="odd"):
+        hs.verify(hs.distort(Symbol("odd", irrational=True) + s), 1)
+
+
+def test_systems_of_systems_are_taken_and_a_loop_without_dynamics_is_refused() -> None:
+    state = StateSpace(Matrix([[-1 / T]]), Matrix([[1]]), Matrix([[1 / T]]), Matrix([[0]]))
+    lag, one = TransferFunction(1, 1 + T * s, s), StateSpace(*(Matrix([[x]]) for x in (0, 0, 0, 1)))
+    G = 1 / (1 + T * s)
+    for system, expected in (
+        (TransferFunctionMatrix([[lag]]), G),
+        (MIMOSeries(TransferFunctionMatrix([[lag]]), TransferFunctionMatrix([[lag]])), G**2),
+        (Series(state, lag), G**2),
+        (Parallel(state, Series(lag, state)), G + G**2),
+        (Feedback(state, lag), G / (1 + G**2)),
+        (Feedback(lag, state, 1), G / (1 - G**2)),
+    ):
+        assert (hs.interop.dynamics(system) - expected).together().expand() == 0
+    with pytest.raises(hs.SceneError, match="loop"):
+        hs.interop.dynamics(Feedback(one, one, 1))

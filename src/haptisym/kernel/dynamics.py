@@ -10,10 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
-from math import inf
+from itertools import combinations
+from math import inf, lcm
 from operator import mul
 
-from sympy import Add, Expr, I, Integer, Rational, Symbol, cosh, exp, gcd, sinh
+from sympy import Add, Expr, I, Integer, Rational, Symbol, cosh, exp, gcd, perfect_power, sinh
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
@@ -43,9 +44,12 @@ class Ring(PolynomialRing):
     def of(cls, expressions: Iterable[Expr]) -> Ring:
         """The smallest ring that holds the given expressions."""
         found = set(_named(expressions))
-        symbols = {x for x in found if x.is_Symbol} - {s}
+        orders = {_order(x)[1] for x in found if _is_fractional(x)}
+        roots = [x for x in found if _is_root(x)]
+        order = Rational(1, lcm(*(x.exp.q for x in roots)))
+        bases = _independent({x.base for x in roots if x.base.is_Integer}) | {x.base for x in roots if x.base.is_Symbol}
+        symbols = {x for x in found if x.is_Symbol} - {s} - bases | {x**order for x in bases}
         lags = {lag for x in found if x.func is exp for lag in _lags(x)}
-        orders = {_order(x)[1] for x in found if x.is_Pow}
         return cls(symbols, _units(lags), sorted(orders, key=str), j=I in found)
 
     def convert(self, expression: Expr) -> RationalFunction:
@@ -111,7 +115,7 @@ def _named(expressions: Iterable[Expr]) -> Iterator[Expr]:
         elif x.func in (cosh, sinh):
             waiting.append(_exponentials(x))
             continue
-        elif x.func is exp or _is_fractional(x):
+        elif x.func is exp or _is_fractional(x) or _is_root(x):
             yield x
         waiting += x.args
 
@@ -119,6 +123,25 @@ def _named(expressions: Iterable[Expr]) -> Iterator[Expr]:
 def _is_fractional(x: Expr) -> bool:
     """Whether it is a power of s that is not whole."""
     return bool(x.is_Pow and x.base == s and not x.exp.is_Integer)
+
+
+def _is_root(x: Expr) -> bool:
+    """Whether it is a fractional power of a parameter or of a number."""
+    is_known = x.is_Pow and (x.base.is_Symbol or x.base.is_Integer)
+    return bool(is_known and x.base != s and x.exp.is_Rational and not x.exp.is_Integer)
+
+
+def _independent(numbers: set[Integer]) -> set[Integer]:
+    """Numbers without common factors and no powers, of which the given ones are products: then their roots are independent.
+
+    >>> sorted(_independent({Integer(6), Integer(10), Integer(7)}))
+    [2, 3, 5, 7]
+    """
+    found = {Integer(power[0]) if (power := perfect_power(x)) else x for x in numbers} - {1}
+    for x, y in combinations(found, 2):
+        if (common := gcd(x, y)) != 1:
+            return _independent(found - {x, y} | {common, x / common, y / common})
+    return found
 
 
 def _exponentials(expression: Expr) -> Expr:

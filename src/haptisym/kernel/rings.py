@@ -88,11 +88,13 @@ class PolynomialRing:
         clash = conflicting([*own])
         if clash is not None:
             raise SceneError(f"two different symbols are both named {clash}: give one of them another name")
-        self.symbols = tuple(own)
+        self.symbols = tuple(own)  # a parameter, or a root of one or of a number
         self.functions = tuple(functions)
         self.meanings: tuple[Expr, ...] = (variable, pi, *self.symbols, *self.functions)
         self.context = fmpq_mpoly_ctx.get(tuple(f"x{i}" for i in range(len(self.meanings))), Ordering.lex)
         self.generators = dict(zip(self.meanings, self.context.gens(), strict=True))
+        self.roots = {x.base: x for x in own if x.is_Pow}
+        self._relations = [self.generators[x] ** x.exp.q - int(p) for p, x in self.roots.items() if p.is_Integer]
         self._one = self.context.constant(1)
 
     @property
@@ -111,7 +113,14 @@ class PolynomialRing:
 
     def function(self, numerator: Polynomial, denominator: Polynomial | None = None) -> RationalFunction:
         """The quotient of two polynomials of this ring."""
-        return RationalFunction(self, numerator, self._one if denominator is None else denominator)
+        below = self._one if denominator is None else self.short(denominator)
+        return RationalFunction(self, self.short(numerator), below)
+
+    def short(self, polynomial: Polynomial) -> Polynomial:
+        """The same with powers of roots of numbers as numbers: 0 exactly where it is 0, as these roots are independent."""
+        for relation in self._relations:
+            polynomial = divmod(polynomial, relation)[1]
+        return polynomial
 
     @property
     def zero(self) -> RationalFunction:
@@ -138,8 +147,18 @@ class PolynomialRing:
             return reduce(add, map(self.convert, expression.args))
         if expression.is_Mul:
             return reduce(mul, map(self.convert, expression.args))
-        if expression.is_Pow and expression.exp.is_Integer:
-            return self.convert(expression.base) ** int(expression.exp)
+        base, power = expression.as_base_exp()
+        if base in self.roots and (power * self.roots[base].exp.q).is_Integer:
+            return self.function(self.generators[self.roots[base]]) ** int(power * self.roots[base].exp.q)
+        if base.is_Integer and power.is_Rational and not power.is_Integer and base > 1:
+            found, left = self.one, base
+            for p in (p for p in self.roots if p.is_Integer):
+                while left % p == 0:
+                    found, left = found * self.convert(p**power), left / p
+            if left == 1:
+                return found
+        if expression.is_Pow and power.is_Integer:
+            return self.convert(base) ** int(power)
         raise SceneError(
             f"{expression} is not made of {self.meanings[0]} and exact numbers by + - * / and whole powers"
         )
@@ -271,7 +290,7 @@ class RationalFunction:
         return self._new(self.numerator**exponent, self.denominator**exponent)
 
     def _new(self, numerator: Polynomial, denominator: Polynomial) -> RationalFunction:
-        return RationalFunction(self.ring, numerator, denominator)
+        return self.ring.function(numerator, denominator)
 
     @property
     def is_zero(self) -> bool:

@@ -19,24 +19,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 from flint import fmpq
-from sympy import (
-    Add,
-    Expr,
-    Integer,
-    Mul,
-    Rational,
-    S,
-    Symbol,
-    acos,
-    asin,
-    atan,
-    cos,
-    count_ops,
-    factor,
-    factor_terms,
-    pi,
-    sqrt,
-)
+from sympy import Add, Expr, Integer, Mul, Rational, S, Symbol, acos, asin, atan, cos, factor, factor_terms, pi, sqrt
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction
@@ -141,16 +124,16 @@ def _told(zeros: Iterable[_Zero], equation: Expr, order: int) -> list[Solution]:
 
 
 def left_to_ask(conditions: Iterable[Expr]) -> tuple[Expr, ...] | None:
-    """Those conditions that may fail or hold, the shortest first; None where one of them fails for sure.
+    """Those conditions that may fail or hold, in their order; None where one of them fails for sure.
 
     >>> from sympy.abc import x, y
     >>> left_to_ask([Integer(2), 1 + x, y]), left_to_ask([1 + x, Integer(-2)])
-    ((y, x + 1), None)
+    ((x + 1, y), None)
     """
     asked = dict.fromkeys(conditions)
     if any(x.is_negative for x in asked):
         return None
-    return tuple(sorted((x for x in asked if not x.is_nonnegative), key=lambda x: (count_ops(x), str(x))))
+    return tuple(x for x in asked if not x.is_nonnegative)
 
 
 _Found: TypeAlias = list[_Zero] | None
@@ -227,7 +210,7 @@ def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list
 
 
 class _Root(NamedTuple):
-    """A root; an expression that has its sign; and what must not be negative for it to be real."""
+    """A root; an expression that has its sign where it is real; and what must not be negative for that."""
 
     value: Expr
     sign: Expr
@@ -249,23 +232,28 @@ def _roots(row: list[Expr]) -> list[_Root] | None:
         a, b, d = -a, -b, -d
     whole = b**2 - 4 * a * d
     discriminant = split if (split := factor(whole)).is_Mul else whole
-    product = _of_sign(a * d)
+    product, real = _of_sign(a * d), (_of_sign(discriminant),)
     found = []
     for side in (-1, 1):
         root = _quotient(-b + side * sqrt(discriminant), 2 * a)
         if product.is_negative:
             found.append(_Root(root, _of_sign(side * a)))
         elif product.is_positive:
-            found.append(_Root(root, _of_sign(-a * b), (discriminant,)))
+            found.append(_Root(root, _of_sign(-a * b), real))
         else:
-            found.append(_Root(root, _of_sign(a) * (-b + side * sqrt(discriminant)), (discriminant,)))
+            found.append(_Root(root, _of_sign(a) * _unsized(factor_terms(-b + side * sqrt(discriminant))), real))
     return found
 
 
 def _of_sign(x: Expr) -> Expr:
-    """A shorter expression of the same sign: without factors that are not negative, a divisor as a factor."""
+    """A shorter expression of the same sign."""
+    return _unsized(_in_factors(x))
+
+
+def _unsized(x: Expr) -> Expr:
+    """A product without the factors that are not negative, a divisor as a factor."""
     found = Integer(1)
-    for part in Mul.make_args(factor(x)):
+    for part in Mul.make_args(x):
         base, power = part.as_base_exp()
         if part.is_nonnegative and not part.is_zero:
             continue
@@ -280,10 +268,19 @@ def _of_sign(x: Expr) -> Expr:
 
 def _quotient(above: Expr, below: Expr) -> Expr:
     """A quotient with common factors gone, and with a minus below only where there is none above."""
-    above, below = (split if (split := factor(x)).is_Mul else x for x in (above, below))
+    above, below = map(_in_factors, (above, below))
     if above.could_extract_minus_sign():
-        return -above / (-below)
+        return -above / _in_factors(-below)
     return factor_terms(above / below)
+
+
+def _in_factors(x: Expr) -> Expr:
+    """A product where it is one, without a minus in front: 1 - c, and not -(c - 1)."""
+    split = factor(x)
+    sums = [y for y in Mul.make_args(split) if y.is_Add]
+    if not split.is_Mul or not split.could_extract_minus_sign() or not sums:
+        return split if split.is_Mul else x
+    return (-split / sums[0]) * -sums[0]
 
 
 def _equation(polynomial: Polynomial, axis: Axis) -> Expr:

@@ -113,8 +113,7 @@ class Chain:
     @property
     def parameters(self) -> tuple[Symbol, ...]:
         """The symbols in it, in the order of their names."""
-        own = {x for entry in self.entries() for x in entry.free_symbols}
-        return tuple(x for x in self.ring.symbols if x in own)
+        return tuple(sorted({x for entry in self.entries() for x in entry.free_symbols} - {s}, key=str))
 
     def program(self, fields: Sequence[str]) -> Program:
         """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is written as 0."""
@@ -476,7 +475,8 @@ def _chart(f: RealFunction, band: tuple[Any, Any] | None) -> Chart:
 def unknown(*functions: RealFunction) -> set[Symbol]:
     """The parameters on which some functions depend."""
     parts = [(f.axis, (f.function.numerator, f.function.denominator)) for f in functions]
-    return {x for axis, both in parts for i, x in enumerate(axis.symbols, 2) if degree_in(both, i)}
+    used = (x for axis, both in parts for i, x in enumerate(axis.symbols, 2) if degree_in(both, i))
+    return {x for root in used for x in root.free_symbols}
 
 
 def _ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:

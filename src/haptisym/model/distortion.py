@@ -453,7 +453,7 @@ class Distortion(Shown):
 
         ``values`` : of all parameters; the formula is then the one that is in force for them.
         """
-        if any(angle.constant for angle in on_axis(getattr(self, system)).real.axis.angles):
+        if ring_of(self.env).orders:
             return None  # with s^alpha the sign of a root depends on the order, which may be a symbol
         return lowest(self._sign_changes(system), values)
 

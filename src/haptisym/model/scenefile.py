@@ -509,7 +509,14 @@ def as_scene(given: Scene | str | Path) -> Scene:
       ...
     haptisym.kernel.errors.SceneError: Environment is not a scene: make one with Scene(environment, effects, band, threshold)
     """
-    return given if isinstance(given, Scene) else load_scene(given)
+    return _without_roots(given) if isinstance(given, Scene) else load_scene(given)
+
+
+def _without_roots(scene: Scene) -> Scene:
+    """The scene; SceneError where it holds a root as sqrt(k*m), of which there are formulas alone."""
+    for root in scene.chain.ring.roots.values():
+        raise SceneError(f"{root}: in a scene only s has fractional powers, as in 0.17*s^0.5: give it as a parameter")
+    return scene
 
 
 def as_family(given: SceneFamily | Scene | str | Path) -> SceneFamily:
@@ -517,6 +524,7 @@ def as_family(given: SceneFamily | Scene | str | Path) -> SceneFamily:
     if isinstance(given, SceneFamily):
         return given
     if isinstance(given, Scene):
+        given = _without_roots(given)
         return named([("environment", given)], given.title, given.source)
     return load_scenes(given)
 

@@ -10,14 +10,14 @@ from functools import singledispatch
 from html import escape
 from typing import Any
 
-from sympy import Basic, Expr, ImmutableMatrix, Integer
+from sympy import Basic, Expr, ImmutableMatrix
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Crossing, Judged
 from haptisym.judge.peaks import Peak
 from haptisym.judge.percepts import Percept, felt
 from haptisym.kernel.reals import ExactNumber, RealNumber, Way, printed
-from haptisym.kernel.rings import omega, s
+from haptisym.kernel.rings import s
 from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.solutions import Solution
 from haptisym.model.catalogue import Effect, Environment
@@ -120,10 +120,9 @@ def _effect(x: Effect) -> str:
 def _solution(x: Solution) -> str:
     """The formula, with its period and its conditions; or the equation."""
     if x.omega is None:
-        return _displayed(tex(Equation((layout(x.equation), layout(Integer(0))), ("=",))))
+        return _displayed(formula(x.equation), " = 0")
     turns = rf" + {formula(x.period)} n" if x.period else ""
-    bounds = "".join(rf",\quad {formula(y)} \ge 0" for y in x.conditions)
-    return _displayed(tex(Equation((layout(omega), layout(x.omega)), ("=",))), turns, bounds)
+    return _displayed(rf"\omega = {formula(x.omega)}", turns, *(rf",\quad {formula(y)} \ge 0" for y in x.conditions))
 
 
 def _given(parameters: Iterable[Parameter]) -> str:
