@@ -44,7 +44,7 @@ from haptisym.model.columns import (
 )
 from haptisym.model.estimating import estimated
 from haptisym.model.measured import CONFIDENCE, Estimator, Measurement, check_certainty, check_lines
-from haptisym.model.quantities import MotionKind
+from haptisym.model.quantities import Dimension, MotionKind, quantity
 
 LARGEST = 500_000_000
 """Bytes of a file."""
@@ -626,13 +626,6 @@ def _stated(path: Path) -> dict[str, str]:
         return {x[1]: x[2].strip() for x in found if x}
 
 
-def _float(key: str, text: str | None) -> float | None:
-    try:
-        return None if text is None else float(text)
-    except ValueError:
-        raise SceneError(f"{key}: {quoted(text)} must be a number") from None
-
-
 def read_file(path: Path, averages: float | None, confidence: float | None, settings: Mapping[str, Any]) -> Measurement:
     """The response in a file; of records in time where an estimator is named. ``settings`` : by ``RECORDS`` and ``LAYOUT``.
 
@@ -649,10 +642,11 @@ def read_file(path: Path, averages: float | None, confidence: float | None, sett
         try:
             given = _read(path, layout, _response_roles, "omega,real,imag,coherence")
             own = {} if path.suffix.lower() in _ARRAYS else _stated(path)
-            averages = _float("averages", own.get("averages")) if averages is None else averages
-            level = _float("confidence", own.get("confidence")) if confidence is None else confidence
-            found = _measurement(given, layout, averages, CONFIDENCE if level is None else level)
-            return replace(found, slope=own.get("slope"))
+            slope = own.pop("slope", None)
+            stated = {key: float(quantity(text, Dimension.RATIO).value) for key, text in own.items()}
+            averages = stated.get("averages") if averages is None else averages
+            level = stated.get("confidence", CONFIDENCE) if confidence is None else confidence
+            return replace(_measurement(given, layout, averages, level), slope=slope)
         except SceneError as error:
             raise error.within(path.name or str(path)) from None
     if not isinstance(records.get("estimator"), str):
