@@ -30,7 +30,7 @@ from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.roots import each_once, is_told, ordered
 from haptisym.kernel.where import Array, halves
 from haptisym.model.catalogue import Hand
-from haptisym.model.scene import Knob, Scene, clocks
+from haptisym.model.scene import Knob, Scene, clocks, unclocked
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Model
 from haptisym.verbs.stability.held import drifts, need_roots
@@ -464,13 +464,21 @@ def critical(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Ne
     ``brief`` : with a clock, as far as few cells go.
     """
     try:
-        if clocks(scene):
+        bare = unclocked(moved(scene, hand, free, free.symbol)[0])
+        if not clocks(bare) and clocks(scene):
+            scene = unclocked(scene)
+            if not (free.is_of_hand or free.path in {x.path for x in scene.knobs}):
+                return Nearest(free.path)
+        if clocks(bare):
             found = passages(scene, hand, free, brief=brief)
-            still = (
-                drifts(scene, hand) if found.found else 0
-            )  # for all of the values: no walk sets out from one at z = 1 alone
+            beside = found.beside
+            start = free.value if beside is None else Rational(beside.start.numerator, beside.start.denominator)
+            # for all of the values: no way sets out from one at z = 1 alone
+            still = drifts(*moved(scene, hand, free, start)) if found.found or beside else 0
             if still is None:
                 raise UndecidedError("how many roots at z = 1 only drift")
+            if beside and not found.found and beside.home > still:
+                raise UndecidedError("the limits of a parameter that only drifts, and shakes next to its value")
             rows = tuple(Critical(free.path, x.value, x.omega, x.below - still, x.above - still) for x in found.found)
             return Nearest(free.path, rows, low=found.low, high=found.high)
         return _Walk(Loop.of(scene, hand, free), free, lambda x: drifts(*moved(scene, hand, free, x))).nearest()

@@ -24,7 +24,7 @@ from sympy import Integer, Rational, Symbol
 from haptisym.effects import delay as delayed
 from haptisym.effects import series
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
-from haptisym.kernel.budget import tick
+from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.enclosures import over_circle
 from haptisym.kernel.errors import LimitError, UndecidedError
@@ -42,6 +42,7 @@ from haptisym.verbs.stability.sampled import Opened, Walk, loop_of, series_alone
 
 MOST_GAIN, MOST_DELAY = 1000, 1000
 _NONE = "no limit found within it"
+_NOTHING = Fraction(0)
 _FACTOR = series("g_margin", parameters={"g_margin": 1}, name="margin-of-gain")
 _LATE = delayed(0, name="margin-of-delay")
 
@@ -263,8 +264,9 @@ class _Later:
             raise self._searched(least + _MORE)
         return None
 
-    def _searched(self, samples: int) -> UndecidedError:
-        return UndecidedError(f"searched up to {printed(1000 * self.T * samples, 4, Way.DOWN)} ms, {_NONE}")
+    def _searched(self, samples: int, more: Fraction = _NOTHING, why: str = "") -> UndecidedError:
+        up_to = printed(1000 * (self.T * samples + more), 4, Way.DOWN)
+        return UndecidedError(f"searched up to {up_to} ms, {_NONE}{f': {why}' if why else ''}")
 
     def _pieces(self) -> Iterator[tuple[Opened, Fraction, Fraction]]:
         """Of one period those within which all delays keep their whole samples."""
@@ -290,38 +292,51 @@ class _Later:
                 if looked > _MOST_CELLS:
                     raise UndecidedError("how much delay is allowed: too many cells of frequency")
                 phi = arb(a).union(arb(b))
-                x = acb(-2 * (phi / 2).sin() ** 2, phi.sin())  # z - 1
-                above, below = N(x) + slope(x) * either, Q(x)
+                above, below = _all_over(N, phi) + _all_over(slope, phi) * either, _all_over(Q, phi)
                 if not abs(above).overlaps(abs(below)):
                     continue
-                d: int | None = 0
-                if not below.contains(0):
-                    d = _least(_angle(-above / below), a, b, only)
+                angle = arb("nan") if below.contains(0) else _angle(-above / below)
+                d = _least(angle, a, b, only)
                 if d is None:
                     continue
-                if b - a > finest * max(b, _SLOWEST):
+                is_sharp = below.abs_upper() < 2 * below.abs_lower()  # not next to a zero of Q, of which there are few
+                if b - a > (finest * max(b, _SLOWEST) if is_sharp else _SHARPEST):
                     waiting += [(a, (a + b) / 2), ((a + b) / 2, b)]
                 else:
                     yield d, a, b
 
     def _in(self, loop: Opened, low: Fraction, high: Fraction, d: int, phis: Phis) -> Limit | None:
         """The first in a piece that is later by so many samples, with as many roots as before at its beginning."""
-        tick()
-        width = float((high - low) / self.T)
-        finest = min(_COARSE, width / (4 * d + 4))
-        left = [(a, b) for _, a, b in self._allowed(loop, low, high, finest, phis, d)]
-        if not left:
-            return None
         late = Opened(replace(loop.loop, above=(*[Integer(0)] * d, *loop.loop.above)), loop.symbol)
-        if width <= _FINEST:
-            home, count = (late.count(Rational(x.numerator, x.denominator))[0] for x in (low, high))
-            if home != count:
-                found = Walk(late, low, home, Rule.POSITIVE, (low, high)).between(low, high, count)
-                return Limit(_Sum(found.value, Rational(self.T.numerator * d, self.T.denominator)), found.omega)
-            if width < _FINEST**2:
-                raise UndecidedError("how much delay is allowed: whether a root comes to the unit circle and goes back")
-        middle = Fraction(float((low + high) / 2))
-        return self._in(loop, low, middle, d, left) or self._in(loop, middle, high, d, left)
+        waiting, why = Waiting([(low, high, phis)], most=_MOST_CUTS), "too many pieces of delay"
+        try:
+            for start, end, whole in waiting:
+                width = float((end - start) / self.T)
+                left = [
+                    (a, b) for _, a, b in self._allowed(loop, start, end, min(_COARSE, width / (4 * d + 4)), whole, d)
+                ]
+                if not left:
+                    continue
+                if width <= _FINEST:
+                    home, count = (late.count(Rational(x.numerator, x.denominator))[0] for x in (start, end))
+                    if home != count:
+                        found = Walk(late, start, home, Rule.POSITIVE, (start, end)).between(start, end, count)
+                        return Limit(_Sum(found.value, Rational(self.T.numerator * d, self.T.denominator)), found.omega)
+                    if width < _FINEST**2:
+                        raise UndecidedError("whether a root comes to the unit circle and goes back")
+                middle = Fraction(float((start + end) / 2))
+                waiting.add((start, middle, left), (middle, end, left))
+        except UndecidedError as error:
+            why = str(error)
+        if waiting.rest:
+            raise self._searched(d, min(start for start, _, _ in waiting.rest), why)
+        return None
+
+
+def _all_over(polynomial: Any, phi: Ball) -> acb:
+    """A polynomial in z - 1 all over a piece of the circle, by its slope: powers of a ball grow faster than what they are of."""
+    x, middle = (acb(-2 * (angle / 2).sin() ** 2, angle.sin()) for angle in (phi, phi.mid()))
+    return polynomial(middle) + polynomial.derivative()(x) * (x - middle)
 
 
 def _between(low: Fraction, high: Fraction) -> Ball:
@@ -330,7 +345,8 @@ def _between(low: Fraction, high: Fraction) -> Ball:
 
 _PI = 3.1415926535897936  # a little more
 _COARSE, _FINE, _FINEST, _SLOWEST, _MORE, _TURNS, _PARTS = 2.0**-6, 2.0**-12, 2.0**-16, 2.0**-14, 16, 64, 4
-_BITS, _DEEPEST, _MOST_CELLS = 128, 48, 20_000
+_SHARPEST = 2.0**-40
+_BITS, _DEEPEST, _MOST_CELLS, _MOST_CUTS = 128, 128, 20_000, 1000
 
 
 def _angle(x: acb) -> Ball:
@@ -341,7 +357,7 @@ def _angle(x: acb) -> Ball:
 def _least(angle: Ball, a: float, b: float, only: int | None) -> int | None:
     """The least whole d >= 0 for which d phi may be an angle, phi from a to b, but for whole turns; None where there is none."""
     if not angle.is_finite() or angle.rad() > 1:
-        return 0 if only is None else only
+        return only or 0
     first, last = float(angle.lower()) - 1e-9, float(angle.upper()) + 1e-9
     if only is not None:
         turns = ceil((only * a - last) / (2 * pi) - 1e-12), floor((only * b - first) / (2 * pi) + 1e-12)
