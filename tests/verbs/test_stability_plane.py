@@ -25,6 +25,7 @@ from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.errors import UndecidedError
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.require.designmap import held_rectangles
+from haptisym.verbs.stability.critical import critical as limits
 from haptisym.verbs.stability.held import held, unstable_roots
 from haptisym.verbs.stability.margins import margins
 from haptisym.verbs.stability.plane import boundary, plane, wall_plane
@@ -410,6 +411,9 @@ def test_a_delay_comes_to_a_margin_at_which_the_first_eigenvalue_leaves(wall: Wa
 
     assert radius(0.99999) < 1 < radius(1.00001)
     assert max(map(radius, np.linspace(0, 0.99999, 120))) < 1
+    if more < 30 * float(wall.late):  # the limit of that delay is the same, as far as it is searched
+        tau = limits(wall.scene, wall.scene.hands[0], wall.scene.knobs["effects.delay.tau"]).found[-1].value
+        assert float(tau) == pytest.approx(float(wall.late) + more, rel=1e-12)
 
 
 @pytest.mark.slow

@@ -13,14 +13,14 @@ Schenkel's condition asks.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from typing import Any, TypeAlias
+from typing import Any
 
 import flint
-from flint import acb_poly, arb, arb_mat
+from flint import acb_poly, arb
 from sympy import Add, Expr, I, Integer, Poly, Rational, Symbol, ceiling, floor, pi
 
 from haptisym.judge.colgate import sampled_passivity
@@ -30,11 +30,11 @@ from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, at_rising_precision, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, s
 from haptisym.kernel.rootcount import Roots, count_roots, is_stable
-from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.sampledloop import Plant, SampledLoop, Timed, circle_tests, is_clear, most_on_circle
+from haptisym.kernel.sampledloop import Plant, SampledLoop, Timed, circle_tests, most_on_circle
 from haptisym.model.catalogue import CLOCKS, SAMPLED_LOOP, Effect, Hand, controller, device
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene
+from haptisym.verbs.stability.late import Late, Later, Piece
 
 
 def clocked_roots(scene: Scene, hand: Hand) -> Roots:
@@ -152,110 +152,6 @@ def _by_delay(ring: Ring, polynomial: Polynomial) -> Mapping[tuple[int, ...], tu
     return {turns: tuple(row.get(n, Integer(0)) for n in range(max(row) + 1)) for turns, row in rows.items()}
 
 
-_BITS_OF_CELLS = 96
-_MOST_CELLS = 3000
-
-Cell: TypeAlias = tuple[tuple[Fraction, Fraction], ...]
-"""From which share of each range to which."""
-
-
-@dataclass(frozen=True)
-class OnCircle:
-    """A loop with a clock over the values that some of its symbols may have."""
-
-    loop: SampledLoop
-    ranges: Mapping[Symbol, tuple[Expr, Expr]]
-
-    @classmethod
-    def of(cls, scene: Scene, hand: Hand, ranges: Mapping[Symbol, tuple[Expr, Expr]]) -> OnCircle:
-        """UndecidedError where such a loop is not decided."""
-        display = {p.path: p.symbol for p in scene.parameters if p.symbol in ranges}
-        own = {p.symbol.name: p.symbol for p in hand.parameters if p.symbol in ranges}
-        found = cls(loop_of(scene.with_values(display), hand.with_values(own)), ranges)
-        if found.loop.at_one == 0:
-            raise UndecidedError("the roots of a sampled loop of which one stays at z = 1, for all values at once")
-        return found
-
-    def left(self) -> list[Cell]:
-        """Cells outside which no root is on the circle, and in which there may be: none where that is proven."""
-        waiting, looked = [((Fraction(0), Fraction(1)),) * len(self.ranges)], 0
-        while waiting and looked < _MOST_CELLS:
-            tick(looked, _MOST_CELLS, "cells of ranges")
-            cell, looked = waiting.pop(0), looked + 1
-            if not self.is_clear(cell):
-                waiting += cell_halves(cell, range(len(cell)))
-        return waiting
-
-    def is_clear(self, cell: Cell) -> bool:
-        """Whether no root is on the circle for any values of a cell, proven."""
-        with flint.ctx.workprec(_BITS_OF_CELLS):
-            try:
-                return is_clear(self.loop, self._at(cell), self.loop.at_one)
-            except (UndecidedError, ZeroDivisionError, ValueError):
-                return False
-
-    def is_stable(self, values: Mapping[Symbol, Expr]) -> bool | None:
-        """Whether it is for some values and all that clear cells join to them, or for none of these; None where not known.
-
-        Counted before anything cancels: what is hidden at these values alone is not at others.
-        """
-        return True if self.loop.at(values).unstable() == (0, 0) else False if self.hides_none else None
-
-    @cached_property
-    def hides_none(self) -> bool:
-        """Whether nothing that does not decay can be hidden, for any values: neither by the plant nor by the controller.
-
-        The plant's poles have Re s < 0, by Hurwitz, but for some at s = 0, which would show at z = 1; those of the controller
-        have |z| <= 1, as their coefficients tell.
-        """
-        with flint.ctx.workprec(_BITS_OF_CELLS):
-            known = self._at(((Fraction(0), Fraction(1)),) * len(self.ranges))
-            plant = list(self.loop.plant.denominator)
-            while plant[0] == 0:
-                plant.pop(0)
-            if expression_ball(plant[-1], known) < 0:
-                plant = [-x for x in plant]
-            first, *others = (expression_ball(x, known) for x in self.loop.below)
-            return (
-                self._is_never_negative(plant[0])
-                and _is_hurwitz([expression_ball(x, known) for x in plant])
-                and bool(abs(first) >= sum(map(abs, others), arb(0)))
-            )
-
-    def _is_never_negative(self, formula: Expr) -> bool:
-        """Whether it is a sum of products of what is not negative, for any values."""
-        terms = formula.expand().as_ordered_terms()
-        lows = [self.ranges[x][0] for x in formula.free_symbols]
-        return all(x.as_coeff_Mul()[0] >= 0 for x in terms) and all(sign_of_number(x) >= 0 for x in lows)
-
-    def _at(self, cell: Cell) -> dict[Expr, Ball]:
-        """The values of a cell, in balls; at the current working precision."""
-        found: dict[Expr, Ball] = {}
-        for (symbol, (low, high)), (start, end) in zip(self.ranges.items(), cell, strict=True):
-            a, b = expression_ball(low), expression_ball(high)
-            found[symbol] = (a + _ball(start) * (b - a)).union(a + _ball(end) * (b - a))
-        return found
-
-
-def cell_halves(cell: Cell, sides: Sequence[int]) -> list[Cell]:
-    """A cell cut in two along the widest of some sides."""
-    i = max(sides, key=lambda n: cell[n][1] - cell[n][0])
-    low, high = cell[i]
-    middle = (low + high) / 2
-    return [(*cell[:i], part, *cell[i + 1 :]) for part in ((low, middle), (middle, high))]
-
-
-def _is_hurwitz(row: Sequence[Ball]) -> bool:
-    """Whether a polynomial with ascending coefficients, the first of them >= 0, has all roots in Re s < 0, or one at 0."""
-    down, n = list(row)[::-1], len(row) - 1
-    if not all(x > 0 for x in down[:-1]):
-        return False
-    entries = [
-        [down[2 * (j + 1) - (i + 1)] if 0 <= 2 * (j + 1) - (i + 1) <= n else arb(0) for j in range(n)] for i in range(n)
-    ]
-    return all(arb_mat([line[:k] for line in entries[:k]]).det() > 0 for k in range(1, n))
-
-
 def _ball(x: Fraction) -> Any:
     return arb(x.numerator) / arb(x.denominator)
 
@@ -312,6 +208,18 @@ class Swing(RealNumber):
                 return arb(0)
             theta = arb.pi() if self.value.test == 1 else self.value.loop.angle(q, bits)
             return theta / self.value.loop.period(q)
+
+
+@dataclass(frozen=True, repr=False)
+class Sum(RealNumber):
+    """Of a number and a rational one."""
+
+    first: RealNumber
+    more: Rational
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits + 32):
+            return self.first.ball(bits + 8) + arb(int(self.more.p)) / int(self.more.q)
 
 
 @dataclass(frozen=True)
@@ -412,6 +320,17 @@ class Opened:
         """Whether the number changes how many samples a delay is."""
         return bool(self._ratios)
 
+    @cached_property
+    def is_late(self) -> bool:
+        """Whether the number is a delay of all that moves, and of nothing else, and the period rational."""
+        others = self.loop.T, *self.loop.above, *self.loop.below, *self.loop.plant.denominator
+        terms = self.loop.plant.terms
+        apart = any(x.has(self.symbol) for x in (*others, *(x for _, row in terms for x in row)))
+        late = all(
+            lag.diff(self.symbol) == 1 and lag.xreplace({self.symbol: Integer(0)}).is_Rational for lag, _ in terms
+        )
+        return late and not apart and bool(self.loop.T.is_Rational) and not self.always
+
     def piece(self, start: Fraction, end: Fraction, side: int) -> tuple[Opened, Fraction]:
         """The loop from a value on as far as its delays keep their whole samples, and up to where that is."""
         q, last = Rational(start.numerator, start.denominator), Rational(end.numerator, end.denominator)
@@ -506,6 +425,11 @@ class Walk:
         if not self.loop.is_timed:
             return self._within(side)
         at, end = self.start, self.ends[side > 0]
+        if side > 0 and self.loop.is_late and at >= 0:
+            late = self.later()
+            if late.passage is not None:
+                return late.passage, late.known
+            at = late.known
         while (end - at) * side > 0:
             loop, last = self.loop.piece(at, end, side)
             passage, known = replace(self, loop=loop, start=at, ends=(min(at, last), max(at, last)))._within(side)
@@ -513,6 +437,24 @@ class Walk:
                 return passage, known
             at = last
         return None, at
+
+    def later(self) -> Late:
+        """The same on the way up, of a number that is a delay of all that moves."""
+        T, at, pieces = Fraction(int(self.loop.loop.T.p), int(self.loop.loop.T.q)), Fraction(0), list[Piece]()
+        while at < T:
+            loop, last = self.loop.piece(at, T, 1)
+            pieces.append((loop, at, last))
+            at = last
+
+        def close(loop: Opened, one: Fraction, other: Fraction) -> Passage | None:
+            home, count = (loop.count(Rational(x.numerator, x.denominator))[0] for x in (one, other))
+            return None if home == count else replace(self, loop=loop, home=home).between(one, other, count)
+
+        found = Later(pieces, T, close).first(self.start, self.ends[1])
+        if found.passage is None:
+            return found
+        whole = found.samples * self.loop.loop.T
+        return replace(found, passage=replace(found.passage, value=Sum(found.passage.value, whole)))
 
     def _within(self, side: int) -> tuple[Passage | None, Fraction]:
         scale = abs(self.start) or Fraction(1)
