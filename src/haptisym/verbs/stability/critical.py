@@ -401,7 +401,7 @@ class Tally:
 
 def _decided(drifts: int | None) -> int:
     if drifts is None:
-        raise UndecidedError("how many roots at 0 only drift")
+        raise UndecidedError("how many roots at rest only drift")
     return drifts
 
 
@@ -472,12 +472,15 @@ def critical(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Ne
         if clocks(bare):
             found = passages(scene, hand, free, brief=brief)
             beside = found.beside
-            start = free.value if beside is None else Rational(beside.start.numerator, beside.start.denominator)
+            start = free.value if beside is None else Rational(beside.numerator, beside.denominator)
             # for all of the values: no way sets out from one at z = 1 alone
-            still = drifts(*moved(scene, hand, free, start)) if found.found or beside else 0
-            if still is None:
-                raise UndecidedError("how many roots at z = 1 only drift")
-            if beside and not found.found and beside.home > still:
+            still = _decided(drifts(*moved(scene, hand, free, start)) if found.found or beside is not None else 0)
+            if (
+                beside is not None
+                and not found.found
+                and found.homes[0] == drifts(scene, hand)
+                and found.homes[1] > still
+            ):
                 raise UndecidedError("the limits of a parameter that only drifts, and shakes next to its value")
             rows = tuple(Critical(free.path, x.value, x.omega, x.below - still, x.above - still) for x in found.found)
             return Nearest(free.path, rows, low=found.low, high=found.high)

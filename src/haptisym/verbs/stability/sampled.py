@@ -178,16 +178,18 @@ def _bisected(zero: CriticalValue, bits: int) -> Ball:
     """A ball around it of about that relative accuracy: by regula falsi, until signs on both sides of a point confirm it."""
     with flint.ctx.workprec(2 * bits + 64):
         low, high = _ball(zero.low), _ball(zero.high)
-        f, g = (zero.value(x).mid() for x in (low, high))
-        is_closer = True
-        while is_closer and high - low > 2 * (width := max(abs(low), abs(high)).mid() * arb(2) ** -bits):
-            x, is_closer = ((low * g - high * f) / (g - f)).mid(), False
-            for place in ((x - width).mid(), (x + width).mid(), None):
-                place = ((low + high) / 2).mid() if place is None else place
-                y = zero.value(place) if low < place < high else arb(0)
-                if y.contains(0):  # the zero itself, or next to it
+        f, g = (zero.value(x) for x in (low, high))
+        if f.contains(0) or g.contains(0):
+            return low.union(high)
+        while high - low > 2 * (width := max(abs(low), abs(high)).mid() * arb(2) ** -bits):
+            x = ((low * g - high * f) / (g - f)).mid()
+            aside = (low * 33 + high * 31) / 64  # a zero in the very middle has no sign to be told
+            for place in ((x - width).mid(), (x + width).mid(), aside.mid()):
+                if not low < place < high:
                     continue
-                is_closer = True
+                y = zero.value(place)
+                if y.contains(0):
+                    return low.union(high)
                 if (y > 0) == (f > 0):
                     low, f = place, y.mid()
                 else:
@@ -608,8 +610,10 @@ class Passages:
     found: tuple[Passage, ...]
     low: Fraction | None = None
     high: Fraction | None = None
-    beside: Walk | None = None
-    """The way up, where the number itself has a root at 1."""
+    beside: Fraction | None = None
+    """From where on it goes up, where the number itself has a root at 1."""
+    homes: tuple[int, int] = (0, 0)
+    """The number of roots at that number, and from there on."""
 
 
 def passages(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Passages:
@@ -672,12 +676,12 @@ def _both_ways(walk: Walk, scene: Scene, hand: Hand, free: Knob, most: int) -> P
     if down and down.home != up.home:
         at = ExactNumber(Rational(walk.start.numerator, walk.start.denominator))
         below.append(Passage(at, _ZERO, down.home, up.home))
-    beside = up if walk.is_at_1 else None
+    beside, homes = (up.start, (walk.home, up.home)) if walk.is_at_1 else (None, (0, 0))
     if is_enough(up.start):
-        return Passages(tuple(below), low, None, beside)
+        return Passages(tuple(below), low, None, beside, homes)
     above, high = _along(up, 1, most)
     end = None if len(above) < most and is_enough(high) else high
-    return Passages((*below, *above), low, end, beside)
+    return Passages((*below, *above), low, end, beside, homes)
 
 
 def _along(walk: Walk, side: int, most: int) -> tuple[list[Passage], Fraction]:
