@@ -14,14 +14,14 @@ import mpmath
 import numpy as np
 import pytest
 from refusals import refusal
-from sampledloops import NOTHING, placed, w, wall
+from sampledloops import NOTHING, Wall, placed, w, wall
 from scipy.linalg import expm
 from sympy import Expr, Integer, Poly, Rational, Symbol
 
 import haptisym as hs
 from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import limited, timed_by
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.verbs.stability.critical import Nearest, critical
 from haptisym.verbs.stability.held import held
 from haptisym.verbs.stability.sampled import is_held, passages
@@ -162,9 +162,57 @@ def test_a_value_of_a_wall_is_found_far_away() -> None:
     assert [(float(x.value), x.below, x.above) for x in near.found] == [(-(10**5), 1, 0), (10**5, 0, 1)]
 
 
-def test_where_the_number_has_roots_on_the_circle_now_nothing_is_told() -> None:
+def test_a_number_that_is_itself_a_limit_has_limits_on_both_sides() -> None:
+    """z = k/3 is at 1 for k = 3, and at -1 for k = -3."""
     near = nearest(placed(1 - k * w / 3, {"k": 3}), "environment.k")
-    assert (near.found, "on the unit circle now" in near.reason) == ((), True)
+    assert [(float(x.value), x.below, x.above) for x in near.found] == [(-3, 1, 0), (3, 0, 1)]
+
+
+@pytest.mark.parametrize("path", ["effects.series.g", "effects.shunt.b"])
+def test_a_limit_that_is_0_is_told_as_such_to_any_digits(path: str) -> None:
+    """What damps a spring and mass: g 2 s by backward differences, or the device alone. At 0 they swing with (k/m)^(1/2)."""
+    factor, hold, spring_ = F.series("g", parameters={"g": "1"}), F.zero_order_hold("1 ms"), hs.Hand("spring", k=7)
+    by_clock = E.kelvin_voigt(0, 2), (factor, hold, F.shunt(m=1, b=0))
+    without = E.mass_spring_damper(k=0), (hold, F.shunt(m=1, b="1 N*s/m"))
+    found = nearest(hs.Scene(*(by_clock if "series" in path else without), hands=(spring_,)), path).found[0]
+    assert [found.value.digits(9), found.omega.digits(9)] == ["0", "2.64575131"]
+    assert (found.below, found.above) == (2, 0)
+
+
+def test_a_limit_next_to_0_keeps_its_digits() -> None:
+    """z = 3 10^(-9) - 1 - 3 k: at -1 for k = 10^(-9), where the walk began in steps that go over 0."""
+    C = 1 - (Rational(3, 10**9) - 1 - 3 * k) * w
+    [below, above] = nearest(placed(C, {"k": "-1/9"}), "environment.k").found
+    assert (below.value.digits(12), above.value.digits(12)) == ("-0.666666665667", "1.00000000000E-9")
+
+
+AIR = {"k": "0", "b": "0", "T": "0.001", "m": "0.1", "d": "0.3", "m_h": "0", "b_h": "1", "k_h": "0"}
+
+
+@pytest.mark.slow
+def test_from_free_air_a_wall_is_steady_up_to_where_eigenvalues_leave_the_circle() -> None:
+    """Of nothing but a spring, which is not there now: at 0 the handle drifts, which is steady."""
+    felt = E.mass_spring_damper(k=0)
+    own = hs.Scene(felt, (F.sampled_loop("1 ms", "backward-difference"), F.shunt(m="0.1", b="0.3")))
+    own = own.with_hands(hs.Hand("hand", b=1))
+    [x] = nearest(own, "environment.k").found
+    last, air = float(x.value), Wall(AIR)
+    assert air.radius(k=last * (1 - 1e-9)) < 1 < air.radius(k=last * (1 + 1e-9))
+    [steady] = hs.require(own, "environment.k", that="steady").feasible
+    [stable] = hs.require(own, "environment.k", that="stable").feasible
+    assert (steady.low.closed, stable.low.closed) == (True, False)
+    assert {float(y.low.value) for y in (steady, stable)} == {0}
+    assert {float(y.high.value) for y in (steady, stable)} == {last}
+
+
+def test_a_device_behind_a_clock_that_holds_no_force_is_as_passive_as_without() -> None:
+    """A free mass, and what Colgate and Schenkel's condition does not speak of; a spring that is held makes either active."""
+    loop, mass = F.sampled_loop("1 ms", "tustin"), F.shunt(m="0.2")
+    for device in ((mass,), (mass, F.compliance(k=900, b=2))):
+        scene = hs.Scene(E.mass_spring_damper(k=0), (loop, *device))
+        assert hs.stability(scene).every_passive_hand.holds
+        assert not hs.stability(scene.with_values({"environment.k": 1})).every_passive_hand.holds
+    assert sampled_passivity(hs.Scene(E.mass_spring_damper(k=0), (loop, mass))).passive
 
 
 # --- walls ------------------------------------------------------------------------------------------------------------
@@ -464,6 +512,29 @@ def test_with_a_resonance_between_clock_and_hand_a_number_may_still_go_far(path:
     for x in near.found:
         ends = [counted(KNOB, path, float(x.value) * (1 + side * 1e-6)) for side in (-1, 1)]
         assert ends == [x.below, x.above]
+
+
+@pytest.mark.slow
+def test_when_the_time_is_over_verdicts_are_there_and_the_rest_is_marked() -> None:
+    """Verdicts come first, hand after hand; then limits, then margins. Nothing is told where not one of them is there."""
+    own = spring(300, hand=SUN).with_hands(SUN, P3)
+    whole, parts = hs.stability(own, limit=None), list[hs.Stability]()
+    for seconds in (30, 100, 300, 1000):
+        with timed_by(count().__next__):
+            parts.append(hs.stability(own, limit=seconds))
+    assert [[x.stable for x in y.held] for y in parts] == [[True, None], *[[True, True]] * 3]
+    assert {y.imposed for y in parts} == {whole.imposed}
+
+    def limits(found: hs.Stability) -> set[tuple[str, float]]:
+        return {(x.path, float(x.value)) for rows in found.critical for row in rows for x in row.found}
+
+    assert set() < limits(parts[-1]) <= limits(whole)
+    left = parts[1].to_dict()["held"][1]["undecided"]
+    assert {x["path"] for x in left} >= {"environment.k", "margins.gain", "margins.delay"}
+    assert all("limit of 100 s" in x["reason"] for x in left)
+    assert [x.settled for x in (whole, *parts)] == [True, False, False, False, False]
+    with timed_by(count().__next__), pytest.raises(LimitError, match="stopped at the limit"):
+        hs.stability(spring(301, hand=SUN), limit=3)
 
 
 def test_when_the_time_is_over_a_number_is_known_as_far_as_it_was_followed() -> None:

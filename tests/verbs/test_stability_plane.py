@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
 from itertools import count
 from math import log10
@@ -13,6 +14,7 @@ import mpmath
 import numpy as np
 import pytest
 from lagged import lagged, room, text
+from sampledloops import Wall
 from scipy.linalg import expm
 from scipy.optimize import brentq
 from strategies import Seeded, case, scene
@@ -23,6 +25,7 @@ from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.errors import UndecidedError
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.require.designmap import held_rectangles
+from haptisym.verbs.stability.critical import critical as limits
 from haptisym.verbs.stability.held import held, unstable_roots
 from haptisym.verbs.stability.margins import margins
 from haptisym.verbs.stability.plane import boundary, plane, wall_plane
@@ -381,6 +384,48 @@ def test_margins_of_a_sampled_wall_are_where_an_eigenvalue_of_a_period_leaves_th
         assert low < 1 < high
     assert all(radius(10 ** (log10(g) * i / 40 - 3 * (i % 2)), 0) < 1 for i in range(40))
     assert all(radius(1, more * i / 40) < 1 for i in range(40))
+
+
+TUSTIN = {"k": "500", "b": "2", "T": "0.001", "m": "0.1", "d": "-2.5", "m_h": "0.1", "b_h": "2", "k_h": "0"}
+HELD = {"k": "40", "b": "3", "T": "0.02", "m": "0.05", "d": "0.1", "m_h": "0.2", "b_h": "30", "k_h": "5"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "wall",
+    [
+        Wall(TUSTIN, "tustin"),  # a pole of the controller at z = -1, and a root next to it
+        Wall(HELD | {"k": "900", "b": "2", "d": "0.2"}, "tustin", samples=1, late="0.0013"),
+        Wall(HELD | {"b": "0.5", "m_h": "0.1", "b_h": "4", "k_h": "200"}, "tustin", samples=1),
+        Wall(HELD, late="0.0013"),  # many samples late
+        Wall(HELD | {"k": "900", "b": "0", "T": "0.001", "k_h": "200"}, "tustin"),
+    ],
+)
+def test_a_delay_comes_to_a_margin_at_which_the_first_eigenvalue_leaves(wall: Wall) -> None:
+    x = margins(wall.scene, wall.scene.hands[0])
+    assert x.delay
+    more = float(x.delay.value)
+
+    def radius(share: float) -> float:
+        return replace(wall, late=repr(float(wall.late) + more * float(share))).radius()
+
+    assert radius(0.99999) < 1 < radius(1.00001)
+    assert max(map(radius, np.linspace(0, 0.99999, 120))) < 1
+    if more < 30 * float(wall.late):  # the limit of that delay is the same, as far as it is searched
+        tau = limits(wall.scene, wall.scene.hands[0], wall.scene.knobs["effects.delay.tau"]).found[-1].value
+        assert float(tau) == pytest.approx(float(wall.late) + more, rel=1e-12)
+
+
+@pytest.mark.slow
+def test_a_margin_that_is_not_reached_is_told_as_far_as_it_was_searched() -> None:
+    wall, told = Wall(TUSTIN, "tustin"), list[float]()
+    for seconds in range(90, 150, 15):
+        with timed_by(count().__next__), limited(seconds):
+            why = dict(margins(wall.scene, wall.scene.hands[0]).undecided).get("delay", "")
+        told += [float(x.split(" ms")[0]) for x in why.split("searched up to ")[1:]]
+    assert told == sorted(told)
+    assert told
+    assert 0.5 < told[-1] < 0.999791
 
 
 def test_the_delay_of_a_sampled_wall_as_stiff_as_the_hand_is_quickly_undecided() -> None:

@@ -22,7 +22,7 @@ import haptisym as hs
 from haptisym.kernel.budget import timed_by
 from haptisym.kernel.rings import s
 from haptisym.verbs.stability.held import held
-from haptisym.verbs.stability.sampled import OnCircle
+from haptisym.verbs.stability.oncircle import OnCircle
 from haptisym.verbs.tolerances.stability import ClockPlane, HeldInBox, held_in_box, quotient
 
 E, F = hs.environments, hs.effects

@@ -353,7 +353,7 @@ def _refuse_contradictions(free: int, ranges: int) -> None:
     figure("the hand's plane: where the display is stable"),
     JSON,
     CERTIFICATE,
-    LIMIT,
+    OWN_LIMIT,
     each=True,
 )
 def stability(ask: Ask) -> Answer:
@@ -377,7 +377,8 @@ def stability(ask: Ask) -> Answer:
     """
     from haptisym.verbs.stability.entry import stability as of
 
-    return of(ask.scene, ask.hand or None, ask.free, digits=ask.digits or 15, limit=None)
+    with progress() as told, limited(None, told):
+        return of(ask.scene, ask.hand or None, ask.free, digits=ask.digits or 15, limit=ask.limit)
 
 
 @verb(

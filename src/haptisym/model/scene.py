@@ -648,6 +648,14 @@ def clocks(scene: Scene) -> tuple[Expr, ...]:
     )
 
 
+def unclocked(scene: Scene) -> Scene:
+    """The scene; without its clock and what is before it where that holds no force, whatever the symbols in it stand for."""
+    place = next((i for i, x in enumerate(scene.effects) if x.model in CLOCKS), None)
+    if place is None or scene.rendering.H != 0 or any(x.matrix[1] != 0 for x in scene.effects[:place]):
+        return scene
+    return replace(scene, environment=scene.rendering, rendered=None, effects=scene.effects[place + 1 :])
+
+
 def sampled_loop(scene: Scene) -> tuple[Effect, Effect] | None:
     """A clock that holds a force, and what brings that back to a clock: an element that yields, or another clock, beyond it.
 

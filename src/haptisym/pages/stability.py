@@ -376,7 +376,8 @@ def _place(x: Critical) -> Phrase:
 def _prescribed(found: Stability) -> Phrase:
     x = found.imposed
     if x.stable is None:
-        return Strong("undecided"), ", whether all poles of ", w.H_PERC, " lie in ", _LEFT, "."
+        why = f": {x.reason}" if x.reason else ""
+        return Strong("undecided"), ", whether all poles of ", w.H_PERC, " lie in ", _LEFT, f"{why}."
     if x.stable:
         return "stable", "; infinitely many poles come arbitrarily near to the imaginary axis." if x.chain else "."
     if x.chain is RootChain.NEAR:

@@ -8,7 +8,7 @@ in the others Newton's step in balls proves that there is just one pair. What is
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -30,7 +30,7 @@ from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.roots import each_once, is_told, ordered
 from haptisym.kernel.where import Array, halves
 from haptisym.model.catalogue import Hand
-from haptisym.model.scene import Knob, Scene, clocks
+from haptisym.model.scene import Knob, Scene, clocks, unclocked
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Model
 from haptisym.verbs.stability.held import drifts, need_roots
@@ -410,7 +410,7 @@ class Tally:
 
 def _decided(drifts: int | None) -> int:
     if drifts is None:
-        raise UndecidedError("how many roots at 0 only drift")
+        raise UndecidedError("how many roots at rest only drift")
     return drifts
 
 
@@ -516,9 +516,25 @@ def critical(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Ne
         return False
 
     try:
-        if clocks(scene):
+        bare = unclocked(moved(scene, hand, free, free.symbol)[0])
+        if not clocks(bare) and clocks(scene):
+            scene = unclocked(scene)
+            if not (free.is_of_hand or free.path in {x.path for x in scene.knobs}):
+                return Nearest(free.path)
+        if clocks(bare):
             found = passages(scene, hand, free, brief=brief)
-            rows = tuple(_passed(free, x, _decided(drifting())) for x in found.found)
+            beside = found.beside
+            start = free.value if beside is None else Rational(beside.numerator, beside.denominator)
+            # for all of the values: no way sets out from one at z = 1 alone
+            still = _decided(drifts(*moved(scene, hand, free, start)) if found.found or beside is not None else 0)
+            if (
+                beside is not None
+                and not found.found
+                and found.homes[0] == drifts(scene, hand)
+                and found.homes[1] > still
+            ):
+                raise UndecidedError("the limits of a parameter that only drifts, and shakes next to its value")
+            rows = tuple(_passed(free, x, still) for x in found.found)
             return Nearest(free.path, rows, low=found.low, high=found.high)
         tally = Tally(Loop.of(scene, hand, free), drifts=lambda x: drifting() and drifts(*moved(scene, hand, free, x)))
         return _Walk(tally, free, is_there).nearest()
@@ -527,7 +543,7 @@ def critical(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Ne
 
 
 def _passed(free: Knob, x: Passage, still: int) -> Critical:
-    """With a clock. What drifts does so for all of the values, as no walk sets out from a root at z = 1 alone."""
+    """A limit of a loop with a clock, as ``Critical`` has it; ``still`` roots only drift, on both sides of it."""
     low = ALLOWED[free.rule][0]
     is_end = low is not None and not ordered(x.value, ExactNumber(low))
     return Critical(free.path, x.value, x.omega, x.below - still, x.above - still, itself=-is_end)

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.colgate import SampledPassivity
-from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.budget import SECONDS, limited, share, tick
 from haptisym.kernel.dynamics import ring_of
 from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.kernel.objects import titled
@@ -35,6 +35,7 @@ from haptisym.verbs.stability.margins import Margins, margins
 
 WALL = ("environment.k", "environment.b")
 """What is asked about a display with a clock, and what its plane shows."""
+_PART = 0.5  # of the time that is left, for one number or for passivity
 
 
 def has_plane(scene: Scene) -> bool:
@@ -56,7 +57,7 @@ class Stability(Answer):
     ``boxes`` : in which part of a hand's ranges it is stable; None without ranges. ``every_passive_hand`` : passivity, with the
     active frequencies and the damping that compensates. ``digits`` : of JSON. ``scene`` : with the hands.
 
-    Proven: all counts and limits, for the model as written. None is undecided; ``certified`` : nothing is, margins aside.
+    Proven: all counts and limits, for the model as written. None is undecided; ``certified`` : nothing is.
 
     >>> import haptisym as hs
     >>> found = hs.stability("delayed-spring", "postural-arm", free=["tau"])
@@ -91,15 +92,15 @@ class Stability(Answer):
 
     @property
     def certified(self) -> bool:
-        """Whether nothing was left undecided, of margins apart."""
+        """Whether nothing was left undecided."""
         held = all(x.is_decided for x in self.held)
         decided = self.imposed.stable is not None and held and self.every_passive_hand.is_decided
         left = [x.reason for rows in self.critical for x in rows] + [x.reason for x in self.boxes if x]
-        return decided and not any(left)
+        return decided and not any(left) and not any(x.undecided for x in self.margins if x)
 
     def _body(self) -> dict[str, Any]:
         return {
-            "imposed": {"stable": self.imposed.stable, "unstable": self.imposed.unstable},
+            "imposed": self.imposed.row(),
             "held": [self._held(*row) for row in zip(self.held, self.critical, self.boxes, self.margins, strict=True)],
             "every_passive_hand": self.every_passive_hand.row(self.digits),
             "sampled": None if self.sampled is None else self.sampled.row(self.digits),
@@ -169,7 +170,8 @@ def stability(
     those of the scene if not given. ``free`` : numbers by path or symbol; for each, and for the hand's own, the nearest
     values are found at which the number of unstable roots changes; if none is given, all numbers of the display, with a clock
     in a shorter search. ``digits`` : of each number in the document.
-    ``limit`` : seconds after which what is not decided stays open; None for none.
+    ``limit`` : seconds after which what is not decided stays open; None for none. Verdicts come first, then limits, then
+    margins; LimitError where not even one verdict is there by then.
 
     What stays open is None, and the answer is then not certified. SceneError where a hand is not known, is given twice or turns
     about an axis where the scene moves along a line.
@@ -186,11 +188,15 @@ def stability(
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
     if not paths and scene.hands:
         asked_of = [x for x in scene.knobs if not (x.parts or x.is_of_hand)]
-    with limited(limit):
+    with limited(limit) as budget:  # verdicts first: each part tells itself where the time for it is over
+        under = imposed(scene)
         rows = tuple(held(scene, x) for x in scene.hands)
-        near = tuple(_critical(scene, x, asked_of, brief=not paths) for x in rows)
+        with share(_PART):
+            every = every_passive_hand(scene)
+        if budget.reached and under.stable is every.holds is None and not any(x.roots for x in rows):
+            tick()  # nothing is known: LimitError
         boxes = tuple(whole_box(scene, x) for x in scene.hands)
-        under, every = imposed(scene), every_passive_hand(scene)
+        near = tuple(_critical(scene, x, asked_of, brief=not paths) for x in rows)
         nearby = tuple(margins(scene, x.hand) if x.shakes is False else None for x in rows)
         return Stability(scene, under, rows, near, boxes, every, nearby, digits)
 
@@ -225,9 +231,15 @@ def _critical(scene: Scene, x: Held, free: Iterable[Knob], *, brief: bool) -> tu
     own = [knob for knob in scene.knobs if knob.is_of_hand and knob.symbol in {p.symbol for p in x.hand.parameters}]
     others = [knob for knob in free if not knob.is_of_hand]
     return (
-        *(critical(scene, x.hand, knob) for knob in own),
-        *(critical(scene, x.hand, knob, brief=brief and knob.path not in WALL) for knob in others),
+        *(_in_part(scene, x.hand, knob) for knob in own),
+        *(_in_part(scene, x.hand, knob, brief=brief and knob.path not in WALL) for knob in others),
     )
+
+
+def _in_part(scene: Scene, hand: Hand, knob: Knob, *, brief: bool = False) -> Nearest:
+    """The limits of one number, in a part of the time that is left, so that others are told, too."""
+    with share(_PART):
+        return critical(scene, hand, knob, brief=brief)
 
 
 def chosen(scene: Scene, given: str | Hand) -> Hand:

@@ -19,7 +19,7 @@ from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity, environment_alone, force_is_stable, passivity, rests
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, ring_of
-from haptisym.kernel.errors import SceneError, UndecidedError
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, omega
@@ -27,12 +27,14 @@ from haptisym.kernel.rootcount import RootChain, Roots, at_least, count_roots, o
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import WHOLE_NUMBERS, Parameter, values
-from haptisym.model.scene import Scene, clocks
-from haptisym.verbs.stability.sampled import OnCircle, clocked_roots, loop_of
+from haptisym.model.scene import Scene, clocks, unclocked
+from haptisym.verbs.stability.oncircle import OnCircle
+from haptisym.verbs.stability.sampled import clocked_roots, loop_of
 
 
 def unstable_roots(scene: Scene, hand: Hand) -> Roots:
     """The roots in Re s >= 0 of a display in a hand: the one place where that is decided. UndecidedError where it stays open."""
+    scene = unclocked(scene)
     if clocks(scene):
         return clocked_roots(scene, hand)
     at_rest = sign_of_number(hand.b.value) > 0 and rests(scene, scene.chain.at(values(scene.parameters)))
@@ -149,6 +151,7 @@ def drifts(scene: Scene, hand: Hand) -> int | None:
 
 def _at_rest(scene: Scene, hand: Hand) -> int:
     """The number of roots at s = 0, or z = 1."""
+    scene = unclocked(scene)
     if clocks(scene):
         return loop_of(scene, hand).roots_at_one
     perceived = scene.closed.perc
@@ -172,18 +175,27 @@ def _otherwise(scene: Scene, hand: Hand) -> tuple[Scene, Hand]:
 class Imposed:
     """Whether the force under prescribed motion is stable, and the number of poles of H_perc in Re s >= 0; None: not decided.
 
-    ``chain`` : of infinitely many poles; of a stable force it may come as near to the axis as one likes.
+    ``chain`` : of infinitely many poles; of a stable force it may come as near to the axis as one likes. ``reason`` : why it
+    was not decided in time.
     """
 
     stable: bool | None
     unstable: int | None
     chain: RootChain | None = None
+    reason: str = ""
+
+    def row(self) -> dict[str, Any]:
+        """As documents have it."""
+        return {"stable": self.stable, "unstable": self.unstable} | ({"reason": self.reason} if self.reason else {})
 
 
 def imposed(scene: Scene) -> Imposed:
     """The poles of H_perc."""
-    perceived = scene.closed.perc
-    stable = force_is_stable(scene, scene.closed)
+    try:
+        perceived = scene.closed.perc
+        stable = force_is_stable(scene, scene.closed)
+    except LimitError as error:
+        return Imposed(None, None, reason=str(error))
     if stable is None:
         return Imposed(stable=None, unstable=None)
     if stable and not (ring_of(perceived).lags and environment_alone(scene)):
@@ -251,7 +263,7 @@ def _number(x: RealNumber | None, digits: int) -> dict[str, Any]:
 def every_passive_hand(scene: Scene) -> EveryPassiveHand:
     """Whether a display is stable with any passive operator: the one place where that is decided."""
     try:
-        found = passivity(scene)
+        found = passivity(unclocked(scene))
         sampled = found.sampled
         # what either asks may stay open
         _ = (found.holds, found.damping) if sampled is None else (found.holds, sampled.hand_needed)
@@ -284,6 +296,7 @@ def whole_box(scene: Scene, hand: Hand) -> Box | None:
     """In which hands of its box a display is stable; None for a hand without ranges."""
     if not hand.has_ranges:
         return None
+    scene = unclocked(scene)
     try:
         if clocks(scene):
             return _sampled(scene, hand)

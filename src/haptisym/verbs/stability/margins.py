@@ -12,21 +12,18 @@ With a clock the factor stands before the controller, and the delay in what move
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import ceil, floor, pi
 from typing import Any, TypeAlias, TypeVar
 
-from flint import acb, arb, arb_poly, ctx
-from sympy import Integer, Rational, Symbol
+from flint import acb, arb, ctx
+from sympy import Integer, Symbol
 
 from haptisym.effects import delay as delayed
 from haptisym.effects import series
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
-from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import RealFunction, on_axis, squared_modulus
-from haptisym.kernel.enclosures import over_circle
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, RealNumber, Way, printed
@@ -42,6 +39,7 @@ from haptisym.verbs.stability.sampled import Opened, Walk, loop_of, series_alone
 
 MOST_GAIN, MOST_DELAY = 1000, 1000
 _NONE = "no limit found within it"
+_NOTHING = Fraction(0)
 _FACTOR = series("g_margin", parameters={"g_margin": 1}, name="margin-of-gain")
 _LATE = delayed(0, name="margin-of-delay")
 
@@ -225,142 +223,17 @@ def _delay_by_clock(scene: Scene, hand: Hand) -> Limit | None:
     loop = _loop(scene, hand)
     if loop is None:
         return None
-    if not loop.T.is_Rational:
-        raise UndecidedError("how much delay is allowed: the sampling period is no rational number")
     late = Symbol("tau_margin", positive=True)
-    plant = replace(loop.plant, terms=tuple((lag + late, row) for lag, row in loop.plant.terms))
-    return _Later(Opened(replace(loop, plant=plant), late), Fraction(int(loop.T.p), int(loop.T.q))).first()
-
-
-@dataclass(frozen=True)
-class _Later:
-    """A loop that is later by d whole samples and a share theta of one: z^d Q(z; theta) + N(z; theta) = 0.
-
-    On z = exp(j phi) that asks for |Q| = |N|, whatever d is, and then d phi is an angle of -N/Q: cells of theta and phi tell the
-    least d at which they allow it. Before that no root is on the circle; from there on thin cells close in on the first theta.
-    """
-
-    opened: Opened
-    T: Fraction
-
-    def first(self) -> Limit | None:
-        """The least delay at which a root comes to the circle; None where none does, up to a thousand seconds."""
-        most = int(MOST_DELAY / self.T)
-        pieces = [*self._pieces()]
-        parts = [
-            (x, a + (b - a) * i / _PARTS, a + (b - a) * (i + 1) / _PARTS) for x, a, b in pieces for i in range(_PARTS)
-        ]
-        known = [(d, (a, b), part[0]) for part in parts for d, a, b in self._allowed(*part, _FINE, [(0.0, _PI)])]
-        least = min((d for d, _, _ in known), default=most)
-        if _DEEPEST < least < most:
-            raise self._searched(least)
-        for d in range(least, min(most, least + _MORE)):
-            for loop, low, high in pieces:
-                phis = [*dict.fromkeys(phi for _, phi, own in known if own is loop)]
-                if (found := self._in(loop, low, high, d, phis)) is not None:
-                    return found
-        if least < most:
-            raise self._searched(least + _MORE)
-        return None
-
-    def _searched(self, samples: int) -> UndecidedError:
-        return UndecidedError(f"searched up to {printed(1000 * self.T * samples, 4, Way.DOWN)} ms, {_NONE}")
-
-    def _pieces(self) -> Iterator[tuple[Opened, Fraction, Fraction]]:
-        """Of one period those within which all delays keep their whole samples."""
-        at = Fraction(0)
-        while at < self.T:
-            loop, last = self.opened.piece(at, self.T, 1)
-            yield loop, at, last
-            at = last
-
-    def _allowed(
-        self, loop: Opened, low: Fraction, high: Fraction, finest: float, phis: Phis, only: int | None = None
-    ) -> Iterator[tuple[int, float, float]]:
-        """Cells of phi with a root that may be on the circle, and with how many whole samples at least, or ``only`` so many."""
-        with ctx.workprec(_BITS):
-            q = _between(low, high)
-            lines = over_circle(lambda x: loop.loop.sides({loop.symbol: x})[0].coeffs(), q.mid(), q.rad())
-            N, slope, _ = (arb_poly(list(x)) for x in zip(*lines, strict=True))
-            Q, either = loop.loop.sides({loop.symbol: q})[1], arb(0, 1)
-            waiting, looked = [*phis], 0
-            while waiting:
-                a, b = waiting.pop()
-                looked += 1
-                if looked > _MOST_CELLS:
-                    raise UndecidedError("how much delay is allowed: too many cells of frequency")
-                phi = arb(a).union(arb(b))
-                x = acb(-2 * (phi / 2).sin() ** 2, phi.sin())  # z - 1
-                above, below = N(x) + slope(x) * either, Q(x)
-                if not abs(above).overlaps(abs(below)):
-                    continue
-                d: int | None = 0
-                if not below.contains(0):
-                    d = _least(_angle(-above / below), a, b, only)
-                if d is None:
-                    continue
-                if b - a > finest * max(b, _SLOWEST):
-                    waiting += [(a, (a + b) / 2), ((a + b) / 2, b)]
-                else:
-                    yield d, a, b
-
-    def _in(self, loop: Opened, low: Fraction, high: Fraction, d: int, phis: Phis) -> Limit | None:
-        """The first in a piece that is later by so many samples, with as many roots as before at its beginning."""
-        tick()
-        width = float((high - low) / self.T)
-        finest = min(_COARSE, width / (4 * d + 4))
-        left = [(a, b) for _, a, b in self._allowed(loop, low, high, finest, phis, d)]
-        if not left:
-            return None
-        late = Opened(replace(loop.loop, above=(*[Integer(0)] * d, *loop.loop.above)), loop.symbol)
-        if width <= _FINEST:
-            home, count = (late.count(Rational(x.numerator, x.denominator))[0] for x in (low, high))
-            if home != count:
-                found = Walk(late, low, home, Rule.POSITIVE, (low, high)).between(low, high, count)
-                return Limit(_Sum(found.value, Rational(self.T.numerator * d, self.T.denominator)), found.omega)
-            if width < _FINEST**2:
-                raise UndecidedError("how much delay is allowed: whether a root comes to the unit circle and goes back")
-        middle = Fraction(float((low + high) / 2))
-        return self._in(loop, low, middle, d, left) or self._in(loop, middle, high, d, left)
-
-
-def _between(low: Fraction, high: Fraction) -> Ball:
-    return (arb(low.numerator) / low.denominator).union(arb(high.numerator) / high.denominator)
-
-
-_PI = 3.1415926535897936  # a little more
-_COARSE, _FINE, _FINEST, _SLOWEST, _MORE, _TURNS, _PARTS = 2.0**-6, 2.0**-12, 2.0**-16, 2.0**-14, 16, 64, 4
-_BITS, _DEEPEST, _MOST_CELLS = 128, 48, 20_000
-
-
-def _angle(x: acb) -> Ball:
-    """Of a number, all over its ball: about pi where it is about -1, not both pi and -pi."""
-    return x.arg() if not x.real < 0 else (-x).arg() + arb.pi()
-
-
-def _least(angle: Ball, a: float, b: float, only: int | None) -> int | None:
-    """The least whole d >= 0 for which d phi may be an angle, phi from a to b, but for whole turns; None where there is none."""
-    if not angle.is_finite() or angle.rad() > 1:
-        return 0 if only is None else only
-    first, last = float(angle.lower()) - 1e-9, float(angle.upper()) + 1e-9
-    if only is not None:
-        turns = ceil((only * a - last) / (2 * pi) - 1e-12), floor((only * b - first) / (2 * pi) + 1e-12)
-        return only if turns[0] <= turns[1] else None
-    low = 0
-    for k in range(_TURNS):
-        low = max(0, ceil((first + 2 * pi * k) / b))
-        if last + 2 * pi * k >= low * a:
-            return low
-    return low
-
-
-@dataclass(frozen=True, repr=False)
-class _Sum(RealNumber):
-    """Of a number and a rational one."""
-
-    first: RealNumber
-    more: Rational
-
-    def ball(self, bits: int) -> Ball:
-        with ctx.workprec(bits + 32):
-            return self.first.ball(bits + 8) + arb(int(self.more.p)) / int(self.more.q)
+    opened = Opened(
+        replace(loop, plant=replace(loop.plant, terms=tuple((lag + late, row) for lag, row in loop.plant.terms))), late
+    )
+    if not opened.is_late:
+        raise UndecidedError("how much delay is allowed: a root stays at z = 1, or the period is no rational number")
+    ends = Fraction(0), Fraction(MOST_DELAY)
+    found = Walk(opened, ends[0], 0, Rule.NONNEGATIVE, ends).later()
+    if found.passage is not None:
+        return Limit(found.passage.value, found.passage.omega)
+    if found.known < MOST_DELAY:
+        up_to = printed(1000 * found.known, 4, Way.DOWN)
+        raise UndecidedError(f"searched up to {up_to} ms, {_NONE}: {found.why}")
+    return None

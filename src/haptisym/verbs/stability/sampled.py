@@ -13,28 +13,28 @@ Schenkel's condition asks.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from typing import Any, TypeAlias
+from typing import Any
 
 import flint
-from flint import acb_poly, arb, arb_mat
-from sympy import Expr, I, Integer, Poly, Rational, Symbol, ceiling, floor, pi
+from flint import acb_poly, arb
+from sympy import Add, Expr, I, Integer, Poly, Rational, Symbol, ceiling, floor, pi
 
 from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
-from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
-from haptisym.kernel.rootcount import Roots, is_stable
-from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.sampledloop import Plant, SampledLoop, Timed, circle_tests, is_clear, most_on_circle
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, at_rising_precision, expression_ball
+from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, s
+from haptisym.kernel.rootcount import Roots, count_roots, is_stable
+from haptisym.kernel.sampledloop import Plant, SampledLoop, Timed, circle_tests, most_on_circle
 from haptisym.model.catalogue import CLOCKS, SAMPLED_LOOP, Effect, Hand, controller, device
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene
+from haptisym.verbs.stability.late import Late, Later, Piece
 
 
 def clocked_roots(scene: Scene, hand: Hand) -> Roots:
@@ -152,110 +152,6 @@ def _by_delay(ring: Ring, polynomial: Polynomial) -> Mapping[tuple[int, ...], tu
     return {turns: tuple(row.get(n, Integer(0)) for n in range(max(row) + 1)) for turns, row in rows.items()}
 
 
-_BITS_OF_CELLS = 96
-_MOST_CELLS = 3000
-
-Cell: TypeAlias = tuple[tuple[Fraction, Fraction], ...]
-"""From which share of each range to which."""
-
-
-@dataclass(frozen=True)
-class OnCircle:
-    """A loop with a clock over the values that some of its symbols may have."""
-
-    loop: SampledLoop
-    ranges: Mapping[Symbol, tuple[Expr, Expr]]
-
-    @classmethod
-    def of(cls, scene: Scene, hand: Hand, ranges: Mapping[Symbol, tuple[Expr, Expr]]) -> OnCircle:
-        """UndecidedError where such a loop is not decided."""
-        display = {p.path: p.symbol for p in scene.parameters if p.symbol in ranges}
-        own = {p.symbol.name: p.symbol for p in hand.parameters if p.symbol in ranges}
-        found = cls(loop_of(scene.with_values(display), hand.with_values(own)), ranges)
-        if found.loop.at_one == 0:
-            raise UndecidedError("the roots of a sampled loop of which one stays at z = 1, for all values at once")
-        return found
-
-    def left(self) -> list[Cell]:
-        """Cells outside which no root is on the circle, and in which there may be: none where that is proven."""
-        waiting, looked = [((Fraction(0), Fraction(1)),) * len(self.ranges)], 0
-        while waiting and looked < _MOST_CELLS:
-            tick(looked, _MOST_CELLS, "cells of ranges")
-            cell, looked = waiting.pop(0), looked + 1
-            if not self.is_clear(cell):
-                waiting += cell_halves(cell, range(len(cell)))
-        return waiting
-
-    def is_clear(self, cell: Cell) -> bool:
-        """Whether no root is on the circle for any values of a cell, proven."""
-        with flint.ctx.workprec(_BITS_OF_CELLS):
-            try:
-                return is_clear(self.loop, self._at(cell), self.loop.at_one)
-            except (UndecidedError, ZeroDivisionError, ValueError):
-                return False
-
-    def is_stable(self, values: Mapping[Symbol, Expr]) -> bool | None:
-        """Whether it is for some values and all that clear cells join to them, or for none of these; None where not known.
-
-        Counted before anything cancels: what is hidden at these values alone is not at others.
-        """
-        return True if self.loop.at(values).unstable() == (0, 0) else False if self.hides_none else None
-
-    @cached_property
-    def hides_none(self) -> bool:
-        """Whether nothing that does not decay can be hidden, for any values: neither by the plant nor by the controller.
-
-        The plant's poles have Re s < 0, by Hurwitz, but for some at s = 0, which would show at z = 1; those of the controller
-        have |z| <= 1, as their coefficients tell.
-        """
-        with flint.ctx.workprec(_BITS_OF_CELLS):
-            known = self._at(((Fraction(0), Fraction(1)),) * len(self.ranges))
-            plant = list(self.loop.plant.denominator)
-            while plant[0] == 0:
-                plant.pop(0)
-            if expression_ball(plant[-1], known) < 0:
-                plant = [-x for x in plant]
-            first, *others = (expression_ball(x, known) for x in self.loop.below)
-            return (
-                self._is_never_negative(plant[0])
-                and _is_hurwitz([expression_ball(x, known) for x in plant])
-                and bool(abs(first) >= sum(map(abs, others), arb(0)))
-            )
-
-    def _is_never_negative(self, formula: Expr) -> bool:
-        """Whether it is a sum of products of what is not negative, for any values."""
-        terms = formula.expand().as_ordered_terms()
-        lows = [self.ranges[x][0] for x in formula.free_symbols]
-        return all(x.as_coeff_Mul()[0] >= 0 for x in terms) and all(sign_of_number(x) >= 0 for x in lows)
-
-    def _at(self, cell: Cell) -> dict[Expr, Ball]:
-        """The values of a cell, in balls; at the current working precision."""
-        found: dict[Expr, Ball] = {}
-        for (symbol, (low, high)), (start, end) in zip(self.ranges.items(), cell, strict=True):
-            a, b = expression_ball(low), expression_ball(high)
-            found[symbol] = (a + _ball(start) * (b - a)).union(a + _ball(end) * (b - a))
-        return found
-
-
-def cell_halves(cell: Cell, sides: Sequence[int]) -> list[Cell]:
-    """A cell cut in two along the widest of some sides."""
-    i = max(sides, key=lambda n: cell[n][1] - cell[n][0])
-    low, high = cell[i]
-    middle = (low + high) / 2
-    return [(*cell[:i], part, *cell[i + 1 :]) for part in ((low, middle), (middle, high))]
-
-
-def _is_hurwitz(row: Sequence[Ball]) -> bool:
-    """Whether a polynomial with ascending coefficients, the first of them >= 0, has all roots in Re s < 0, or one at 0."""
-    down, n = list(row)[::-1], len(row) - 1
-    if not all(x > 0 for x in down[:-1]):
-        return False
-    entries = [
-        [down[2 * (j + 1) - (i + 1)] if 0 <= 2 * (j + 1) - (i + 1) <= n else arb(0) for j in range(n)] for i in range(n)
-    ]
-    return all(arb_mat([line[:k] for line in entries[:k]]).det() > 0 for k in range(1, n))
-
-
 def _ball(x: Fraction) -> Any:
     return arb(x.numerator) / arb(x.denominator)
 
@@ -282,11 +178,13 @@ def _bisected(zero: CriticalValue, bits: int) -> Ball:
     """A ball around it of about that relative accuracy: by regula falsi, until signs on both sides of a point confirm it."""
     with flint.ctx.workprec(2 * bits + 64):
         low, high = _ball(zero.low), _ball(zero.high)
-        f, g = (zero.value(x).mid() for x in (low, high))
-        width = abs(high) * arb(2) ** -bits
-        while (high - low) > 2 * width:
+        f, g = (zero.value(x) for x in (low, high))
+        if f.contains(0) or g.contains(0):
+            return low.union(high)
+        while high - low > 2 * (width := max(abs(low), abs(high)).mid() * arb(2) ** -bits):
             x = ((low * g - high * f) / (g - f)).mid()
-            for place in ((x - width).mid(), (x + width).mid()):
+            aside = (low * 33 + high * 31) / 64  # a zero in the very middle has no sign to be told
+            for place in ((x - width).mid(), (x + width).mid(), aside.mid()):
                 if not low < place < high:
                     continue
                 y = zero.value(place)
@@ -296,14 +194,6 @@ def _bisected(zero: CriticalValue, bits: int) -> Ball:
                     low, f = place, y.mid()
                 else:
                     high, g = place, y.mid()
-            middle = ((low + high) / 2).mid()
-            y = zero.value(middle)
-            if y.contains(0):
-                return low.union(high)
-            if (y > 0) == (f > 0):
-                low, f = middle, y.mid()
-            else:
-                high, g = middle, y.mid()
         return low.union(high)
 
 
@@ -322,6 +212,18 @@ class Swing(RealNumber):
             return theta / self.value.loop.period(q)
 
 
+@dataclass(frozen=True, repr=False)
+class Sum(RealNumber):
+    """Of a number and a rational one."""
+
+    first: RealNumber
+    more: Rational
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits + 32):
+            return self.first.ball(bits + 8) + arb(int(self.more.p)) / int(self.more.q)
+
+
 @dataclass(frozen=True)
 class Passage:
     """A ``value`` at which the number of roots with |z| >= 1 changes, from ``below`` to ``above``; ``omega`` : theirs, rad/s."""
@@ -332,6 +234,7 @@ class Passage:
     above: int
 
 
+_MOST_BITS = 1 << 12
 _BITS, _BITS_OF_WALK = 128, 64  # of a value, and of a cell, which is wide
 _ZERO = ExactNumber(Integer(0))
 _CLOCK, _REACH, _FAR = 32, 2**10, 10**6
@@ -339,6 +242,7 @@ _CLOCK, _REACH, _FAR = 32, 2**10, 10**6
 _FINEST = Fraction(1, 1 << 24)  # of a value: where cells are shorter, it is asked whether more roots are behind them
 _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
 _DEEPEST = 8  # times that these are cut
+_BESIDE = tuple(Fraction(1, 1 << n) for n in (2, 8, 16, 32))  # of a value with a root at 1, to walk on from there
 _GROWTH = Fraction(1, 2)  # of a cell, to the next
 _MOST_FINE = 40  # of the shortest cells on a side
 _MOST, _BRIEF = 800, 48  # of all cells on a side, and of one that is brief
@@ -418,6 +322,17 @@ class Opened:
         """Whether the number changes how many samples a delay is."""
         return bool(self._ratios)
 
+    @cached_property
+    def is_late(self) -> bool:
+        """Whether the number is a delay of all that moves, and of nothing else, and the period rational."""
+        others = self.loop.T, *self.loop.above, *self.loop.below, *self.loop.plant.denominator
+        terms = self.loop.plant.terms
+        apart = any(x.has(self.symbol) for x in (*others, *(x for _, row in terms for x in row)))
+        late = all(
+            lag.diff(self.symbol) == 1 and lag.xreplace({self.symbol: Integer(0)}).is_Rational for lag, _ in terms
+        )
+        return late and not apart and bool(self.loop.T.is_Rational) and not self.always
+
     def piece(self, start: Fraction, end: Fraction, side: int) -> tuple[Opened, Fraction]:
         """The loop from a value on as far as its delays keep their whole samples, and up to where that is."""
         q, last = Rational(start.numerator, start.denominator), Rational(end.numerator, end.denominator)
@@ -476,6 +391,33 @@ class Walk:
     ends: tuple[Fraction, Fraction]
     most: int = _MOST
     """Cells on a side."""
+    is_at_1: bool = False
+    """Whether a root is at 1 at the very start, and nowhere beside it."""
+
+    def beside(self, side: int) -> Walk | None:
+        """From where no root is at 1 any more, on one side; None where the number may not be there."""
+        if not self.is_at_1:
+            return self
+        if side < 0 and self.start == 0 and self.rule is not Rule.ANY:
+            return None
+        for share in _BESIDE:
+            step = (abs(self.start) or 1) * share
+            if self._is_alone_at_1(self.start, step):
+                start = self.start + side * step
+                home, _ = self.loop.count(Rational(start.numerator, start.denominator))
+                return replace(self, start=start, home=home, is_at_1=False)
+        raise UndecidedError("the limits of a parameter with poles on the unit circle now")
+
+    def _is_alone_at_1(self, value: Fraction, step: Fraction) -> bool:
+        """Whether a root passes 1 at a value, and none is on the circle elsewhere on either side of it, proven."""
+        symbol = self.loop.symbol
+        left = (self.loop.at_one.xreplace({symbol: symbol + value}) / symbol).expand()
+        if left.has(1 / symbol) or self.loop.always:
+            return False
+        with flint.ctx.workprec(_BITS):
+            q = arb(0, _ball(step).upper())
+            rest = expression_ball(left, {symbol: q}), *self.loop.tests(_ball(value) + q)[1:]
+            return not any(x.contains(0) or not x.is_finite() for x in rest)
 
     def towards(self, side: int) -> tuple[Passage | None, Fraction]:
         """The nearest change on one side, None where there is none, and as far as that is known.
@@ -485,6 +427,11 @@ class Walk:
         if not self.loop.is_timed:
             return self._within(side)
         at, end = self.start, self.ends[side > 0]
+        if side > 0 and self.loop.is_late and at >= 0:
+            late = self.later()
+            if late.passage is not None:
+                return late.passage, late.known
+            at = late.known
         while (end - at) * side > 0:
             loop, last = self.loop.piece(at, end, side)
             passage, known = replace(self, loop=loop, start=at, ends=(min(at, last), max(at, last)))._within(side)
@@ -492,6 +439,24 @@ class Walk:
                 return passage, known
             at = last
         return None, at
+
+    def later(self) -> Late:
+        """The same on the way up, of a number that is a delay of all that moves."""
+        T, at, pieces = Fraction(int(self.loop.loop.T.p), int(self.loop.loop.T.q)), Fraction(0), list[Piece]()
+        while at < T:
+            loop, last = self.loop.piece(at, T, 1)
+            pieces.append((loop, at, last))
+            at = last
+
+        def close(loop: Opened, one: Fraction, other: Fraction) -> Passage | None:
+            home, count = (loop.count(Rational(x.numerator, x.denominator))[0] for x in (one, other))
+            return None if home == count else replace(self, loop=loop, home=home).between(one, other, count)
+
+        found = Later(pieces, T, close).first(self.start, self.ends[1])
+        if found.passage is None:
+            return found
+        whole = found.samples * self.loop.loop.T
+        return replace(found, passage=replace(found.passage, value=Sum(found.passage.value, whole)))
 
     def _within(self, side: int) -> tuple[Passage | None, Fraction]:
         scale = abs(self.start) or Fraction(1)
@@ -576,15 +541,38 @@ class Walk:
         low, high = sorted((one, other))
         side = 1 if other > one else -1
         below, above = (self.home, count) if side > 0 else (count, self.home)
-        with flint.ctx.workprec(_BITS):
-            ends = [self.loop.tests(_ball(x)) for x in (low, high)]
-            changed = [i for i, (x, y) in enumerate(zip(*ends, strict=True)) if x * y < 0]
-        if len(changed) != 1:
+        changed = at_rising_precision(lambda _: self._changed(low, high), _BITS, _MOST_BITS)
+        if changed is None:
             raise UndecidedError("where roots reach the unit circle together")
-        if low < 0 < high and changed[0] == 0 and self.loop.at_one.xreplace({self.loop.symbol: Integer(0)}) == 0:
-            return Passage(_ZERO, _ZERO, below, above)
-        value = CriticalValue(self.loop, changed[0], low, high)
+        if low < 0 < high:  # whose digits have no end
+            if (omega := self._at_zero_itself(changed)) is not None:
+                return Passage(_ZERO, omega, below, above)
+            sense = at_rising_precision(lambda _: _sign(self.loop.tests(arb(0))[changed]), _BITS, _MOST_BITS)
+            if sense is None:
+                raise UndecidedError("whether a limit is 0, or next to it")
+            with flint.ctx.workprec(_BITS):
+                is_below = sense != _sign(self.loop.tests(_ball(low))[changed])
+            low, high = (low, Fraction(0)) if is_below else (Fraction(0), high)
+        value = CriticalValue(self.loop, changed, low, high)
         return Passage(value, Swing(value), below, above)
+
+    def _at_zero_itself(self, test: int) -> RealNumber | None:
+        """The frequency of roots on the circle at the value 0, rad/s, proven: at 1, or where the clock then holds no force."""
+        here = self.loop.at(Integer(0))
+        if test == 0:
+            return _ZERO if self.loop.at_one.xreplace({self.loop.symbol: Integer(0)}) == 0 else None
+        if any(here.above) and any(x for _, row in here.plant.terms for x in row):
+            return None
+        modes = Add(*(x * s**n for n, x in enumerate(here.plant.denominator)))
+        ring = Ring.of([modes])
+        return next(iter(count_roots(ring.convert(modes).numerator, ring).on_axis), None)
+
+    def _changed(self, low: Fraction, high: Fraction) -> int | None:
+        """Which test alone has another sign at the other end; None where balls do not tell."""
+        ends = zip(*(self.loop.tests(_ball(x)) for x in (low, high)), strict=True)
+        signs = [x * y for x, y in ends]
+        changed = [i for i, x in enumerate(signs) if x < 0]
+        return changed[0] if len(changed) == 1 and sum(bool(x > 0) for x in signs) == 2 else None
 
     def _is_clear_down_to_0(self, at: Fraction, side: int) -> bool:
         """Whether no value down to 0, where the number may not be less, puts a root on the circle; 0 is among them."""
@@ -598,14 +586,13 @@ class Walk:
             count, _ = self.loop.count(Integer(0))
         except UndecidedError:
             return None
-        left = (self.loop.at_one / self.loop.symbol).expand()
-        with flint.ctx.workprec(_BITS):
-            q = arb(0).union(_ball(at))
-            rest = expression_ball(left, {self.loop.symbol: q}), *self.loop.tests(q)[1:]
-            clear = not any(x.contains(0) or not x.is_finite() for x in rest)
-        if count == self.home or not clear or left.has(1 / self.loop.symbol) or self.loop.always:
+        if count == self.home or not self._is_alone_at_1(Fraction(0), at):
             return None
         return Passage(_ZERO, _ZERO, count, self.home)
+
+
+def _sign(x: Ball) -> int | None:
+    return None if x.contains(0) else 1 if x > 0 else -1
 
 
 def _short(x: Fraction) -> Fraction:
@@ -623,6 +610,10 @@ class Passages:
     found: tuple[Passage, ...]
     low: Fraction | None = None
     high: Fraction | None = None
+    beside: Fraction | None = None
+    """From where on it goes up, where the number itself has a root at 1."""
+    homes: tuple[int, int] = (0, 0)
+    """The number of roots at that number, and from there on."""
 
 
 def passages(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Passages:
@@ -641,12 +632,12 @@ def passages(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Pa
     less = walk.start / (_QUICK if brief and loop.is_of_clock else times)
     low = walk.start - more if free.rule is Rule.ANY else less
     walk = replace(walk, ends=(low, walk.start + more), most=_BRIEF if brief else walk.most)
-    found, low, high = _both_ways(walk, scene, hand, free, 1)
-    if low == high:
+    found = _both_ways(walk, scene, hand, free, 1)
+    if found.low == found.high:
         tick()
         raise UndecidedError("the limits of a parameter next to whose value poles come to the unit circle")
-    is_whole = low == 0 and free.rule is not Rule.ANY
-    return Passages(found, None if is_whole else low, high)
+    is_whole = found.low == 0 and free.rule is not Rule.ANY
+    return replace(found, low=None) if is_whole else found
 
 
 def passages_in(scene: Scene, hand: Hand, free: Knob, ends: tuple[Expr, Expr]) -> tuple[Opened, Passages]:
@@ -659,33 +650,38 @@ def passages_in(scene: Scene, hand: Hand, free: Knob, ends: tuple[Expr, Expr]) -
         return loop, Passages(())
     low, high = (Fraction(float(x)) for x in ends)
     walk = replace(_walk(loop, free), ends=(low, high))
-    found, first, last = _both_ways(walk, scene, hand, free, _MOST_PASSAGES)
-    return loop, Passages(found, None if first <= low else first, None if last is None or last >= high else last)
+    found = _both_ways(walk, scene, hand, free, _MOST_PASSAGES)
+    assert found.low is not None
+    is_whole = found.high is None or found.high >= high
+    return loop, replace(found, low=None if found.low <= low else found.low, high=None if is_whole else found.high)
 
 
 def _walk(loop: Opened, free: Knob) -> Walk:
     """From the value on that a number has."""
     start = start_of(loop, free.value)
     home, on = loop.count(start)
-    if on:
-        raise UndecidedError("the limits of a parameter with poles on the unit circle now")
     at = Fraction(int(start.p), int(start.q))
-    return Walk(loop, at, home, free.rule, (at, at))
+    return Walk(loop, at, home, free.rule, (at, at), is_at_1=on > 0)
 
 
-def _both_ways(
-    walk: Walk, scene: Scene, hand: Hand, free: Knob, most: int
-) -> tuple[tuple[Passage, ...], Fraction, Fraction | None]:
+def _both_ways(walk: Walk, scene: Scene, hand: Hand, free: Knob, most: int) -> Passages:
     """The first passages on each side, and between which values these are all: None where enough is damped from there on."""
+    down, up = walk.beside(-1), walk.beside(1)
+    assert up is not None  # no rule forbids to go up
 
     def is_enough(value: Fraction) -> bool:
         return is_held(scene, hand, free, Rational(value.numerator, value.denominator))
 
-    below, low = _along(walk, -1, most)
-    if is_enough(walk.start):
-        return tuple(below), low, None
-    above, high = _along(walk, 1, most)
-    return (*below, *above), low, None if len(above) < most and is_enough(high) else high
+    below, low = _along(down, -1, most) if down else ([], walk.start)
+    if down and down.home != up.home:
+        at = ExactNumber(Rational(walk.start.numerator, walk.start.denominator))
+        below.append(Passage(at, _ZERO, down.home, up.home))
+    beside, homes = (up.start, (walk.home, up.home)) if walk.is_at_1 else (None, (0, 0))
+    if is_enough(up.start):
+        return Passages(tuple(below), low, None, beside, homes)
+    above, high = _along(up, 1, most)
+    end = None if len(above) < most and is_enough(high) else high
+    return Passages((*below, *above), low, end, beside, homes)
 
 
 def _along(walk: Walk, side: int, most: int) -> tuple[list[Passage], Fraction]:

@@ -30,7 +30,7 @@ from haptisym.model.parameters import values as values_of
 from haptisym.model.scene import Scene, clocks
 from haptisym.programs.onaxis import OnAxis
 from haptisym.verbs.stability.held import Share, characteristic, unstable_roots
-from haptisym.verbs.stability.sampled import Cell, OnCircle, cell_halves
+from haptisym.verbs.stability.oncircle import Cell, OnCircle, cell_halves
 
 _MOST_CORNERS = 64
 _MOST_MIDDLES = 12  # of cells where roots may meet the axis, that are tried as examples

@@ -1,0 +1,132 @@
+"""A display with a clock and numbers in ranges: whether a root is on the unit circle for some of their values.
+
+Cells of values, in balls, are cut until each is clear of the circle, or too small.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import flint
+from flint import arb, arb_mat
+from sympy import Expr, Symbol
+
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import Ball, expression_ball
+from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.sampledloop import SampledLoop, is_clear
+from haptisym.model.catalogue import Hand
+from haptisym.model.scene import Scene
+from haptisym.verbs.stability.sampled import loop_of
+
+_BITS_OF_CELLS = 96
+_MOST_CELLS = 3000
+
+Cell: TypeAlias = tuple[tuple[Fraction, Fraction], ...]
+"""From which share of each range to which."""
+
+
+@dataclass(frozen=True)
+class OnCircle:
+    """A loop with a clock over the values that some of its symbols may have."""
+
+    loop: SampledLoop
+    ranges: Mapping[Symbol, tuple[Expr, Expr]]
+
+    @classmethod
+    def of(cls, scene: Scene, hand: Hand, ranges: Mapping[Symbol, tuple[Expr, Expr]]) -> OnCircle:
+        """UndecidedError where such a loop is not decided."""
+        display = {p.path: p.symbol for p in scene.parameters if p.symbol in ranges}
+        own = {p.symbol.name: p.symbol for p in hand.parameters if p.symbol in ranges}
+        found = cls(loop_of(scene.with_values(display), hand.with_values(own)), ranges)
+        if found.loop.at_one == 0:
+            raise UndecidedError("the roots of a sampled loop of which one stays at z = 1, for all values at once")
+        return found
+
+    def left(self) -> list[Cell]:
+        """Cells outside which no root is on the circle, and in which there may be: none where that is proven."""
+        waiting, looked = [((Fraction(0), Fraction(1)),) * len(self.ranges)], 0
+        while waiting and looked < _MOST_CELLS:
+            tick(looked, _MOST_CELLS, "cells of ranges")
+            cell, looked = waiting.pop(0), looked + 1
+            if not self.is_clear(cell):
+                waiting += cell_halves(cell, range(len(cell)))
+        return waiting
+
+    def is_clear(self, cell: Cell) -> bool:
+        """Whether no root is on the circle for any values of a cell, proven."""
+        with flint.ctx.workprec(_BITS_OF_CELLS):
+            try:
+                return is_clear(self.loop, self._at(cell), self.loop.at_one)
+            except (UndecidedError, ZeroDivisionError, ValueError):
+                return False
+
+    def is_stable(self, values: Mapping[Symbol, Expr]) -> bool | None:
+        """Whether it is for some values and all that clear cells join to them, or for none of these; None where not known.
+
+        Counted before anything cancels: what is hidden at these values alone is not at others.
+        """
+        return True if self.loop.at(values).unstable() == (0, 0) else False if self.hides_none else None
+
+    @cached_property
+    def hides_none(self) -> bool:
+        """Whether nothing that does not decay can be hidden, for any values: neither by the plant nor by the controller.
+
+        The plant's poles have Re s < 0, by Hurwitz, but for some at s = 0, which would show at z = 1; those of the controller
+        have |z| <= 1, as their coefficients tell.
+        """
+        with flint.ctx.workprec(_BITS_OF_CELLS):
+            known = self._at(((Fraction(0), Fraction(1)),) * len(self.ranges))
+            plant = list(self.loop.plant.denominator)
+            while plant[0] == 0:
+                plant.pop(0)
+            if expression_ball(plant[-1], known) < 0:
+                plant = [-x for x in plant]
+            first, *others = (expression_ball(x, known) for x in self.loop.below)
+            return (
+                self._is_never_negative(plant[0])
+                and _is_hurwitz([expression_ball(x, known) for x in plant])
+                and bool(abs(first) >= sum(map(abs, others), arb(0)))
+            )
+
+    def _is_never_negative(self, formula: Expr) -> bool:
+        """Whether it is a sum of products of what is not negative, for any values."""
+        terms = formula.expand().as_ordered_terms()
+        lows = [self.ranges[x][0] for x in formula.free_symbols]
+        return all(x.as_coeff_Mul()[0] >= 0 for x in terms) and all(sign_of_number(x) >= 0 for x in lows)
+
+    def _at(self, cell: Cell) -> dict[Expr, Ball]:
+        """The values of a cell, in balls; at the current working precision."""
+        found: dict[Expr, Ball] = {}
+        for (symbol, (low, high)), (start, end) in zip(self.ranges.items(), cell, strict=True):
+            a, b = expression_ball(low), expression_ball(high)
+            found[symbol] = (a + _ball(start) * (b - a)).union(a + _ball(end) * (b - a))
+        return found
+
+
+def cell_halves(cell: Cell, sides: Sequence[int]) -> list[Cell]:
+    """A cell cut in two along the widest of some sides."""
+    i = max(sides, key=lambda n: cell[n][1] - cell[n][0])
+    low, high = cell[i]
+    middle = (low + high) / 2
+    return [(*cell[:i], part, *cell[i + 1 :]) for part in ((low, middle), (middle, high))]
+
+
+def _is_hurwitz(row: Sequence[Ball]) -> bool:
+    """Whether a polynomial with ascending coefficients, the first of them >= 0, has all roots in Re s < 0, or one at 0."""
+    down, n = list(row)[::-1], len(row) - 1
+    if not all(x > 0 for x in down[:-1]):
+        return False
+    entries = [
+        [down[2 * (j + 1) - (i + 1)] if 0 <= 2 * (j + 1) - (i + 1) <= n else arb(0) for j in range(n)] for i in range(n)
+    ]
+    return all(arb_mat([line[:k] for line in entries[:k]]).det() > 0 for k in range(1, n))
+
+
+def _ball(x: Fraction) -> Any:
+    return arb(x.numerator) / arb(x.denominator)
