@@ -16,6 +16,7 @@ from sympy.core.numbers import ImaginaryUnit
 from haptisym.kernel.rings import RationalFunction
 from haptisym.writing import boxes
 from haptisym.writing.boxes import Box
+from haptisym.writing.characters import printable
 from haptisym.writing.layout import CAPITALS, approximate, is_short, layout, letter, rounded
 
 _TIMES = "<mo>&#x2062;</mo>"  # no sign to see, but a product to a screen reader
@@ -71,8 +72,7 @@ def _word(word: boxes.Word) -> str:
     if word.letters.isdigit():
         return f"<mn>{word.letters}</mn>"
     if word.upright:
-        printable = "".join(c if c.isprintable() else "\ufffd" for c in word.letters)
-        return f'<mi mathvariant="normal">{escape(printable).replace(" ", "&#xA0;")}</mi>'
+        return f'<mi mathvariant="normal">{escape(printable(word.letters)).replace(" ", "&#xA0;")}</mi>'
     upright = ' mathvariant="normal"' if word.letters in CAPITALS else ""
     return f"<mi{upright}>{letter(word.letters)}</mi>"
 
