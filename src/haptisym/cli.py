@@ -19,7 +19,6 @@ import click
 from haptisym import __version__
 from haptisym.commands.terminal import ReaderLeft, interrupts, loading, note, prepare, to_standard_output
 from haptisym.kernel.errors import HaptisymError, UndecidedError, meant
-from haptisym.writing.characters import printable
 
 _COMMANDS = {
     module: re.findall(
@@ -121,7 +120,6 @@ def _told(error: Exception, *, is_interrupted: bool) -> int:
         case ReaderLeft():
             return 128 + 13  # as whoever is ended by SIGPIPE
         case click.ClickException():
-            error.message = printable(error.message)
             with suppress(OSError):
                 error.show()
             return 2

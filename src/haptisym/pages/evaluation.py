@@ -17,7 +17,7 @@ from sympy import Add, Expr, Rational, Symbol
 
 from haptisym.judge.bandwidths import Bandwidths, Jump
 from haptisym.judge.crossings import JOINT, Criterion, Crossing, CrossingKind, noticed
-from haptisym.judge.evaluation import Compared, Evaluation, different, region_label
+from haptisym.judge.evaluation import Compared, Evaluation, Reported, different, region_label
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.judge.peaks import Peaks
 from haptisym.judge.regions import Joint
@@ -83,14 +83,17 @@ def _movement(e: Evaluation) -> Iterator[doc.Block]:
         _FITTED,
         f"Least squares over a {found.spectrum}.",
         w.Field("", lambda x: _FITTED[x][0]),
-        w.number("environment", lambda x: w.near(found.environment[x])),
-        w.number("perceived", lambda x: w.near(found.perceived[x])),
+        w.number("environment", lambda x: _fitted(found, "environment", found.environment[x])),
+        w.number("perceived", lambda x: _fitted(found, "perceived", found.perceived[x])),
         w.Field("unit", lambda x: w.unit(_FITTED[x][1], e.scene.motion)),
         w.number("change", lambda x: "" if (own := found.change[x]) is None else _percent(own)),
     )
     said: list[Phrase] = [
         f"Least squares over a {found.spectrum}: what a fit to this movement reports, not what a person was shown to perceive."
     ]
+    for name, places in found.poles.items():
+        at = listed(w.both(x) for x in places)
+        said.append((w.SYSTEMS[name], " is infinite at ", at, ": there is no fit of it."))
     largest = max(_FITTED, key=lambda x: abs(found.change[x] or 0.0))
     own = found.change[largest] or 0.0
     if e.bandwidth is not None and found.band[1] <= float(e.bandwidth) and abs(own) > float(e.scene.threshold.real):
@@ -100,6 +103,13 @@ def _movement(e: Evaluation) -> Iterator[doc.Block]:
             f" {abs(100 * own):.1f}\xa0% {more}."
         )
     yield doc.Section("What a fit to a movement reports", (rows, *w.noted(said)), "movement")
+
+
+def _fitted(found: Reported, system: str, x: float | None) -> Phrase:
+    """A number of a fit; a double has 15 digits."""
+    if x is None:
+        return "none" if system in found.poles else Strong("undecided")
+    return w.near(x, most=15)
 
 
 @dataclass(frozen=True)
@@ -703,8 +713,10 @@ def _proven(e: Evaluation) -> Iterator[Phrase]:
         )
         yield "Proven: everything else."
         return
+    if e.movement is not None and e.movement.undecided:
+        yield w.undecided("what a fit to this movement reports, where no number stands")
     passive = ", passivity" if e.passivity is not None and e.passivity.holds is not None else ""
-    but = ", except computed ones" if e.discrimination else ""
+    but = ", except computed ones" if e.discrimination or (e.movement and e.movement.computed) else ""
     yield w.proof(e.scene, f"all crossings on the band{passive}, and all digits printed{but}")
     if e.bandwidths is not None and e.bandwidths.undecided:
         yield w.undecided(e.bandwidths.undecided)

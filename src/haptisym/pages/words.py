@@ -34,6 +34,7 @@ RATIOS: dict[Part, Box] = {Part.REAL: named("r_r"), Part.IMAG: named("r_i")}
 PART_NAMES = {Part.REAL: "real", Part.IMAG: "imaginary"}
 OPERATORS = {Part.REAL: Operator("Re"), Part.IMAG: Operator("Im")}
 OMEGA, H_ENV, H_PERC = named("omega"), named("H_env"), named("H_perc")
+SYSTEMS = {"environment": H_ENV, "perceived": H_PERC}
 CHANGE = Titled("dH", Prefixed(named("Delta"), named("H")))
 
 
