@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 from hypothesis import given
@@ -142,6 +145,51 @@ def test_any_text_can_be_spelt_in_any_encoding_and_documents_keep_every_characte
     spelt(text, encoding).encode(encoding)
     written = escaped(json.dumps({"title": text}, ensure_ascii=False), encoding)
     assert json.loads(written.encode(encoding).decode(encoding)) == {"title": text}
+
+
+HOSTILE = "\x1b]0;title\x07\x1b[25F\x1b[2K\x9b31m\x85\u202edegg\u202c\u2066x\u2069\x7f\u2028"
+ACTS = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+"""What speaks to a terminal or turns text around: C0, C1, separators of lines, overrides and isolates of direction."""
+
+
+@pytest.mark.few(
+    "evaluate-first-order-lag-0", "evaluate --json-first-order-lag-0", "stability --hand x-first-order-lag-2"
+)
+@pytest.mark.parametrize(
+    ("words", "model", "status"),
+    [
+        ("evaluate", "first-order-lag", 0), ("evaluate --json", "first-order-lag", 0), ("effects", "first-order-lag", 0),
+        ("derive --to python", "first-order-lag", 0), ("derive --to latex", "first-order-lag", 0),
+        ("evaluate", f"lag{HOSTILE}", 2), ("stability --hand x", "first-order-lag", 2),
+    ],
+)  # fmt: skip
+def test_nothing_that_a_scene_says_reaches_a_terminal_as_a_command(
+    call: Any, tmp_path: Path, words: str, model: str, status: int
+) -> None:
+    """Neither on standard output nor in an error that quotes a name; a document keeps it, in JSON's escapes."""
+    scene = tmp_path / "scene.toml"
+    hostile, kind = (json.dumps(x).replace("\x7f", "\\u007f") for x in (f"a{HOSTILE}b", model))
+    effect = f"[[effects]]\nname = {hostile}\nmodel = {kind}\nomega_c = 20\n[[hands]]\nname = {hostile}\nk = 1\n"
+    environment = "[environment]\nmodel = 'kelvin-voigt'\nk = 100\nb = 2\n"
+    scene.write_text(f"title = {hostile}\nsource = {hostile}\n{environment}{effect}", encoding="utf-8")
+    verb, *options = words.split()
+    ended, out, err = call(verb, str(scene), *options)
+    assert ended == status
+    assert not ACTS.search(out + err)
+    assert ("\ufffd" in out + err) == (not {"--json", "--to"} & {*options})
+    if "--json" in options:
+        assert json.loads(out)["title"] == f"a{HOSTILE}b"
+
+
+@pytest.mark.slow
+def test_a_figure_of_such_a_scene_is_a_document(tmp_path: Path) -> None:
+    """Which no control character may stand in."""
+    scene = hs.Scene(hs.environments.kelvin_voigt(k=100, b=2), (hs.effects.first_order_lag(20, name=f"a{HOSTILE}"),))
+    for answer in (hs.relevance(scene), hs.stability(scene)):
+        for path in answer.save_figures(tmp_path):
+            if path.suffix == ".svg":
+                assert not ACTS.search(" ".join(ElementTree.parse(path).getroot().itertext()).replace("\n", ""))
+        assert not ACTS.search(repr(answer))
 
 
 @pytest.mark.slow

@@ -7,17 +7,23 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
-from itertools import islice
+from itertools import islice, pairwise
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
-from sympy import Expr, Symbol, lambdify, sympify
+from mathreader import expression
+from sympy import Expr, Symbol, atan2, lambdify, sympify
 
 import haptisym as hs
 from haptisym.kernel.rings import X, omega, s
+from haptisym.model.jnd import Part
+from haptisym.model.shipped import scene_names
 from haptisym.pages.scene import ClosedForms, SceneForms, derivation
+from haptisym.writing.boxes import text
 from haptisym.writing.document import Block, Equations, Line, Notes, Paragraph, Section
+from haptisym.writing.mathml import mathml
 from haptisym.writing.plain import said
 
 E, F = hs.environments, hs.effects
@@ -166,6 +172,81 @@ def test_closed_forms_that_are_long_in_symbols_stand_in_numbers() -> None:
         z = 0.1 * 9 * -1 + 3j * n if n % 2 else 400 + n + 3j * n
         H = H + z if n % 2 else 1 / (1 / H + 1 / z)
     assert complex(perceived.value.subs(s, 3j).evalf()) == pytest.approx(H, rel=1e-4)  # type: ignore[union-attr]
+
+
+# What is printed with rounded numbers, read as it is printed
+
+CLOCK = hs.Scene(
+    E.mass_spring_damper(m="0.5", b=5, k=300),
+    (F.sampled_loop("1 ms", "backward-difference"), F.first_order_lag("40 Hz")),
+    ("0 Hz", "10 Hz"),
+)
+CLOSE = hs.Scene(
+    E.mass_spring_damper(m=1, b="0.1", k=10000), (F.first_order_lag("1234567/89 rad/s"), F.delay("1/700 s")), (1, 300)
+)
+"""A clock of 1 kHz, of which the coefficients of p_r are up to 10^30 and cancel; a light resonance behind a long number."""
+PRINTED = {**{name: name for name in scene_names()}, "clock": CLOCK, "close": CLOSE}
+
+
+def read_back(scene: hs.Scene) -> tuple[hs.Evaluation, dict[tuple[str, bool], Callable[[Any], Any]]]:
+    """The formulas in omega or s alone of a derivation, as a reader of MathML has them, and whether each is rounded."""
+    e = hs.evaluate(scene)
+    found: dict[tuple[str, bool], Callable[[Any], Any]] = {}
+    for section in islice(derivation(SceneForms(e)), 4):
+        for line in lines(section) if isinstance(section, Section) else ():
+            if isinstance(line.value, Expr) and line.value.free_symbols <= {s, omega} and not line.value.has(atan2):
+                form = expression(mathml(line.value), {"s": s, "omega": omega})
+                of = lambdify((s, omega), form, "mpmath")
+                found[said(line.left), line.relation == "≈"] = lambda w, of=of: mpmath.mpmathify(
+                    of(mpmath.mpc(0, w), w)
+                )
+    return e, found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PRINTED)
+def test_what_is_printed_with_rounded_numbers_has_its_values_and_its_zeros_to_four_digits(name: str) -> None:
+    """Of each value four digits, or those of a frequency that is the same to four; of each zero four, and no other zero."""
+    given = PRINTED[name]
+    e, found = read_back(hs.load_scene(given) if isinstance(given, str) else given)
+    low, high = (mpmath.mpf(float(x)) for x in e.scene.band)
+    H, own = (lambdify(s, x, "mpmath") for x in (e.distortion.perceived, e.distortion.environment))
+    true = {
+        "H_perc(s)": H, "H_env(s)": own, "Re dH": lambda z: (H(z) - own(z)).real, "Im dH": lambda z: (H(z) - own(z)).imag,
+        "Re(dH/H_env)": lambda z: (H(z) / own(z) - 1).real, "Im(dH/H_env)": lambda z: (H(z) / own(z) - 1).imag,
+        "k_perc": lambda z: H(z).real, "b_perc": lambda z: H(z).imag / abs(z),
+    }  # fmt: skip
+    with mpmath.workdps(60):
+        for w in (low + (high - low) * x / 29 for x in range(1, 30, 3)):
+            for (left, rounded), form in found.items():
+                if left not in true:
+                    continue
+                here, *near = (mpmath.mpmathify(true[left](mpmath.mpc(0, w * x))) for x in (1, 1 - 1e-4, 1 + 1e-4))
+                room = 1e-4 * abs(here) + max(abs(x - here) for x in near) if rounded else 1e-25 * (1 + abs(here))
+                assert abs(form(w) - here) <= room, (left, w)
+        for part in Part:
+            form = next(
+                (found[f"p_{part.value[0]}", x] for x in (True, False) if (f"p_{part.value[0]}", x) in found), None
+            )
+            at = [mpmath.mpf(float(c.omega)) for c in e.crossings if c.part is part and c.kind.value != "touches"]
+            for w in at if form is not None else ():
+                below, above = (mpmath.sign(form(w * x).real) for x in (1 - 6e-5, 1 + 6e-5))
+                assert below == -above, (part, w)
+            if form is not None:
+                grid = [low + (high - low) * mpmath.mpf(x) / 211 for x in range(1, 211)]
+                signs = [mpmath.sign(form(w).real) for w in grid if all(abs(w / x - 1) > 1e-4 for x in at)]
+                assert sum(x != y for x, y in pairwise(signs)) <= len(at)
+
+
+@pytest.mark.slow
+@pytest.mark.core
+def test_a_threshold_polynomial_that_no_readable_coefficients_leave_true_is_told_by_the_distortion() -> None:
+    """By hand: the clock of 1 kHz crosses at 22.2086497392685 (real) and 26.8326096382267 rad/s (imaginary)."""
+    sections = [x for x in derivation(SceneForms(hs.evaluate(CLOCK))) if isinstance(x, Section)]
+    shown = {said(x.left): text(x.equation) for x in lines(sections[2])}
+    assert shown == {f"p_{x[0].lower()}": f"p_{x[0].lower()} = ({x} dH)^2 - 0.01 |H_env|^2" for x in ("Re", "Im")}
+    told = words_and_lines(sections[1].blocks)[0]
+    assert "Not written is Re dH with numbers" in told
 
 
 # Quantities of a distortion

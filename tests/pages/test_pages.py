@@ -26,6 +26,7 @@ from sympy import Expr
 import haptisym as hs
 from haptisym.kernel.reals import ExactNumber, Way, in_unit, printed
 from haptisym.model.measuredscene import MeasuredScene
+from haptisym.model.shipped import scene_names
 from haptisym.verbs.jnd.tables import Answers, Row
 from haptisym.verbs.sweep.entry import Swept
 from haptisym.writing.document import (
@@ -44,7 +45,7 @@ from haptisym.writing.document import (
     Table,
 )
 from haptisym.writing.latex import latex
-from haptisym.writing.plain import plain
+from haptisym.writing.plain import plain, said
 
 E, F = hs.environments, hs.effects
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -252,6 +253,24 @@ def bounds_of(x: object) -> tuple[Fraction, Fraction]:
 def magnitude(x: Fraction) -> int:
     """The power of ten of its first digit."""
     return Decimal(x.numerator / x.denominator).adjusted() if x else 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize(("verb", "half"), [(hs.evaluate, 0.5), (hs.stability, 1.0)])
+def test_the_first_lines_and_the_tables_of_a_shipped_scene_hold_numbers_of_its_document(
+    verb: Callable[[str], Any], half: float, name: str
+) -> None:
+    """Both mouths of a verb: what is printed is the number of the document, crossings to the nearest, limits within a digit."""
+    found = verb(name)
+    page, document = found.document(), json.loads(found.to_json())
+    held = [y for x in (*flat(document), *(float(x.value) for x in found.scene.knobs)) for y in in_units(x)]
+    facts = next(x for x in Style().chosen(page.blocks) if isinstance(x, Facts) and x.role == "findings")
+    passive = document["schema"].startswith("haptisym.evaluation")  # of which the document of `stability` has the bands
+    told = [said(x) for key, x in facts.rows if not (passive and key == "Stability")]
+    told += [said(x) for table in tables(page.blocks) for row in table.rows for x in row]
+    for shown, unit in (x for words in told for x in numerals(words)):
+        assert any(abs(abs(y) - abs(shown)) <= 1.001 * half * unit for y in held), shown
 
 
 NOT_TOLD = {

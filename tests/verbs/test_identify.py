@@ -929,10 +929,3 @@ def test_a_recording_is_fitted_by_its_lines(tmp_path):
 def test_what_is_no_movement(given):
     with pytest.raises((hs.SceneError, OSError)):
         hs.evaluate("fu2019", movement=given)
-
-
-def test_a_pole_on_the_band_is_said():
-    """A movement across the frequency of a compliance without damping that makes the force infinite."""
-    scene = hs.Scene(hs.environments.expression("(s**2 + 4)/(s**2 + 9)", parameters={}), (), (0, 5))
-    with pytest.raises(hs.UndecidedError, match="pole"):
-        hs.evaluate(scene, movement="0:5")

@@ -823,8 +823,47 @@ def test_what_is_no_movement(movement, said):
         hs.evaluate("fu2019", movement=movement)
 
 
-def test_a_pole_on_the_band_has_no_fit():
-    resonance = effects.series("a/(s^2 + a)", parameters={"a": 9})
-    scene = hs.Scene(environments.mass_spring_damper(k=100), (resonance,), (0, 2))
-    with pytest.raises(hs.UndecidedError, match="pole on its band"):
-        hs.evaluate(scene, movement="0:5")
+NARROW = {
+    "10:10.00000000001": ("99.64247721", "16.01190181", "1.605797447"),
+    "velocity:10:10.000000001": ("99.64247721", "16.01190181", "1.605797447"),
+    "0:1e-12": ("100", "13.75", "1.6125"),
+}
+"""By mpmath with 120 digits."""
+
+
+@pytest.mark.parametrize("movement", NARROW)
+def test_a_band_however_narrow_has_all_digits_of_its_fit(movement):
+    """From a band of a billionth of a rad/s the normal equations take thirty digits."""
+    found = hs.evaluate("fu2019", movement=movement)
+    assert found.movement.environment == {"k": 100.0, "b": 15.0, "m": 1.8}
+    perceived = [found.movement.perceived[x] for x in FITTED]
+    assert perceived == pytest.approx([*map(float, NARROW[movement])], rel=1e-9)
+    assert found.movement.change["m"] == pytest.approx(float(NARROW[movement][2]) / 1.8 - 1, rel=1e-8)
+    assert found.settled
+
+
+def test_a_number_that_no_digits_decide_is_undecided():
+    found = hs.evaluate("fu2019", movement="0:1e-300")
+    assert (found.movement.environment, found.settled) == ({"k": 100.0, "b": 15.0, "m": None}, False)
+    assert "undecided" in str(found)
+
+
+def test_a_change_of_nothing_is_none_and_one_of_mass_alone_leaves_the_others():
+    scene = hs.Scene(environments.mass_spring_damper(m=2, k=100), (effects.shunt(m="0.5"),), (0, 9))
+    found = hs.evaluate(scene, movement="1:4").movement
+    assert found.change == {"k": 0.0, "b": None, "m": 0.25}
+    assert (found.perceived, found.undecided) == ({"k": 100.0, "b": 0.0, "m": 2.5}, False)
+
+
+@pytest.mark.parametrize(("of", "system"), [("100*9/(s^2 + 9)", "environment"), ("100", "perceived")])
+def test_across_a_pole_there_is_no_fit_and_all_else_is_told(of, system):
+    """The integral of the square of H is infinite there, and at an end of the band, too."""
+    resonance = effects.series("9/(s^2 + 9)") if system == "perceived" else effects.first_order_lag(20)
+    scene = hs.Scene(environments.expression(of, parameters={}), (resonance,), (0, 2))
+    for movement in ("0:5", "1:3"):
+        found = hs.evaluate(scene, movement=movement)
+        assert found.movement.poles[system] == (3.0,)
+        assert getattr(found.movement, system) == dict.fromkeys(FITTED)
+        assert found.settled
+        assert found.bandwidth is not None
+    assert hs.evaluate(scene, movement="4:5").movement.poles == {}

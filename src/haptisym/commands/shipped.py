@@ -10,6 +10,7 @@ from haptisym.commands.options import JSON, Ask, optional, verb
 from haptisym.commands.terminal import say_document, say_list, write
 from haptisym.kernel.errors import SceneError
 from haptisym.model.shipped import family_names, scene_names, shipped_text
+from haptisym.writing.characters import printable
 
 
 @verb(optional("name"), JSON, pages=False)
@@ -24,7 +25,7 @@ def scenes(ask: Ask) -> None:
     if ask.name is not None:
         if ask.json:
             raise SceneError("--json lists the scenes: a scene file is TOML, leave out --json")
-        write(shipped_text(ask.name) or _file(ask.name))
+        write(shipped_text(ask.name) or printable(_file(ask.name)))
         return
     found = [(name, tomllib.loads(shipped_text(name) or "")) for name in (*scene_names(), *family_names())]
     rows = [

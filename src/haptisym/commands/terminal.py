@@ -26,6 +26,7 @@ from unicodedata import combining, name, normalize
 import click
 
 from haptisym.kernel.errors import HaptisymError
+from haptisym.writing.characters import MISSING, is_hidden, printable
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -150,7 +151,7 @@ _SIGNS = {
     "Œ": "OE", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L", "đ": "d", "ð": "d", "þ": "th", "ı": "i", "ȷ": "j", "€": "EUR",
     "£": "GBP", "§": "section ", "©": "(c)", "®": "(R)", "«": '"', "»": '"', "∆": "Delta", "Ω": "Omega",
     "ϵ": "epsilon", "ϕ": "phi", "ς": "sigma", "ϑ": "theta", "\N{NO-BREAK SPACE}": " ",
-    "\N{NARROW NO-BREAK SPACE}": " ",
+    "\N{NARROW NO-BREAK SPACE}": " ", MISSING: "?",
 }  # fmt: skip
 _GREEK = re.compile(r"GREEK (SMALL|CAPITAL) LETTER (\w+)")
 _ALIASES = {"LAMDA": "lambda"}
@@ -198,25 +199,22 @@ def _word(text: str, at: int) -> str:
 
 
 def escaped(document: str, encoding: str) -> str:
-    r"""A JSON document with JSON's own escapes for the characters that an encoding lacks.
+    r"""A JSON document with JSON's own escapes for the characters that an encoding lacks, and for hidden ones.
 
     >>> escaped('{"title": "Prüfstand ω"}', "latin-1")
     '{"title": "Prüfstand \\u03c9"}'
     """
 
     def escape(x: str) -> str:
-        if _held(x, encoding):
+        if _held(x, encoding) and not is_hidden(x):
             return x
         units = x.encode("utf-16-be", "surrogatepass")
         return "".join(f"\\u{units[i] << 8 | units[i + 1]:04x}" for i in range(0, len(units), 2))
 
     try:
-        document.encode(encoding)
-    except UnicodeEncodeError:
-        return "".join(map(escape, document))
+        return document.translate({ord(x): escape(x) for x in set(document)})
     except LookupError:
         return document
-    return document
 
 
 def _spell(error: UnicodeError) -> tuple[str, int]:
@@ -317,6 +315,10 @@ def _say_help(context: click.Context, _option: click.Parameter, asked: bool) -> 
 
 def note(message: str) -> None:
     """A message on standard error; lost where that is closed or full."""
+    _tell(printable(message))
+
+
+def _tell(message: str) -> None:
     quiet()
     if sys.stderr is None:
         return
@@ -397,7 +399,7 @@ def interrupts() -> Iterator[list[int]]:
 
     def interrupted(number: int, _frame: object) -> None:
         if seen:
-            note("\x1b[?25h" if sys.stderr and sys.stderr.isatty() else "")  # a bar of progress hides the cursor
+            _tell("\x1b[?25h" if sys.stderr and sys.stderr.isatty() else "")  # a bar of progress hides the cursor
             os._exit(130)
         seen.append(number)
         raise KeyboardInterrupt

@@ -27,6 +27,7 @@ from haptisym.figures.files import Drawings
 from haptisym.figures.layers import Chart, Layer, On, Room, dots, number, raised, thin
 from haptisym.verbs.cost.entry import Cost, Measurement, duration, front
 from haptisym.verbs.cost.hardcosts import HardCosts, HardRow, worst_verdict
+from haptisym.writing.characters import printable
 
 _PANEL, _ALONE = (3.5, 2.7), (6.8, 3.6)
 """Inches: a panel among others, and one alone."""
@@ -146,7 +147,7 @@ def cost_figure(found: Cost) -> Figure:
     axes = figure.subplots(lines, columns, squeeze=False).ravel()
     for ax, group in zip(axes, groups, strict=False):
         draw_cost(ax, group)
-    figure.suptitle("\n".join(wrap(found.scene.title, 88)), fontsize=pen.TEXT + 1, color=pen.INK)
+    figure.suptitle("\n".join(wrap(printable(found.scene.title), 88)), fontsize=pen.TEXT + 1, color=pen.INK)
     style: dict[str, Any] = {"handles": _handles(rows), "fontsize": pen.SMALL, "frameon": False, "handlelength": 2}
     if len(groups) < len(axes):
         _explain(axes[-1], found.summary, style)

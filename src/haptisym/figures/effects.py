@@ -37,6 +37,7 @@ from haptisym.verbs.metrics.controlloading import ControlLoading
 from haptisym.verbs.metrics.freeresponse import motion_of
 from haptisym.verbs.metrics.metric import Metrics
 from haptisym.verbs.sensitivity.entry import Sensitive, Sensitivities
+from haptisym.writing.characters import printable
 from haptisym.writing.latex import formula
 
 # Effects.
@@ -66,7 +67,7 @@ def influences(found: Relevance, part: Part) -> Chart:
         shown = np.where(values >= floor / 10, values, np.nan)
         kind = Curve if x.kept else _Quiet
         lines.append(kind(grid, shown, color, stroke, width))
-        ends.append((x.effect.name, float(values[-1]), x.kept))
+        ends.append((printable(x.effect.name), float(values[-1]), x.kept))
     limit = Limit(tolerance, stroke=pen.DOTTED)
     symbol = r"r_\mathrm{r}" if part is Part.REAL else r"r_\mathrm{i}"
     low, high = (float(x) for x in found.scene.band)
@@ -155,7 +156,7 @@ class _Strip(Layer):
             low, high = float(x.low), float(x.high)
             face = pen.SHADE if names.index(x.effect.name) % 2 == 0 else "#c4c4c4"
             made.append(ax.axvspan(*on.x.of((low, high)), facecolor=face, linewidth=0))
-            room, name = (high - low) / (end - start), x.effect.name
+            room, name = (high - low) / (end - start), printable(x.effect.name)
             if text_width(ax, name) >= room > text_width(ax, "1"):
                 narrow += [] if name in narrow else [name]
                 name = str(narrow.index(name) + 1)

@@ -125,9 +125,8 @@ def ratios(e: Evaluation) -> Chart:
         if e.transparent
         else _words("nowhere transparent")
     )
-    count = [_words(f"{len(e.crossings)} crossings")] if len(e.crossings) > MOST_LABELS else []
     above = Above(_frequency_labels(e, axis, omega, values.max(axis=1), top))
-    layers = [*lines, *_thresholds(criteria, limits), bands, *_crossings(e), *count, above]
+    layers = [*lines, *_thresholds(criteria, limits), bands, *_crossings(e), above]
     return Chart(layers, axis, Axis(_judged(criteria), ends=(0, top)))
 
 
@@ -174,14 +173,19 @@ def _crossings(e: Evaluation) -> list[Mark]:
 
 
 def _frequency_labels(e: Evaluation, axis: Axis, omega: Array, highest: Array, top: float) -> list[tuple[float, str]]:
-    """What stands above the axes: crossing frequencies while they are few, and the two highest peaks that are cut."""
-    crossings = [(float(c.omega), axis.digits(c.omega, 4)) for c in e.crossings]
+    """What stands above the axes: the lowest frequencies of crossings, and the two highest peaks that are cut.
+
+    Behind the last frequency stands how many more there are, where not all have room.
+    """
+    crossings = [(float(c.omega), axis.digits(c.omega, 4)) for c in e.crossings[:MOST_LABELS]]
+    if more := len(e.crossings) - len(crossings):
+        crossings[-1] = (crossings[-1][0], f"{crossings[-1][1]}, and {more} more")
     values = np.where(np.isnan(highest), np.inf, highest)
     runs = [list(run) for above, run in groupby(range(len(values)), key=lambda i: bool(values[i] > top)) if above]
     tops = sorted((max(run, key=lambda i: values[i]) for run in runs), key=lambda i: -values[i])[:2]
     at = axis.of(omega)
     cut = [(float(omega[i]), f"{_height(values[i])} at {number(at[i], 4 if at[i] < 1e4 else 6)}") for i in tops]
-    return (crossings if len(crossings) <= MOST_LABELS else []) + cut
+    return crossings + cut
 
 
 def _height(value: float) -> str:

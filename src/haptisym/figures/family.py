@@ -22,6 +22,7 @@ from haptisym.kernel.errors import NothingToDrawError
 from haptisym.programs.values import Array
 from haptisym.verbs.family.answers import FamilyAnswers
 from haptisym.verbs.family.entry import FamilyEvaluation
+from haptisym.writing.characters import printable
 
 _LIMITING = ((pen.BLUE, pen.SOLID), (pen.RED, pen.DASHED), ("#7cc0c8", pen.SOLID), ("#d0701f", pen.DASHED))
 """Colours and strokes of the environments that limit, in the order in which they do."""
@@ -44,7 +45,7 @@ def worst(w: FamilyEvaluation, which: int = 0, *, shared: tuple[Array, dict[str,
     for name, ratio in sorted(values.items(), key=lambda x: list(looks).index(x[0]) if x[0] in looks else len(looks)):
         color, stroke = looks.get(name, (pen.GREY, pen.SOLID))
         label, width = (f"limited by {name}", 1.1) if name in looks else ("others", 0.6)
-        lines.append(Curve(omega, ratio, color, stroke, width, label=fill(label, 40), look={"zorder": 3}))
+        lines.append(Curve(omega, ratio, color, stroke, width, label=fill(printable(label), 40), look={"zorder": 3}))
     for x in (x for x in w.binding if x.criterion == criterion):
         look = {"zorder": 4, "clip_on": False}
         marks.append(Mark([float(x.omega)], [c], looks[x.environment][0], size=3.8, look=look, styled=True))

@@ -33,6 +33,7 @@ from haptisym.kernel.reals import RealNumber, Scaled
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import RADIANS, Dimension, MotionKind, Unit, quantity
 from haptisym.programs.values import Array
+from haptisym.writing.characters import printable
 from haptisym.writing.latex import formula
 
 Span = tuple[float, float]
@@ -131,12 +132,12 @@ def number(value: float, digits: int = 6) -> str:
 
 
 def raised(text: str) -> str:
-    """A text with its powers and differences as print has them.
+    """A text with its powers and differences as print has them, without what cannot be seen.
 
     >>> raised("grid of 10^4, 10^-3"), raised("H_perc - H_env")
     ('grid of 10⁴, 10⁻³', 'H_perc − H_env')
     """
-    return re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_RAISED), text.replace(" - ", " − "))
+    return re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_RAISED), printable(text).replace(" - ", " − "))
 
 
 class _Plain(ScalarFormatter):
@@ -188,7 +189,7 @@ def _dress(ax: Axes, which: str, axis: Axis) -> None:
 
 def _dress_rows(ax: Axes, names: Sequence[str]) -> None:
     """Rows that have names, the first on top: no lines but the lower one."""
-    ax.set_yticks(range(len(names)), names, fontsize=pen.SMALL)
+    ax.set_yticks(range(len(names)), [*map(printable, names)], fontsize=pen.SMALL)
     ax.tick_params(axis="y", length=0, labelsize=pen.SMALL)
     ax.spines["left"].set_visible(False)
     ax.set_ylim(len(names) - 0.5, -0.5)

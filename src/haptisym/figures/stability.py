@@ -49,6 +49,7 @@ from haptisym.verbs.stability.entry import WALL, Stability, has_plane
 from haptisym.verbs.stability.plane import Plane, Window, boundary, plane, wall_plane
 from haptisym.verbs.tolerances.proofs import Tolerances
 from haptisym.verbs.tolerances.stability import HeldPlane, held_plane
+from haptisym.writing.characters import printable
 
 _SMALLER = pen.SMALL - 0.5
 _ROOM = 1.25  # of the largest number that is shown
@@ -87,7 +88,7 @@ def wall(found: Stability) -> Chart:
         raise NothingToDrawError(str(error)) from None
     layers = [
         *_grounds(drawn),
-        Mark([own[0]], [own[1]], size=3.5, look={"clip_on": False}, label=f"the scene, in {hand.name}"),
+        Mark([own[0]], [own[1]], size=3.5, look={"clip_on": False}, label=f"the scene, in {printable(hand.name)}"),
         _Counts(drawn),
     ]
     x, y = parameter(k_knob, "", (0, k)), parameter(b_knob, "", (0, b))
@@ -216,7 +217,7 @@ class _Counts(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         room, made = self._room(on), list[Artist]()
-        named = [(x.name, _place(x), pen.INK) for x in self.asked]
+        named = [(printable(x.name), _place(x), pen.INK) for x in self.asked]
         named += [(name, place, pen.GREY) for name, place in self._names(room)]
         for name, (k, b), color in named:
             at = room.beside(k, b, name, _SMALLER)
@@ -245,7 +246,7 @@ class _Counts(Layer):
                 groups.append([x])
             else:
                 group.append(x)
-        return [(g[0].name if len(g) == 1 else f"{len(g)} published hands", _place(g[0])) for g in groups]
+        return [(printable(g[0].name) if len(g) == 1 else f"{len(g)} published hands", _place(g[0])) for g in groups]
 
     def _room(self, on: On) -> Room:
         """What the lines and marks leave free."""

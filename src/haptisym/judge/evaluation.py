@@ -184,12 +184,24 @@ class Reported(Protocol):
         """From where to where its frequencies lie, rad/s."""
 
     @property
-    def environment(self) -> Mapping[str, float]:
-        """Of the environment, by name, SI."""
+    def environment(self) -> Mapping[str, float | None]:
+        """Of the environment, by name, SI; None where there is no number or it is undecided."""
 
     @property
-    def perceived(self) -> Mapping[str, float]:
+    def perceived(self) -> Mapping[str, float | None]:
         """Of what is felt."""
+
+    @property
+    def poles(self) -> Mapping[str, Sequence[float]]:
+        """Where, rad/s, H of one of both is infinite, so that it has no fit."""
+
+    @property
+    def undecided(self) -> bool:
+        """Whether a number is."""
+
+    @property
+    def computed(self) -> bool:
+        """Whether the numbers are computed, not proven."""
 
     @property
     def change(self) -> Mapping[str, float | None]:
@@ -383,7 +395,8 @@ class Evaluation(Answer):
     @property
     def certified(self) -> bool:
         """Whether every number here is proven, none estimated, and nothing was left undecided."""
-        return not self.undecided and (self.bandwidths is None or self.bandwidths.certified)
+        is_fitted = self.movement is None or not self.movement.undecided
+        return not self.undecided and is_fitted and (self.bandwidths is None or self.bandwidths.certified)
 
     def _body(self) -> dict[str, Any]:
         changeovers = {"environment": self.changeovers_environment, "perceived": self.changeovers_perceived}

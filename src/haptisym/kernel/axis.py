@@ -13,7 +13,7 @@ from math import comb, prod
 from typing import TypeAlias
 
 from flint import fmpq
-from sympy import Expr, Symbol, cos, pi, sin, sinc
+from sympy import Expr, Symbol, chebyshevt, chebyshevu, cos, pi, sin, sinc
 
 from haptisym.kernel.budget import afford, room
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in, monomials, omega
@@ -53,6 +53,27 @@ class Axis(PolynomialRing):
         tangents = [Symbol(f"tan({angle.value}/2)") for angle in self.angles]
         super().__init__(omega, symbols, [*tangents, *(omega**order for order in orders)])
         self.delays, self.complex = len(lags), j
+
+    def convert(self, expression: Expr) -> RationalFunction:
+        """The element that a SymPy expression is, of cosines and sines of multiples of the angles, too.
+
+        >>> from sympy import Integer
+        >>> axis = Axis((), (Integer(2),), ())
+        >>> axis.trigonometric(axis.convert(omega * cos(4 * omega) + 3)).expression()
+        omega*cos(4*omega) + 3
+        """
+        if isinstance(expression, cos | sin):
+            for angle, tangent in zip(self.angles, self.functions, strict=False):
+                n = expression.args[0] / angle.value
+                if n.is_Integer and n > 0:
+                    cosine, sine = (1 - tangent**2) / (1 + tangent**2), 2 * tangent / (1 + tangent**2)
+                    is_even = isinstance(expression, cos)
+                    return super().convert(chebyshevt(n, cosine) if is_even else chebyshevu(n - 1, cosine) * sine)
+        if expression.is_Pow and expression.base == omega:
+            for order in self.orders:
+                if (n := expression.exp / order).is_Integer and not expression.exp.is_Integer:
+                    return super().convert(omega**order) ** int(n)
+        return super().convert(expression)
 
     def parts(self, polynomials: Sequence[Polynomial]) -> list[ComplexPolynomial]:
         """Real and imaginary part of each polynomial in the dynamics' ring, all times the same factor that is not zero."""

@@ -49,7 +49,10 @@ class Shown(Viewed, ABC):
         """What there is to say of it, in a line."""
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {shorten(self._line(), _LINE, placeholder=' ...')}>"
+        from pkgutil import resolve_name
+
+        line = shorten(self._line(), _LINE, placeholder=" ...")
+        return f"<{type(self).__name__} {resolve_name('haptisym.writing.characters:printable')(line)}>"
 
 
 def titled(title: str) -> str:

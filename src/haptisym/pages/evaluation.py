@@ -13,16 +13,16 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
-from sympy import Add, Expr, Rational, Symbol
+from sympy import Rational
 
 from haptisym.judge.bandwidths import Bandwidths, Jump
 from haptisym.judge.crossings import JOINT, Criterion, Crossing, CrossingKind, noticed
-from haptisym.judge.evaluation import Compared, Evaluation, different, region_label
+from haptisym.judge.evaluation import Compared, Evaluation, Reported, different, region_label
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.judge.peaks import Peaks
 from haptisym.judge.regions import Joint
 from haptisym.kernel.reals import ExactNumber, RealNumber, Way
-from haptisym.kernel.rings import RationalFunction, omega, s
+from haptisym.kernel.rings import omega, s
 from haptisym.kernel.roots import Chart
 from haptisym.model.jnd import Part, Threshold, like
 from haptisym.model.parameters import ExactRange
@@ -30,10 +30,9 @@ from haptisym.model.quantities import Dimension, Unit
 from haptisym.model.scene import caveats as cautions
 from haptisym.pages import words as w
 from haptisym.writing import document as doc
-from haptisym.writing.boxes import Operator, Prefixed, Titled, text
+from haptisym.writing.boxes import Operator, Prefixed, Titled
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
-from haptisym.writing.layout import equation, named, quantity
-from haptisym.writing.mathml import readable
+from haptisym.writing.layout import named
 
 if TYPE_CHECKING:
     from haptisym.pages.scene import SceneForms
@@ -83,14 +82,17 @@ def _movement(e: Evaluation) -> Iterator[doc.Block]:
         _FITTED,
         f"Least squares over a {found.spectrum}.",
         w.Field("", lambda x: _FITTED[x][0]),
-        w.number("environment", lambda x: w.near(found.environment[x])),
-        w.number("perceived", lambda x: w.near(found.perceived[x])),
+        w.number("environment", lambda x: _fitted(found, "environment", found.environment[x])),
+        w.number("perceived", lambda x: _fitted(found, "perceived", found.perceived[x])),
         w.Field("unit", lambda x: w.unit(_FITTED[x][1], e.scene.motion)),
         w.number("change", lambda x: "" if (own := found.change[x]) is None else _percent(own)),
     )
     said: list[Phrase] = [
         f"Least squares over a {found.spectrum}: what a fit to this movement reports, not what a person was shown to perceive."
     ]
+    for name, places in found.poles.items():
+        at = listed(w.both(x) for x in places)
+        said.append((w.SYSTEMS[name], " is infinite at ", at, ": there is no fit of it."))
     largest = max(_FITTED, key=lambda x: abs(found.change[x] or 0.0))
     own = found.change[largest] or 0.0
     if e.bandwidth is not None and found.band[1] <= float(e.bandwidth) and abs(own) > float(e.scene.threshold.real):
@@ -100,6 +102,13 @@ def _movement(e: Evaluation) -> Iterator[doc.Block]:
             f" {abs(100 * own):.1f}\xa0% {more}."
         )
     yield doc.Section("What a fit to a movement reports", (rows, *w.noted(said)), "movement")
+
+
+def _fitted(found: Reported, system: str, x: float | None) -> Phrase:
+    """A number of a fit; a double has 15 digits."""
+    if x is None:
+        return "none" if system in found.poles else Strong("undecided")
+    return w.near(x, most=15)
 
 
 @dataclass(frozen=True)
@@ -563,34 +572,17 @@ def _spread(found: Sequence[Compared | FamilyCompared], what: str = "bandwidth")
     return w.phrased(f"The {what} is from {{}} to {{}}\xa0{{}} with these regions{{}}.", *ends_, FREQUENCY_UNIT, times)
 
 
-_MOST_LETTERS = 280  # of a formula: three lines
-
-
 def _dynamics(e: Evaluation) -> Iterator[tuple[str, Phrase]]:
     """Environment, what effects make of it, and the distortion, in closed form."""
     d, rendered = e.distortion, e.scene.rendered
     unit = f"  {w.stiffness_unit(e.scene)}"
-    yield "environment", _equation("H_env", d.env, s, unit)
+    band = e.scene.band
+    yield "environment", w.in_numbers("H_env", d.env, s, band, unit)
     if rendered:
-        yield "rendered", _equation("H_rendered", d.env.ring.convert(e.scene.rendering.H), s, unit)
-    yield "perceived", _equation("H_perc", d.perc, s, unit)
-    yield "distortion", _equation("Re dH", d.difference_response.real.written, omega)
-    yield "", _equation("Im dH", d.difference_response.imag.written, omega)
-
-
-def _equation(name: str, function: RationalFunction, variable: Symbol, unit: str = "") -> Phrase:
-    """A closed form; of one that is too long to be read, how long it is."""
-    form, is_rounded = readable(function, variable)
-    written = equation(name, form, relation="≈" if is_rounded else "=")
-    if len(text(written)) <= _MOST_LETTERS:
-        return written, unit
-    reduced = function.reduced()
-    above, below = (_terms(reduced.ring.coefficients(p)) for p in (reduced.numerator, reduced.denominator))
-    return quantity(name), f" has {above} terms over {below}: see ", doc.Code("haptisym derive")
-
-
-def _terms(coefficients: Iterable[Expr]) -> int:
-    return sum(len(Add.make_args(c.expand())) for c in coefficients if c != 0)
+        yield "rendered", w.in_numbers("H_rendered", d.env.ring.convert(e.scene.rendering.H), s, band, unit)
+    yield "perceived", w.in_numbers("H_perc", d.perc, s, band, unit)
+    yield "distortion", w.in_numbers("Re dH", d.difference_response.real.written, omega, band)
+    yield "", w.in_numbers("Im dH", d.difference_response.imag.written, omega, band)
 
 
 # Step 2, how.
@@ -703,8 +695,10 @@ def _proven(e: Evaluation) -> Iterator[Phrase]:
         )
         yield "Proven: everything else."
         return
+    if e.movement is not None and e.movement.undecided:
+        yield w.undecided("what a fit to this movement reports, where no number stands")
     passive = ", passivity" if e.passivity is not None and e.passivity.holds is not None else ""
-    but = ", except computed ones" if e.discrimination else ""
+    but = ", except computed ones" if e.discrimination or (e.movement and e.movement.computed) else ""
     yield w.proof(e.scene, f"all crossings on the band{passive}, and all digits printed{but}")
     if e.bandwidths is not None and e.bandwidths.undecided:
         yield w.undecided(e.bandwidths.undecided)

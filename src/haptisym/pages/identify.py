@@ -18,7 +18,7 @@ from haptisym.verbs.identify.entry import Estimate, Identification, correlation
 from haptisym.writing import document as doc
 from haptisym.writing.document import Block, Document, Phrase, Strong
 from haptisym.writing.layout import equation, named
-from haptisym.writing.mathml import readable
+from haptisym.writing.mathml import estimated
 
 _CORRELATED = 0.95
 """A correlation above which two parameters are called correlated."""
@@ -71,7 +71,7 @@ def _response(a: Identification) -> Phrase:
     digits = _digits(a)
     values = {x.parameter: f"{x.value:.{digits + 2}g}" for x in a.estimates}
     own, effects = a.wanted.elements(values.__getitem__)
-    form, _ = readable(distort(own, *effects).perc, s, _digits(a))
+    form = estimated(distort(own, *effects).perc, s, _digits(a))
     return equation("H_perc", form, relation="≈")
 
 

@@ -20,8 +20,6 @@ from haptisym.verbs.measured.entry import Between, MeasuredEvaluation, Share, St
 from haptisym.verbs.measured.judging import CODES, certainty, limits_of
 from haptisym.writing import document as doc
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
-from haptisym.writing.layout import equation
-from haptisym.writing.mathml import readable
 
 _UNLIKELY = 0.01
 """A chance below which a display is called not linear."""
@@ -252,9 +250,8 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
             yield "read", own.understood
     else:
         function = e.scene.frame.distortion().env
-        form, is_rounded = readable(function, s)
         unit = f"\xa0{w.stiffness_unit(e.scene.frame)}"
-        yield "environment", (equation("H_env", form, relation="≈" if is_rounded else "="), unit)
+        yield "environment", w.in_numbers("H_env", function, s, e.scene.frame.band, unit)
     yield "perceived", measured_words(felt)
     if felt.understood:
         yield "read", felt.understood

@@ -222,8 +222,8 @@ def _closed(form: Form) -> doc.Line:
     if form.numeric is None:
         return doc.Line(left, means)
     found = form.numeric
-    value, is_rounded = readable(found, s) if isinstance(found, RationalFunction) else readable(found.written, omega)
-    return doc.Line(left, value, "≈" if is_rounded else "=", means)
+    shown = readable(found, s) if isinstance(found, RationalFunction) else readable(found.written, omega)
+    return doc.Line(left, *shown, means) if shown else doc.Line(left, means)
 
 
 def _of_s(name: str) -> Box:

@@ -9,12 +9,12 @@ polynomials and what is perceived.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import comb, prod
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi, sqrt
 
@@ -35,12 +35,19 @@ from haptisym.pages.derive import beyond, ways
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OPERATORS, RATIOS, both, page_about, region
 from haptisym.verbs.derive.derivation import derive
 from haptisym.writing import document as doc
-from haptisym.writing.boxes import Absolute, Box, Equation, Prefixed, Sum
+from haptisym.writing.boxes import Absolute, Box, Equation, Fenced, Numeral, Power, Prefixed, Product, Sum
 from haptisym.writing.document import Block, Document, Phrase, Strong, listed
 from haptisym.writing.latex import LINE, formula, is_long, width
 from haptisym.writing.layout import QUANTITIES, approximate, function, is_brief, layout, named, plain, quantity, rounded
+from haptisym.writing.rounding import DIGITS, Band, faithful, keeps_zeros
 
 # Closed forms.
+
+
+Written: TypeAlias = doc.Line | Box
+"""A formula as it is printed; its left side alone where no rounding of its numbers leaves it true."""
+_OF_POLYNOMIALS = (10, 12, 15)
+"""Digits of the numbers of what is printed for its zeros: fewer lose close ones."""
 
 
 @dataclass(frozen=True)
@@ -314,21 +321,31 @@ class SceneForms:
         rows = group.rows(ClosedForms(self.symbolic))
         return None if any(is_long(row.value) for row in rows if not row.optional) else rows
 
-    def in_numbers(self, group: FormulaGroup) -> list[doc.Line]:
+    def in_numbers(self, group: FormulaGroup) -> list[Written]:
         """Closed forms in numbers: exact, in the places of the symbols, if they are short; else rounded."""
         known = values(self.evaluation.scene.parameters)
         rows = self.in_symbols(group) or group.rows(ClosedForms(self.evaluation.distortion))
-        return [_evaluated(row, known) for row in rows]
+        return [_evaluated(row, known, self.evaluation.scene.band) for row in rows]
 
     def threshold(self, part: Part) -> doc.Line:
-        """The polynomial in omega^2 that is positive exactly where the ratio exceeds its threshold, in factors."""
+        """The polynomial in omega^2 that is positive exactly where the ratio exceeds its threshold, in factors.
+
+        Where it is not written with numbers, what it is a multiple of.
+        """
         limits = self.evaluation.scene.threshold
         found = next(x for x in noticed(limits) if x.part is part).function(self.evaluation.distortion)
         assert isinstance(found, RealFunction)  # of one part
-        return self.polynomial(quantity("p_r" if part is Part.REAL else "p_i"), found)
+        shown = self.polynomial(_excess(part), found)
+        if isinstance(shown, doc.Line):
+            return shown
+        change = Power(Fenced(quantity(f"{_OPERATORS[part]} dH")), Numeral("2"))
+        return doc.Line(shown, Sum(((1, change), (-1, Product((layout(limits[part] ** 2), quantity("|H_env|^2")))))))
 
-    def polynomial(self, left: Box, found: RealFunction) -> doc.Line:
-        """The numerator of a function that is positive where it is, in factors, rounded where that is long."""
+    def polynomial(self, left: Box, found: RealFunction) -> Written:
+        """The numerator of a function that is positive where it is, in factors, rounded where that is long.
+
+        Rounded it has the same zeros on the band, to four digits: certified.
+        """
         function = found.written
         if function.is_zero:
             return doc.Line(left, S.Zero)
@@ -336,15 +353,19 @@ class SceneForms:
         exact = Mul(1 if unit > 0 else -1, *(function.ring.expression(f) ** n for f, n in factors))
         if not is_long(exact, lines=2 if exact.has(pi) else 5):
             return doc.Line(left, exact)
-        if function.ring.functions:
-            return doc.Line(left, approximate(exact, digits=10), relation="≈")
-        sign = sign_of_number(_gain(function, function.numerator))
-        monic = sign * _monic_factors(function, function.numerator, omega)
-        return doc.Line(left, approximate(monic, digits=10), relation="≈")  # fewer lose close roots
+        if not function.ring.functions:
+            sign = sign_of_number(_gain(function, function.numerator))
+            exact = sign * _monic_factors(function, function.numerator, omega)
+        band = self.evaluation.scene.band
+        for digits in _OF_POLYNOMIALS:
+            shown = _faithful(exact, band, (digits,))
+            if shown and keeps_zeros(shown[0], found, band):
+                return doc.Line(left, *shown)
+        return left
 
-    def named(self, rows: list[doc.Line]) -> list[doc.Line]:
+    def named(self, rows: Iterable[doc.Line]) -> list[doc.Line]:
         """The rows with short names for the parameters of effects with long names."""
-        return [replace(row, value=_expression(row).xreplace(self.short_names)) for row in rows]
+        return [replace(x, value=x.value.xreplace(self.short_names)) if isinstance(x.value, Expr) else x for x in rows]
 
     @cached_property
     def short_names(self) -> dict[Symbol, Symbol]:
@@ -368,12 +389,18 @@ def _expression(row: doc.Line) -> Expr:
     return row.value
 
 
-def _evaluated(row: doc.Line, known: Mapping[Symbol, Expr]) -> doc.Line:
+def _evaluated(row: doc.Line, known: Mapping[Symbol, Expr], band: Band) -> Written:
     """A row with numbers for its parameters; if they are long, in lowest terms and rounded."""
     exact = _expression(row).xreplace(known)
     if is_brief(exact):
         return replace(row, value=exact)
-    return replace(row, value=approximate(_monic(exact)), relation="≈")
+    shown = _faithful(_monic(exact), band, DIGITS)
+    return replace(row, value=shown[0], relation=shown[1]) if shown else row.left
+
+
+def _faithful(exact: Expr, band: Band, digits: Sequence[int]) -> tuple[Expr, str] | None:
+    """A formula with its long numbers rounded, where that is true on the band."""
+    return faithful(lambda n: exact if n is None else approximate(exact, n), band, digits)
 
 
 def _monic(exact: Expr) -> Expr:
@@ -439,6 +466,9 @@ def _terms(expression: Expr) -> tuple[int, int]:
 _H = named("H")
 _VALUES = "the scene's values"
 _MOST_POLYNOMIALS = 12
+_WIDE = (
+    "Where terms cancel so that no coefficients of a readable length have these roots, the distortion stands for them. "
+)
 
 
 def derivation(forms: SceneForms) -> Iterator[Block]:
@@ -484,10 +514,11 @@ class _Steps:
             lines += entries
         if said:
             yield doc.Paragraph(tuple(said))
-        yield self._equations([*lines, *(self.forms.in_symbols(DYNAMICS) or [])[1:]])
+        yield from self._equations([*lines, *(self.forms.in_symbols(DYNAMICS) or [])[1:]])
         if scene.parameters:
-            yield doc.Paragraph(f"With {_VALUES} (here and below, long numbers are rounded to six digits after ≈):")
-            yield self._equations(self.forms.in_numbers(DYNAMICS))
+            rounded_so = "here and below, long numbers are rounded so that four digits of a value are left, after ≈"
+            yield doc.Paragraph(f"With {_VALUES} ({rounded_so}):")
+            yield from self._equations(self.forms.in_numbers(DYNAMICS))
 
     def distortion(self) -> Iterator[Block]:
         where = Equation((named("s"), layout(I * omega)), ("=",))
@@ -497,7 +528,7 @@ class _Steps:
         yield from self._formulas("The relative distortion, not to be confused with them, is", RELATIVE)
         if self.evaluation.scene.parameters and self.forms.in_symbols(DIFFERENCE):
             yield doc.Paragraph(f"With {_VALUES} the distortion is")
-            yield self._equations(self.forms.in_numbers(DIFFERENCE))
+            yield from self._equations(self.forms.in_numbers(DIFFERENCE))
 
     def thresholds(self) -> Iterator[Block]:
         if not self.evaluation.scene.threshold.is_plain:
@@ -505,18 +536,20 @@ class _Steps:
             return
         functions = self.evaluation.distortion.squared_modulus.axis.functions
         kind = "polynomials in ω, its powers, sines and cosines" if functions else "polynomials in ω²"
+        lines = [self.forms.threshold(part) for part in Part]
+        wide = "" if all(isinstance(x.value, Expr) for x in lines) else _WIDE
         exceeds = listed((RATIOS[part], " exceeds exactly where ", _excess(part), " > 0") for part in Part)
         yield doc.Paragraph((
             "A ratio exceeds its threshold where its square does, and so no root is needed: ", exceeds, f". These are {kind} ",
-            "with exact coefficients (to ten digits after ≈); the crossings are their roots on the band. Written up to a ",
-            "positive factor:",
+            "with exact coefficients; the crossings are their roots on the band, to four digits also where the ",
+            "coefficients are rounded, after ≈. ", wide, "Written up to a positive factor:",
         ))  # fmt: skip
-        yield self._equations([self.forms.threshold(part) for part in Part])
+        yield from self._equations(lines)
 
     def _regions(self) -> Iterator[Block]:
         """Of what is judged by a region or by a formula in omega: which functions must not all be positive."""
         said: list[Phrase] = []
-        lines: list[doc.Line] = []
+        lines: list[Written] = []
         for x in self.evaluation.criteria:
             found = x.function(self.evaluation.distortion)
             where, functions = ways(x, found)
@@ -527,8 +560,8 @@ class _Steps:
         if len(lines) > _MOST_POLYNOMIALS:
             yield doc.Paragraph(f"{len(lines)} functions of ω decide what is noticed: too many to be written here.")
             return
-        yield doc.Paragraph((*said, "Written up to a positive factor (to ten digits after ≈):"))
-        yield self._equations(lines)
+        yield doc.Paragraph((*said, "Written up to a positive factor (after ≈ with the same roots, to four digits):"))
+        yield from self._equations(lines)
 
     def properties(self) -> Iterator[Block]:
         real, imag = (Prefixed(OPERATORS[part], _H) for part in Part)
@@ -542,19 +575,27 @@ class _Steps:
         shown = {name: x for name, x in found.items() if x is not None and width(formula(x)) < LINE - 5}
         if shown:
             yield doc.Paragraph(f"The lowest frequencies of changeover, with {_VALUES}, are")
-            yield self._equations([doc.Line(quantity(f"omega_{name}"), x) for name, x in shown.items()])
+            yield from self._equations([doc.Line(quantity(f"omega_{name}"), x) for name, x in shown.items()])
 
     def _formulas(self, lead: Phrase, group: FormulaGroup) -> Iterator[Block]:
         """Closed forms in symbols; in numbers if they would be too long to read."""
         has_parameters = bool(self.evaluation.scene.parameters)
         in_symbols = self.forms.in_symbols(group) if has_parameters else None
-        lines = in_symbols or self.forms.in_numbers(group)
-        is_explained = in_symbols or not has_parameters or all(x.optional for x in lines)
+        lines: Sequence[Written] = in_symbols or self.forms.in_numbers(group)
+        is_explained = in_symbols or not has_parameters or all(isinstance(x, doc.Line) and x.optional for x in lines)
         yield doc.Paragraph(lead if is_explained else (lead, f" (with {_VALUES}; too long in symbols)"))
-        yield self._equations(lines)
+        yield from self._equations(lines)
 
-    def _equations(self, lines: Iterable[doc.Line]) -> Block:
-        return doc.Equations(tuple(self.forms.named(list(lines))))
+    def _equations(self, lines: Iterable[Written]) -> Iterator[Block]:
+        """The formulas, and which of them are left out."""
+        found = list(lines)
+        if shown := self.forms.named(x for x in found if isinstance(x, doc.Line)):
+            yield doc.Equations(tuple(shown))
+        if left := [x for x in found if not isinstance(x, doc.Line)]:
+            why = " with numbers: large terms cancel, and rounded to a length that can be read it would be false. "
+            yield doc.Paragraph(
+                ("Not written is ", listed(left), why, doc.Code("haptisym derive"), " has it in exact steps.")
+            )
 
 
 def _whole(f: RealFunction) -> RealFunction:

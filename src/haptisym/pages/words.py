@@ -8,14 +8,14 @@ from itertools import pairwise
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from sympy import Expr
+from sympy import Add, Expr, Symbol
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import reals
 from haptisym.kernel.reals import Printable, RealNumber, Way, in_unit
-from haptisym.kernel.rings import omega
+from haptisym.kernel.rings import RationalFunction, omega
 from haptisym.kernel.roots import Interval, Point
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.quantities import Dimension, MotionKind, Unit, unit_text
@@ -24,7 +24,9 @@ from haptisym.model.scenefile import SceneFamily
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled, text
 from haptisym.writing.document import FREQUENCY, FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
-from haptisym.writing.layout import approximate, equation, layout, named
+from haptisym.writing.layout import approximate, equation, layout, named, quantity
+from haptisym.writing.mathml import readable
+from haptisym.writing.rounding import DIGITS, Band, faithful
 
 if TYPE_CHECKING:
     from haptisym.model.measuredscene import MeasuredScene
@@ -34,6 +36,7 @@ RATIOS: dict[Part, Box] = {Part.REAL: named("r_r"), Part.IMAG: named("r_i")}
 PART_NAMES = {Part.REAL: "real", Part.IMAG: "imaginary"}
 OPERATORS = {Part.REAL: Operator("Re"), Part.IMAG: Operator("Im")}
 OMEGA, H_ENV, H_PERC = named("omega"), named("H_env"), named("H_perc")
+SYSTEMS = {"environment": H_ENV, "perceived": H_PERC}
 CHANGE = Titled("dH", Prefixed(named("Delta"), named("H")))
 
 
@@ -65,6 +68,24 @@ def page_about(
     used = doc.Formulas(lambda: last(x for x in further if not x.startswith("--")), last(further))
     blocks = (*told, doc.Versions((used,), lambda: last(())))
     return Document(scene.title or "Untitled scene", (), blocks, kind, scene.frequency)
+
+
+_MOST_LETTERS = 280  # of a formula: three lines
+
+
+def in_numbers(name: str, function: RationalFunction, variable: Symbol, band: Band, unit: str = "") -> Phrase:
+    """A closed form, rounded where it stays true; of one that is too long to be read, how long it is."""
+    shown = readable(function, variable, band)
+    written = equation(name, shown[0], relation=shown[1]) if shown else None
+    if written and len(text(written)) <= _MOST_LETTERS:
+        return written, unit
+    reduced = function.reduced()
+    above, below = (_terms(reduced.ring.coefficients(p)) for p in (reduced.numerator, reduced.denominator))
+    return quantity(name), f" has {above} terms over {below}: see ", doc.Code("haptisym derive")
+
+
+def _terms(coefficients: Iterable[Expr]) -> int:
+    return sum(len(Add.make_args(c.expand())) for c in coefficients if c != 0)
 
 
 # Sentences and tables.
@@ -123,11 +144,12 @@ def model_words(scene: Scene | SceneFamily | MeasuredScene) -> Iterator[Phrase]:
         yield f"{len(scene)} environments; ", _effects(scene.first)
     elif isinstance(scene, Scene):
         environment = scene.environment
-        rounded_ = approximate(environment.H, digits=doc.DIGITS)
-        form = equation("H_env", rounded_, relation="=" if rounded_ == environment.H else "≈")
-        is_long = len(text(form)) > _LONGEST
+        H = environment.H
+        shown_ = faithful(lambda n: approximate(H, n) if n else H, scene.band, (doc.DIGITS, *DIGITS))
+        form = equation("H_env", shown_[0], relation=shown_[1]) if shown_ else None
         rendered = f"; rendered: {scene.rendered.model}" if scene.rendered else ""
-        shown: Phrase = environment.model if is_long else (form, f"\xa0{stiffness_unit(scene)}")
+        is_read = form is not None and len(text(form)) <= _LONGEST
+        shown: Phrase = (form, f"\xa0{stiffness_unit(scene)}") if form and is_read else environment.model
         yield shown, f"{rendered}; ", _effects(scene)
 
 

@@ -15,12 +15,12 @@ from importlib.resources import files
 from itertools import groupby
 from types import MappingProxyType
 from typing import NamedTuple
-from unicodedata import category
 
 from sympy import Expr
 
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Absolute, Box, Fenced, Fraction, Name, Product, Sum, Word, needs_dot
+from haptisym.writing.characters import printable
 from haptisym.writing.document import Block, Document, Phrase, Strong
 from haptisym.writing.latex import is_long, tex, width
 from haptisym.writing.mathml import markup, mathml
@@ -45,7 +45,7 @@ def element(tag: str, *children: str, given: Mapping[str, str] = _NONE) -> Html:
     >>> element("p", "a < b ", element("em", "c"), given={"title": 'say "d"'})
     '<p title="say &quot;d&quot;">a &lt; b <em>c</em></p>'
     """
-    attributes = "".join(f' {name}="{_printable(escape(value))}"' for name, value in given.items())
+    attributes = "".join(f' {name}="{printable(escape(value))}"' for name, value in given.items())
     if tag in _EMPTY:
         return Html(f"<{tag}{attributes}>")
     return Html(f"<{tag}{attributes}>{joined(children)}</{tag}>")
@@ -61,12 +61,7 @@ def joined(parts: Iterable[str], between: str = "") -> Html:
 
 
 def _markup(text: str) -> str:
-    return text if isinstance(text, Html) else _printable(escape(text))
-
-
-def _printable(text: str) -> str:
-    """Without the characters that no document may hold: controls, halves of surrogate pairs, and what is no character."""
-    return "".join(c if c in "\n\t" or category(c) not in ("Cc", "Cs", "Cn") else "\ufffd" for c in text)
+    return text if isinstance(text, Html) else printable(escape(text))
 
 
 def script(text: str, given: Mapping[str, str] = _NONE) -> Html:

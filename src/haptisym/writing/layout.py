@@ -201,6 +201,8 @@ def decimal(value: Decimal) -> Numeral:
 def approximate(expression: Expr, digits: int = 6) -> Expr:
     """The formula with long numbers, and if there are any then irrational ones too, rounded to that many digits.
 
+    Arguments of functions of which a phase is made stay exact.
+
     >>> from sympy import Symbol
     >>> s = Symbol("s")
     >>> approximate(Rational(408233133, 200000001) * s + 40 * pi), approximate(Rational(4, 3) * s + 40 * pi)
@@ -229,8 +231,8 @@ def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
         return change(expression)
     if isinstance(expression, Pow):
         return Pow(finite(_with_numbers(expression.base, change)), expression.exp)
-    if isinstance(expression, Function):
-        return expression.func(*(_with_numbers(x, change) for x in expression.args))
+    if isinstance(expression, Abs):
+        return Abs(_with_numbers(expression.args[0], change), evaluate=False)
     if not isinstance(expression, Add | Mul):
         return expression
     known, rest = expression.as_independent(*expression.free_symbols, as_Add=isinstance(expression, Add))

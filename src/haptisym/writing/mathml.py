@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from html import escape
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeAlias
 
 from sympy import Add, Basic, Expr, Function, I, Integer, Mul, Rational, Symbol, preorder_traversal
 from sympy.core.numbers import ImaginaryUnit
@@ -16,7 +16,9 @@ from sympy.core.numbers import ImaginaryUnit
 from haptisym.kernel.rings import RationalFunction
 from haptisym.writing import boxes
 from haptisym.writing.boxes import Box
+from haptisym.writing.characters import printable
 from haptisym.writing.layout import CAPITALS, approximate, is_short, layout, letter, rounded
+from haptisym.writing.rounding import ANYWHERE, Band, faithful
 
 _TIMES = "<mo>&#x2062;</mo>"  # no sign to see, but a product to a screen reader
 _APPLY = "<mo>&#x2061;</mo>"  # likewise for the value of a function
@@ -71,8 +73,7 @@ def _word(word: boxes.Word) -> str:
     if word.letters.isdigit():
         return f"<mn>{word.letters}</mn>"
     if word.upright:
-        printable = "".join(c if c.isprintable() else "\ufffd" for c in word.letters)
-        return f'<mi mathvariant="normal">{escape(printable).replace(" ", "&#xA0;")}</mi>'
+        return f'<mi mathvariant="normal">{escape(printable(word.letters)).replace(" ", "&#xA0;")}</mi>'
     upright = ' mathvariant="normal"' if word.letters in CAPITALS else ""
     return f"<mi{upright}>{letter(word.letters)}</mi>"
 
@@ -145,19 +146,34 @@ _MARKUP: Mapping[type, Callable[[Any], str]] = {
 }  # fmt: skip
 
 
-_DIGITS = 6  # significant digits of a number that is too long to write out
+def readable(function: RationalFunction, variable: Symbol, band: Band = ANYWHERE) -> tuple[Expr, str] | None:
+    """A quotient of numbers' polynomials for reading, denominators monic, and the sign before it, as it may be rounded.
 
-
-def readable(function: RationalFunction, variable: Symbol, digits: int | None = None) -> tuple[Expr, bool]:
-    """A quotient of numbers' polynomials for reading, denominators monic, and whether a number in it had to be rounded.
-
-    ``digits`` : to which all numbers are rounded, where they are known no better.
+    None where no rounded form is true on the band.
 
     >>> from haptisym.kernel.rings import s
     >>> from haptisym.kernel.rings import PolynomialRing
     >>> readable(PolynomialRing(s).convert((3 * s + 9) / (4 * s**2 + 7)), s)
-    ((3*s/4 + 9/4)/(s**2 + 7/4), False)
+    ((3*s/4 + 9/4)/(s**2 + 7/4), '=')
     """
+    parts = _parts(function)
+    if all(_is_short(c) for row, _ in parts[1:] for c in row):
+        return _quotient(parts, variable, None), "="
+    return faithful(lambda digits: _quotient(parts, variable, digits), band)
+
+
+def estimated(function: RationalFunction, variable: Symbol, digits: int) -> Expr:
+    """The same with all numbers rounded to so many digits, those of delays, too, where they are known no better."""
+    form = _quotient(_parts(function), variable, digits)
+    return form.xreplace({f: f.func(*(approximate(x, digits) for x in f.args)) for f in form.atoms(Function)})
+
+
+_Parts: TypeAlias = "list[tuple[list[Expr], int]]"
+"""Coefficients of polynomials with the powers that they have in a product; the first is a function in front of all."""
+
+
+def _parts(function: RationalFunction) -> _Parts:
+    """The factors of a quotient, denominators monic."""
     ring = function.ring
     reduced = function.reduced()
     lead, factors = ring.factors(reduced.denominator)
@@ -166,16 +182,16 @@ def readable(function: RationalFunction, variable: Symbol, digits: int | None = 
         coefficients = ring.coefficients(factor)
         first = coefficients[-1] if coefficients[-1].is_number else Integer(1)
         lead *= first**exponent
-        below.append(([c / first for c in coefficients], exponent))
+        below.append(([c / first for c in coefficients], -exponent))
     outside, numerator = ring.without_common_functions(reduced.numerator)
     above = [(c / lead).expand() for c in ring.coefficients(numerator)]
-    exact = digits is None and all(_is_short(c) for c in [*above, *(c for row, _ in below for c in row)])
-    kept = None if exact else digits or _DIGITS
-    shown = _polynomial(above, variable, kept)
-    form = outside * shown / Mul(*(_polynomial(row, variable, kept) ** n for row, n in below))
-    if kept is not None:  # the numbers in arguments of functions, as of exp(-s tau)
-        form = form.xreplace({f: f.func(*(approximate(x, kept) for x in f.args)) for f in form.atoms(Function)})
-    return form, not exact
+    return [([outside], 1), (above, 1), *below]
+
+
+def _quotient(parts: _Parts, variable: Symbol, digits: int | None) -> Expr:
+    """The product of the factors, all numbers rounded to so many digits, or exact."""
+    (outside, _), *others = parts
+    return outside[0] * Mul(*(_polynomial(row, variable, digits) ** n for row, n in others))
 
 
 def _is_short(coefficient: Expr) -> bool:

@@ -10,6 +10,7 @@ from textwrap import wrap
 
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Box, text
+from haptisym.writing.characters import printable
 from haptisym.writing.document import Block, Document, Phrase, Strong
 from haptisym.writing.layout import letter
 
@@ -49,7 +50,7 @@ def plain(
       Never on this band.
     <BLANKLINE>
     """
-    writer = _Writer(max(columns, NARROWEST), spell)
+    writer = _Writer(max(columns, NARROWEST), lambda words: spell(" ".join(printable(words).splitlines())))
     document = document.prepared(full=False, digits=digits, formulas=formulas)
     head = [line for x in (document.title, *document.lead) if x for line in writer.filled(x)]
     blocks = document.blocks

@@ -10,34 +10,42 @@ It is what such a fit would report, not what a person was shown to perceive: ins
 by frequency, the fitted mass may be off by more than the JND.
 
 Integrals over a flat band are enclosed in balls (Arb's), a recording's spectrum is SciPy's, within the scene's band. Next to
-0 rad/s, where a hold is 0/0 as a formula and a power of s has no derivative, H is enclosed by its program.
-Derivation: 21_fitted_movement.
+0 rad/s, where a hold is 0/0 as a formula and a power of s has no derivative, H is enclosed by its program. A narrow band takes
+most digits from the normal equations, so the precision is raised until each number has as many as a double. What stays a ball
+around 0 is 0 where H says so for all frequencies, and undecided otherwise. Across a pole of H the integral of |H|^2 is infinite:
+there is no fit. Derivation: 21_fitted_movement.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import flint
 from flint import acb, arb
-from sympy import Expr
+from sympy import Expr, Integer
 
-from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.budget import tick
+from haptisym.kernel.dynamics import Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import expression_ball
-from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, s
-from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega, s
+from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.model.quantities import Dimension, number
 from haptisym.model.scene import Scene
 from haptisym.programs.balls import FUNCTIONS, constant_ball
 from haptisym.programs.program import Program
 
 NAMES = ("k", "b", "m")
-_BITS, _WITHIN, _ULP = 128, 2.0**-80, 2.0**-52
+SYSTEMS = ("environment", "perceived")
+_BITS = (160, 320, 640, 1280, 2560)
+"""The precisions that are tried, of which five eighths are wanted of an integral."""
+_ENOUGH, _ULP = 60, 2.0**-52
+"""Bits of a number that is told, a few more than a double has; the last digit of a double."""
+_FEWEST = 20  # bits of a number that was computed in doubles: six digits
 _FIELDS = ("environment_real", "environment_imag", "real", "imag")
 _KINDS = ("displacement", "velocity")
 _SUFFIXES = (".csv", ".txt", ".tsv")
@@ -47,27 +55,33 @@ _SUFFIXES = (".csv", ".txt", ".tsv")
 class Movement(Shown):
     """``environment``, ``perceived`` : what a fit reports of each, k, b and m in SI; ``spectrum`` : the movement in words.
 
-    ``band`` : from where to where its frequencies lie, rad/s.
+    ``change`` : relative, of what is felt to the environment's. A number is None where it is undecided, or where there is none:
+    a change of what is 0, and a fit across a pole of H. ``poles`` : these, rad/s, of each H that has some on the band.
+    ``band`` : from where to where its frequencies lie, rad/s. ``undecided`` : whether a number is. ``computed`` : whether they
+    are in doubles, not enclosed.
     """
 
     spectrum: str
     band: tuple[float, float]
-    environment: dict[str, float]
-    perceived: dict[str, float]
+    environment: dict[str, float | None]
+    perceived: dict[str, float | None]
+    change: dict[str, float | None]
+    poles: dict[str, tuple[float, ...]]
+    undecided: bool
+    computed: bool = False
 
     def _line(self) -> str:
-        return f"{self.spectrum}: " + ", ".join(f"{x} = {self.perceived[x]:.6g}" for x in NAMES)
-
-    @property
-    def change(self) -> dict[str, float | None]:
-        """Relative, of what is felt to the environment's; None where that is 0."""
-        pairs = {x: (self.environment[x], self.perceived[x]) for x in NAMES}
-        return {x: seen / own - 1 if own else None for x, (own, seen) in pairs.items()}
+        return f"{self.spectrum}: " + ", ".join(f"{x} = {_digits(self.perceived[x])}" for x in NAMES)
 
     def row(self) -> dict[str, Any]:
         """As a part of a document."""
         both = {"environment": self.environment, "perceived": self.perceived}
-        return {"spectrum": self.spectrum, **both, "change": self.change}
+        poles = {"poles": {name: [*found] for name, found in self.poles.items()}} if self.poles else {}
+        return {"spectrum": self.spectrum, **both, "change": self.change, **poles}
+
+
+def _digits(x: float | None) -> str:
+    return "undecided" if x is None else f"{x:.6g}"
 
 
 def movement(scene: Scene, given: str | Path) -> Movement:
@@ -75,7 +89,7 @@ def movement(scene: Scene, given: str | Path) -> Movement:
 
     ``given`` : "0:15" or "displacement:0:15", a flat displacement spectrum from 0 to 15 rad/s ("0 Hz:2 Hz" with units);
     "velocity:1:15", a flat velocity spectrum; or the name of a file with a recording, times and positions in columns.
-    SceneError for what is none of these; UndecidedError where an integral does not exist, as H has a pole on the band.
+    SceneError for what is none of these.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = movement(load_scene("fu2019"), "0:15")
@@ -87,14 +101,85 @@ def movement(scene: Scene, given: str | Path) -> Movement:
         return _recorded(scene, Path(text))
     kind, ends = _read(text)
     weight = 0 if kind == "displacement" else -2
+    low, high = map(float, ends)
+    shown = next(x for n in (6, 12, 17) if (x := [f"{y:.{n}g}" for y in (low, high)]) and (x[0] != x[1] or n == 17))
+    return _told(scene, f"flat {kind} spectrum, {' to '.join(shown)} rad/s", (low, high), _flat(scene, ends, weight))
+
+
+Fits = dict[str, dict[str, Any]]
+"""Balls around k, b and m, by the name of the H; nothing for one with poles."""
+Poles = dict[str, tuple[float, ...] | None]
+"""Where H has poles on the band, by its name; None where it is undecided whether it has some."""
+
+
+def _flat(scene: Scene, ends: tuple[Expr, Expr], weight: int) -> Iterator[tuple[Fits, Poles]]:
+    """Fits to a flat spectrum and the poles on its band, with more and more digits."""
     d, program = scene.closed, scene.chain.at({p.symbol: p.value for p in scene.parameters}).program(_FIELDS)
-    with flint.ctx.workprec(_BITS):
-        fits = [
-            _fit(*_integrals(_response(f, program, changed=changed), ends, weight))
-            for f, changed in ((d.env, False), (d.perc, True))
-        ]
-    shown = " to ".join(f"{float(x):g}" for x in ends)
-    return Movement(f"flat {kind} spectrum, {shown} rad/s", (float(ends[0]), float(ends[1])), *fits)
+    both = dict(zip(SYSTEMS, (d.env, d.perc), strict=True))
+    poles = {name: found for name, f in both.items() if (found := _poles(f, ends)) != ()}
+    for bits in _BITS:
+        with flint.ctx.workprec(bits):
+            fits = {
+                name: _fit(*_integrals(_response(f, program, changed=f is d.perc), ends, weight, bits))
+                for name, f in both.items()
+                if name not in poles
+            }
+        yield fits, poles
+
+
+def _poles(f: RationalFunction, ends: tuple[Expr, Expr]) -> tuple[float, ...] | None:
+    """The frequencies on a band at which H is infinite; None where that is undecided."""
+    lowest = f.reduced()
+    below = f.ring.convert(Integer(1)) / f.ring.function(lowest.denominator)
+    for x in (below, lowest):  # what is simple first: where nothing is divided by 0 there is no pole
+        if x.denominator.is_constant():
+            return ()
+        try:
+            points = chart({"H": squared_modulus(x)}, *ends).points
+        except UndecidedError:
+            return None
+        found = tuple(float(p.omega) for p in points if p.orders.get("H", 0) < 0)
+        if not found and not any(p.undecided for p in points):
+            return ()
+    return None if any(p.undecided for p in points) else found
+
+
+def _told(
+    scene: Scene, spectrum: str, band: tuple[float, float], tries: Iterable[tuple[Fits, Poles]], bits: int = _ENOUGH
+) -> Movement:  # fmt: skip
+    """What is told of fits that get better with each try: of each number so many ``bits``, or None."""
+    d = scene.closed
+    zeros = {name: _zeros(f) for name, f in zip((*SYSTEMS, "change"), (d.env, d.perc, d.difference), strict=True)}
+    for fits, poles in tries:  # noqa: B007  the last ones are told
+        tick()
+        found = {name: dict(row) for name, row in fits.items()}
+        if len(found) == len(SYSTEMS):
+            env, perc = (found[name] for name in SYSTEMS)
+            with flint.ctx.workprec(_BITS[-1]):
+                found["change"] = {x: perc[x] / env[x] - 1 for x in NAMES if x not in zeros["environment"]}
+        rows = {name: {x: _number(y, x in zeros[name], bits) for x, y in row.items()} for name, row in found.items()}
+        undecided = any(x is None for row in rows.values() for x in row.values())
+        if not undecided:
+            break
+    own, seen, change = ({x: rows.get(name, {}).get(x) for x in NAMES} for name in (*SYSTEMS, "change"))
+    known = {name: places for name, places in poles.items() if places is not None}
+    return Movement(spectrum, band, own, seen, change, known, undecided or known != poles, bits < _ENOUGH)
+
+
+def _number(x: Any, is_zero: bool, bits: int) -> float | None:  # noqa: FBT001
+    """The middle of a ball of that accuracy."""
+    if is_zero:
+        return 0.0
+    return float(x) if x.rel_accuracy_bits() >= bits else None
+
+
+def _zeros(f: RationalFunction) -> set[str]:
+    """Which of k, b and m are exactly 0 in every fit: Re H is all mass or all stiffness, Im H is none."""
+    response = on_axis(f)
+    real = response.real.expression()
+    found = {"k"} if not (real / omega**2).has(omega) else set()
+    found |= {"m"} if not real.has(omega) else set()
+    return found | ({"k", "m"} if real == 0 else set()) | ({"b"} if response.imag.is_zero else set())
 
 
 def _read(text: str) -> tuple[str, tuple[Expr, Expr]]:
@@ -119,16 +204,18 @@ Sums = tuple[tuple[Any, Any, Any], tuple[Any, Any], Any]
 """Moments of S: of 1, omega^2 and omega^4; of Re H with 1 and omega^2; of Im H with omega."""
 
 
-def _integrals(of: Callable[[Any, bool], Any], ends: tuple[Expr, Expr], weight: int) -> Sums:
-    """The sums of a flat spectrum: S = omega^weight between two frequencies."""
+def _integrals(of: Callable[[Any, bool], Any], ends: tuple[Expr, Expr], weight: int, bits: int) -> Sums:
+    """The sums of a flat spectrum, S = omega^weight between two frequencies; not finite where H has a pole there."""
+    within = arb(2) ** (-bits * 5 // 8)
     a, b = (expression_ball(x) for x in ends)
 
     def integral(power: int) -> Any:
-        found = acb.integral(lambda z, analytic: of(z, analytic) * z ** (power + weight), a, b, rel_tol=_WITHIN)
-        if not found.is_finite():
-            raise UndecidedError("what a fit to this movement reports: H has a pole on its band")
-        return found
+        least = within * size * (b - a) * b ** (power + weight)  # Arb's own, 2^-bits, is nothing small where a band is
+        return acb.integral(
+            lambda z, analytic: of(z, analytic) * z ** (power + weight), a, b, rel_tol=within, abs_tol=least
+        )
 
+    size = abs(of(acb(b), False))  # noqa: FBT003
     moments = [(b ** (n + weight + 1) - a ** (n + weight + 1)) / (n + weight + 1) for n in (0, 2, 4)]
     return tuple(moments), (integral(0).real, integral(2).real), integral(1).imag
 
@@ -183,18 +270,12 @@ def _polynomial(p: Polynomial, at: list[Any]) -> Any:
     return total
 
 
-def _fit(moments: tuple[Any, Any, Any], real: tuple[Any, Any], imag: Any, rounding: float = 0.0) -> dict[str, float]:
-    """k, b and m by the normal equations; 0 where it is all ``rounding``, of sums relative to their terms."""
+def _fit(moments: tuple[Any, Any, Any], real: tuple[Any, Any], imag: Any) -> dict[str, Any]:
+    """k, b and m by the normal equations."""
     one, two, four = moments
     below = one * four - two * two
-    if not below > 0:
-        raise SceneError("movement: a fit of k and m needs at least two frequencies")
-
-    def difference(x: Any, y: Any) -> float:
-        return float((x - y) / below) if abs(x - y) > rounding * (abs(x) + abs(y)) else 0.0
-
-    k, m = difference(real[0] * four, two * real[1]), difference(two * real[0], one * real[1])
-    return {"k": k, "b": float(imag / two) if abs(imag) > 0 else 0.0, "m": m}
+    k, m = (real[0] * four - two * real[1]) / below, (two * real[0] - one * real[1]) / below
+    return {"k": k, "b": imag / two, "m": m}
 
 
 def _recorded(scene: Scene, path: Path) -> Movement:
@@ -215,13 +296,16 @@ def _recorded(scene: Scene, path: Path) -> Movement:
         raise SceneError(f"movement: {path}: fewer than two frequencies of the recording lie on the band of the scene")
     w, S = omega[own], power[own]
     f = scene.closed.compile(of=list(_FIELDS))(w)
-    moments = tuple(float((S * w**n).sum()) for n in (0, 2, 4))
-    fits = []
-    for re, im in (
-        (f.environment_real, f.environment_imag),
-        (f.environment_real + f.real, f.environment_imag + f.imag),
-    ):
-        real = tuple(float((S * w**n * re).sum()) for n in (0, 2))
-        fits.append(_fit(moments, real, float((S * w * im).sum()), len(w) * _ULP))  # type: ignore[arg-type]
+
+    def sum_of(terms: Any) -> Any:
+        """A sum of doubles, and what their roundings may change in it."""
+        return arb(float(terms.sum()), len(w) * _ULP * float(np.abs(terms).sum()))
+
+    moments = tuple(sum_of(S * w**n) for n in (0, 2, 4))
+    real, imag = (f.environment_real, f.environment_real + f.real), (f.environment_imag, f.environment_imag + f.imag)
+    fits = {
+        name: _fit(moments, (sum_of(S * re), sum_of(S * w**2 * re)), sum_of(S * w * im))
+        for name, re, im in zip(SYSTEMS, real, imag, strict=True)
+    }
     said = f"recorded movement {path.name}, {len(w)} frequencies from {w[0]:.3g} to {w[-1]:.4g} rad/s"
-    return Movement(said, (float(w[0]), float(w[-1])), *fits)
+    return _told(scene, said, (float(w[0]), float(w[-1])), [(fits, {})], _FEWEST)
