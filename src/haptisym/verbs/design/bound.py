@@ -41,8 +41,8 @@ _OFFERED, _PATIENCE, _CUT_FIRST = 32, 8, 5
 _SEEN, _CUT_POINTS = 1e-6, 8
 """How closely first(q) is bounded at single points, a share of the band; how often pieces are cut for it."""
 _WITHOUT_END = 10**12  # pieces: time is the limit
-_MOST_WORST = 30_000
-"""Pieces that are looked at for the worst of a box: a threshold that is touched there is never settled."""
+_MOST_WORST = 10_000
+"""Pieces that are looked at for the worst of one parameter: a threshold that is touched is never settled."""
 _REACH = 20
 """As many times the band's high end is looked at for what must be kept: beyond, the highest coefficient alone tells."""
 
@@ -232,8 +232,9 @@ def smallest(
     first = Search(criteria, _whole_box(criteria, sides, end), wide=_uncut, settled=no_worse(np.inf), last=_CUT_FIRST)
     cells = joined([*first, first.left])  # most pieces need no cut of the box
     search = Search(
-        criteria, cells, wide=_wide, settled=no_worse(end), rank=lambda x: x.floor, batch=_BATCH, most=_MOST_WORST
-    )
+        criteria, cells, wide=_wide, settled=no_worse(end), rank=lambda x: x.floor, batch=_BATCH,
+        most=_MOST_WORST * 3 ** (sides - 1),
+    )  # fmt: skip
     for done in search:
         known = joined([done, search.left])
         least = int(np.argmin(known.ceiling))
