@@ -131,7 +131,7 @@ hand = {{ m = 0.1, b = 5, k = 100 }}
     ("felt", "reason"),
     [
         ('model = "mass-spring-damper", k = 300', "stiffness and damping"),
-        ('model = "expression", H = "k/(1 + b*s)", parameters = { k = 300, b = 2 }', "no linear function"),
+        ('model = "expression", H = "k/(1 + b*s)", parameters = { k = 300, b = 0.002 }', "no linear function"),
         ('model = "kelvin-voigt", k = 300, b = 2', ""),
     ],
 )
