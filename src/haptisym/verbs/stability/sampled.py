@@ -665,29 +665,30 @@ def _walk(loop: Opened, free: Knob) -> Walk:
 
 
 def _both_ways(walk: Walk, scene: Scene, hand: Hand, free: Knob, most: int) -> Passages:
-    """The first passages on each side, and between which values these are all: None where enough is damped from there on."""
+    """The first passages on each side, in order, and between which values these are all: None where enough is damped above."""
     down, up = walk.beside(-1), walk.beside(1)
     assert up is not None  # no rule forbids to go up
 
     def is_enough(value: Fraction) -> bool:
         return is_held(scene, hand, free, Rational(value.numerator, value.denominator))
 
-    below, low = _along(down, -1, most) if down else ([], walk.start)
+    found, low = _along(down, -1, most) if down else ([], walk.start)
+    found.reverse()
     if down and down.home != up.home:
         at = ExactNumber(Rational(walk.start.numerator, walk.start.denominator))
-        below.append(Passage(at, _ZERO, down.home, up.home))
+        found.append(Passage(at, _ZERO, down.home, up.home))
     beside, homes = (up.start, (walk.home, up.home)) if walk.is_at_1 else (None, (0, 0))
     if is_enough(up.start):
-        return Passages(tuple(below), low, None, beside, homes)
+        return Passages(tuple(found), low, None, beside, homes)
     above, high = _along(up, 1, most)
-    end = None if len(above) < most and is_enough(high) else high
-    return Passages((*below, *above), low, end, beside, homes)
+    return Passages((*found, *above), low, None if is_enough(high) else high, beside, homes)
 
 
 def _along(walk: Walk, side: int, most: int) -> tuple[list[Passage], Fraction]:
     """The first passages on a side, as many as may be looked for, and up to which value these are all.
 
-    In half of the time that is left: something is left for the other side, and for other numbers.
+    Beyond one at which roots become fewer the next is looked for as well: what is stable there may end. In half of the time
+    that is left: something is left for the other side, and for other numbers.
     """
     found = list[Passage]()
     while True:
@@ -697,8 +698,9 @@ def _along(walk: Walk, side: int, most: int) -> tuple[list[Passage], Fraction]:
         if passage is None:
             return found, known
         found.append(passage)
-        walk = replace(walk, start=known, home=passage.above if side > 0 else passage.below)
-        if len(found) == most:
+        before, beyond = (passage.below, passage.above)[::side]
+        walk = replace(walk, start=known, home=beyond)
+        if len(found) >= most and beyond >= before:
             return found, known
 
 
