@@ -619,17 +619,9 @@ class _Walk:
                     break
         except UndecidedError as error:
             left = [str(error)]
-        if all(side in sides or self._is_lost(side) for side in (-1, 1)):
-            left = []
         below, above = (sides.get(side, _Ahead()) for side in (-1, 1))
         rows = (*reversed(below.found), *here, *above.found)
         return Nearest(self.free.path, rows, "; ".join(dict.fromkeys(left)), below.last, above.last)
-
-    def _is_lost(self, side: int) -> bool:
-        """Whether it is unstable for all values on one side, whatever else happens there."""
-        ends = (None if x is None else ExactNumber(x) for x in (self.low, self.high))
-        low, high = next(ends), next(ends)
-        return Tendency(self.loop).everywhere(self.start if side > 0 else low, high if side > 0 else self.start)
 
     def _look(self, line: _Line, sides: dict[int, _Ahead]) -> Iterator[str]:
         """Put down what lies on either side; of a side that stays open the reason."""
