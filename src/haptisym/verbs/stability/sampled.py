@@ -612,8 +612,6 @@ class Passages:
     high: Fraction | None = None
     beside: Fraction | None = None
     """From where on it goes up, where the number itself has a root at 1."""
-    homes: tuple[int, int] = (0, 0)
-    """The number of roots at that number, and from there on."""
 
 
 def passages(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Passages:
@@ -677,11 +675,11 @@ def _both_ways(walk: Walk, scene: Scene, hand: Hand, free: Knob, most: int) -> P
     if down and down.home != up.home:
         at = ExactNumber(Rational(walk.start.numerator, walk.start.denominator))
         found.append(Passage(at, _ZERO, down.home, up.home))
-    beside, homes = (up.start, (walk.home, up.home)) if walk.is_at_1 else (None, (0, 0))
+    beside = up.start if walk.is_at_1 else None
     if is_enough(up.start):
-        return Passages(tuple(found), low, None, beside, homes)
+        return Passages(tuple(found), low, None, beside)
     above, high = _along(up, 1, most)
-    return Passages((*found, *above), low, None if is_enough(high) else high, beside, homes)
+    return Passages((*found, *above), low, None if is_enough(high) else high, beside)
 
 
 def _along(walk: Walk, side: int, most: int) -> tuple[list[Passage], Fraction]:
