@@ -45,7 +45,6 @@ from haptisym.verbs.stability.loops import (
     Meetings,
     Pair,
     Switches,
-    Tendency,
     clear_of_chains,
     curve_of,
     from_infinity,

@@ -18,7 +18,7 @@ from sympy import Integer
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.enclosures import over_circle
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import Ball
+from haptisym.kernel.reals import Ball, fraction_ball
 
 if TYPE_CHECKING:
     from haptisym.verbs.stability.sampled import Opened, Passage
@@ -87,7 +87,7 @@ class Later:
         """Cells of phi with a root that may be on the circle, and with how many whole samples, of those asked for, at least."""
         own, most = samples
         with ctx.workprec(_BITS):
-            q = _between(low, high)
+            q = fraction_ball(low).union(fraction_ball(high))
             lines = over_circle(lambda x: loop.loop.sides({loop.symbol: x})[0].coeffs(), q.mid(), q.rad())
             N, slope, _ = (arb_poly(list(x)) for x in zip(*lines, strict=True))
             Q, either = loop.loop.sides({loop.symbol: q})[1], arb(0, 1)
@@ -137,10 +137,6 @@ def _all_over(polynomial: Any, phi: Ball) -> acb:
     """A polynomial in z - 1 all over a piece of the circle, by its slope: powers of a ball grow faster than what they are of."""
     x, middle = (acb(-2 * (angle / 2).sin() ** 2, angle.sin()) for angle in (phi, phi.mid()))
     return polynomial(middle) + polynomial.derivative()(x) * (x - middle)
-
-
-def _between(low: Fraction, high: Fraction) -> Ball:
-    return (arb(low.numerator) / low.denominator).union(arb(high.numerator) / high.denominator)
 
 
 def _angle(x: acb) -> Ball:
