@@ -364,10 +364,6 @@ def test_a_chain_of_roots_tends_to_the_logarithm_of_what_comes_back(share: str) 
     assert chain(s + exp(-s) + 3) is None
     bent = (1 + exp(-2 * s) / 2) * (1 + exp(-3 * s) / 3)  # each factor by itself; the least delay measures no other
     assert chain((s * bent).expand() + 3) == pytest.approx(-log(2) / 2, rel=1e-12)
-    x = -0.2  # delays without a small measure: all phases come
-    far = s * (1 + exp(-s) * Rational("0.3") + exp(-s * Rational("1.7320508")) / 2) + 3
-    x = float(mpmath.findroot(lambda x: 1 - 0.3 * mpmath.exp(-x) - mpmath.exp(-1.7320508 * x) / 2, x))
-    assert chain(far) == pytest.approx(x, rel=1e-12)
 
 
 def test_a_root_that_was_not_found_is_not_excluded() -> None:

@@ -76,13 +76,14 @@ def test_the_nearest_critical_values_are_where_roots_were_put_on_the_circle(seed
     changes = [(q, i, sign) for q, i in zip(places, (0, 1, 2), strict=True) for sign in (1, -1)]
     for side in (-1, 1):
         ahead = [(abs(sign * q - start), q, i, sign) for q, i, sign in changes if (sign * q - start) * side > 0]
-        if ahead:
-            _, q, i, sign = min(ahead)
+        for _, q, i, sign in sorted(ahead):
             inside = sum(1 + (n == 2) for n, z in enumerate(places) if z < q)
             ends = (inside, inside + 1 + (i == 2))[:: int(sign)]
             expected.append((float(sign * q), angles(p)[i if sign > 0 or i == 2 else 1 - i], *ends))
+            if sign == side:
+                break  # more roots are outside from there on; where they become fewer, the next value is told, too
     assert [(float(z.value), float(z.omega), z.below, z.above) for z in near.found] == [
-        pytest.approx(z, rel=1e-12, abs=1e-12) for z in expected
+        pytest.approx(z, rel=1e-12, abs=1e-12) for z in sorted(expected)
     ]
 
 

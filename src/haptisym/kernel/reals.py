@@ -440,6 +440,11 @@ def _simplest(low: Fraction, high: Fraction) -> Fraction:
     return whole + 1 / _simplest(1 / (high - whole), 1 / (low - whole))
 
 
+def fraction_ball(x: Fraction) -> Ball:
+    """A fraction as a ball of the current working precision."""
+    return arb(x.numerator) / arb(x.denominator)
+
+
 def dyadic(x: Fraction) -> Ball:
     """A dyadic fraction as an exact ball.
 

@@ -8,7 +8,7 @@ Of a loop with a clock all roots z are enclosed; the largest one is the rate and
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from itertools import combinations
@@ -159,11 +159,10 @@ class Characteristic:
 
     @cached_property
     def chain(self) -> float | None:
-        """The largest Re s to which infinitely many roots tend, computed in floats; None where there are none.
+        """The largest Re s to which infinitely many roots tend, in floats; None where there are none, or it is not computed.
 
-        They are there where delays are in the highest power of s, and tend to the roots of what it is multiplied by.
-        Delays without a small common measure come as near as one likes to any phases: of all phases those count with which
-        one term outweighs the others until the furthest Re s, as in |c_0| = sum of |c_i| exp(-lag_i Re s).
+        They are there where delays are in the highest power of s, and tend to the roots of what it is multiplied by: those of a
+        polynomial, if the delays are multiples of one.
         """
         degree = max(t.power for t in self.terms)
         own = {t.lag: float(t.coefficient) for t in self.terms if t.power == degree}
@@ -173,7 +172,7 @@ class Characteristic:
             return None
         unit = _common_measure(later)
         if unit is None or max(later, key=float) / unit > _MOST_POWER:
-            return _balance(abs(own[first]), {float(lag): abs(c) for lag, c in later.items()})
+            return None
         row = np.zeros(int(max(later, key=float) / unit) + 1)
         row[0] = own[first]
         for lag, c in later.items():
@@ -358,22 +357,6 @@ def _common_measure(lags: Iterable[Expr]) -> Rational | None:
         return None
     below = lcm(*(int(x.q) for x in shares))
     return first * Rational(gcd(below, *(int(x * below) for x in shares)), below)
-
-
-def _balance(first: float, later: Mapping[float, float]) -> float:
-    """The x at which ``first`` is the sum of c exp(-lag x), by bisection: the sum falls from infinity to 0."""
-    low, high = (side * _EXPONENT / min(later) for side in (-1, 1))
-    for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        is_left = sum(c * np.exp(min(-lag * middle, _EXPONENT)) for lag, c in later.items()) > first
-        low, high = (middle, high) if is_left else (low, middle)
-    return float(low)
-
-
-_EXPONENT, _BISECTIONS = (
-    700.0,
-    80,
-)  # exp of that is the last power of e among the doubles; and what halves to a last digit
 
 
 def _lower(s: Any, p: Rational) -> Any:

@@ -33,7 +33,7 @@ from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Knob, Scene, clocks, unclocked
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Model
-from haptisym.verbs.stability.held import drifts, need_roots
+from haptisym.verbs.stability.held import drifts, held, need_roots
 from haptisym.verbs.stability.loops import (
     ALLOWED,
     BesideChains,
@@ -45,7 +45,6 @@ from haptisym.verbs.stability.loops import (
     Meetings,
     Pair,
     Switches,
-    Tendency,
     clear_of_chains,
     curve_of,
     from_infinity,
@@ -525,14 +524,10 @@ def critical(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Ne
             found = passages(scene, hand, free, brief=brief)
             beside = found.beside
             start = free.value if beside is None else Rational(beside.numerator, beside.denominator)
+            there = moved(scene, hand, free, start)
             # for all of the values: no way sets out from one at z = 1 alone
-            still = _decided(drifts(*moved(scene, hand, free, start)) if found.found or beside is not None else 0)
-            if (
-                beside is not None
-                and not found.found
-                and found.homes[0] == drifts(scene, hand)
-                and found.homes[1] > still
-            ):
+            still = _decided(drifts(*there) if found.found or beside is not None else 0)
+            if not found.found and beside is not None and not held(scene, hand).shakes and held(*there).shakes:
                 raise UndecidedError("the limits of a parameter that only drifts, and shakes next to its value")
             rows = tuple(_passed(free, x, still) for x in found.found)
             return Nearest(free.path, rows, low=found.low, high=found.high)
@@ -619,17 +614,9 @@ class _Walk:
                     break
         except UndecidedError as error:
             left = [str(error)]
-        if all(side in sides or self._is_lost(side) for side in (-1, 1)):
-            left = []
         below, above = (sides.get(side, _Ahead()) for side in (-1, 1))
         rows = (*reversed(below.found), *here, *above.found)
         return Nearest(self.free.path, rows, "; ".join(dict.fromkeys(left)), below.last, above.last)
-
-    def _is_lost(self, side: int) -> bool:
-        """Whether it is unstable for all values on one side, whatever else happens there."""
-        ends = (None if x is None else ExactNumber(x) for x in (self.low, self.high))
-        low, high = next(ends), next(ends)
-        return Tendency(self.loop).everywhere(self.start if side > 0 else low, high if side > 0 else self.start)
 
     def _look(self, line: _Line, sides: dict[int, _Ahead]) -> Iterator[str]:
         """Put down what lies on either side; of a side that stays open the reason."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
 from math import ceil, floor, pi
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -19,7 +18,7 @@ from sympy import Integer
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.enclosures import over_circle
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import Ball
+from haptisym.kernel.reals import Ball, fraction_ball
 
 if TYPE_CHECKING:
     from haptisym.verbs.stability.sampled import Opened, Passage
@@ -29,7 +28,7 @@ Piece: TypeAlias = "tuple[Opened, Fraction, Fraction]"
 
 _PI = 3.1415926535897936  # a little more
 _COARSE, _FINE, _FINEST, _SLOWEST, _MORE, _TURNS, _PARTS = 2.0**-6, 2.0**-12, 2.0**-16, 2.0**-14, 16, 64, 4
-_SHARPEST = 2.0**-40
+_SHARPEST, _ROUNDED = 2.0**-40, 1e-9
 _BITS, _DEEPEST, _MOST_CELLS, _MOST_CUTS = 128, 128, 20_000, 1000
 
 
@@ -58,7 +57,7 @@ class Later:
         """The least delay above one, and up to another one, at which a root comes to the circle."""
         own, most = int(after // self.T), ceil(last / self.T)
         try:
-            known = [*self._likely(own)]
+            known = [*self._likely(own, most)]
         except UndecidedError as error:
             return Late(None, own, after, str(error))
         least = min((d for d, _, _ in known), default=most)
@@ -74,20 +73,21 @@ class Later:
         up_to = max(after, samples * self.T)
         return Late(None, samples, min(up_to, last), "" if up_to >= last else "too many samples")
 
-    def _likely(self, own: int) -> Iterator[tuple[int, tuple[float, float], Opened]]:
-        """Cells of phi with a root that may be on the circle, ``own`` samples late or more: with how many at least."""
+    def _likely(self, own: int, most: int) -> Iterator[tuple[int, tuple[float, float], Opened]]:
+        """Cells of phi with a root that may be on the circle, from ``own`` to ``most`` samples late: with how many at least."""
         for loop, a, b in self.pieces:
             for i in range(_PARTS):
                 low, high = (a + (b - a) * (i + n) / _PARTS for n in (0, 1))
-                cells = self._allowed(loop, low, high, _FINE, [(0.0, _PI)], partial(_least, own=own))
+                cells = self._allowed(loop, low, high, _FINE, [(0.0, _PI)], (own, most))
                 yield from ((d, phi, loop) for d, phi in cells)
 
     def _allowed(
-        self, loop: Opened, low: Fraction, high: Fraction, finest: float, phis: Phis, least: _Least
+        self, loop: Opened, low: Fraction, high: Fraction, finest: float, phis: Phis, samples: tuple[int, int]
     ) -> Iterator[tuple[int, tuple[float, float]]]:
-        """Cells of phi with a root that may be on the circle, and with how many whole samples at least."""
+        """Cells of phi with a root that may be on the circle, and with how many whole samples, of those asked for, at least."""
+        own, most = samples
         with ctx.workprec(_BITS):
-            q = _between(low, high)
+            q = fraction_ball(low).union(fraction_ball(high))
             lines = over_circle(lambda x: loop.loop.sides({loop.symbol: x})[0].coeffs(), q.mid(), q.rad())
             N, slope, _ = (arb_poly(list(x)) for x in zip(*lines, strict=True))
             Q, either = loop.loop.sides({loop.symbol: q})[1], arb(0, 1)
@@ -101,8 +101,8 @@ class Later:
                 above, below = _all_over(N, phi) + _all_over(slope, phi) * either, _all_over(Q, phi)
                 if not abs(above).overlaps(abs(below)):
                     continue
-                d = least(arb("nan") if below.contains(0) else _angle(-above / below), a, b)
-                if d is None:
+                d = own if below.contains(0) else _least(_angle(-above / below), a, b, own)
+                if d > most:
                     continue
                 is_sharp = below.abs_upper() < 2 * below.abs_lower()  # not next to a zero of Q, of which there are few
                 if b - a > (finest * max(b, _SLOWEST) if is_sharp else _SHARPEST):
@@ -118,7 +118,7 @@ class Later:
             for start, end, whole in waiting:
                 width = float((end - start) / self.T)
                 finest = min(_COARSE, width / (4 * d + 4))
-                cells = self._allowed(loop, start, end, finest, whole, partial(_just, d=d))
+                cells = self._allowed(loop, start, end, finest, whole, (d, d))
                 if not (likely := [phi for _, phi in cells]):
                     continue
                 if width <= _FINEST:
@@ -139,42 +139,19 @@ def _all_over(polynomial: Any, phi: Ball) -> acb:
     return polynomial(middle) + polynomial.derivative()(x) * (x - middle)
 
 
-def _between(low: Fraction, high: Fraction) -> Ball:
-    return (arb(low.numerator) / low.denominator).union(arb(high.numerator) / high.denominator)
-
-
 def _angle(x: acb) -> Ball:
     """Of a number, all over its ball: about pi where it is about -1, not both pi and -pi."""
     return x.arg() if not x.real < 0 else (-x).arg() + arb.pi()
 
 
-_Least: TypeAlias = Callable[[Ball, float, float], int | None]
-"""For an angle, all over a ball, and phi from a to b: a least d for which d phi may be it, but for whole turns; None: none."""
-
-
-def _ends(angle: Ball) -> tuple[float, float] | None:
-    """Of an angle that is told at all, with room for roundings."""
-    if not angle.is_finite() or angle.rad() > 1:
-        return None
-    return float(angle.lower()) - 1e-9, float(angle.upper()) + 1e-9
-
-
-def _just(angle: Ball, a: float, b: float, d: int) -> int | None:
-    """So many samples, or none."""
-    if (ends := _ends(angle)) is None:
-        return d
-    first, last = ends
-    return d if ceil((d * a - last) / (2 * pi) - 1e-12) <= floor((d * b - first) / (2 * pi) + 1e-12) else None
-
-
 def _least(angle: Ball, a: float, b: float, own: int) -> int:
-    """So many samples or more."""
-    if (ends := _ends(angle)) is None:
+    """A least d >= ``own`` for which d phi may be an angle, all over its ball, but for whole turns, with phi from a to b."""
+    if not angle.is_finite() or angle.rad() > 1:
         return own
-    first, last = ends
+    first, last = float(angle.lower()) - _ROUNDED, float(angle.upper()) + _ROUNDED
     turn, low = max(0, floor((own * a - last) / (2 * pi))), own
     for k in range(turn, turn + _TURNS):
         low = max(own, ceil((first + 2 * pi * k) / b))
         if last + 2 * pi * k >= low * a:
-            return low
+            break
     return low

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeVar
 
 from flint import acb, arb, ctx
 from sympy import Integer, Symbol
@@ -39,7 +39,6 @@ from haptisym.verbs.stability.sampled import Opened, Walk, loop_of, series_alone
 
 MOST_GAIN, MOST_DELAY = 1000, 1000
 _NONE = "no limit found within it"
-_NOTHING = Fraction(0)
 _FACTOR = series("g_margin", parameters={"g_margin": 1}, name="margin-of-gain")
 _LATE = delayed(0, name="margin-of-delay")
 
@@ -87,7 +86,6 @@ def _float(x: Limit | None) -> float | None:
 
 
 T = TypeVar("T")
-Phis: TypeAlias = "list[tuple[float, float]]"
 
 
 def margins(scene: Scene, hand: Hand) -> Margins:

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import flint
 from flint import arb, arb_mat
@@ -17,7 +17,7 @@ from sympy import Expr, Symbol
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import Ball, expression_ball
+from haptisym.kernel.reals import Ball, expression_ball, fraction_ball
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.sampledloop import SampledLoop, is_clear
 from haptisym.model.catalogue import Hand
@@ -105,7 +105,7 @@ class OnCircle:
         found: dict[Expr, Ball] = {}
         for (symbol, (low, high)), (start, end) in zip(self.ranges.items(), cell, strict=True):
             a, b = expression_ball(low), expression_ball(high)
-            found[symbol] = (a + _ball(start) * (b - a)).union(a + _ball(end) * (b - a))
+            found[symbol] = (a + fraction_ball(start) * (b - a)).union(a + fraction_ball(end) * (b - a))
         return found
 
 
@@ -126,7 +126,3 @@ def _is_hurwitz(row: Sequence[Ball]) -> bool:
         [down[2 * (j + 1) - (i + 1)] if 0 <= 2 * (j + 1) - (i + 1) <= n else arb(0) for j in range(n)] for i in range(n)
     ]
     return all(arb_mat([line[:k] for line in entries[:k]]).det() > 0 for k in range(1, n))
-
-
-def _ball(x: Fraction) -> Any:
-    return arb(x.numerator) / arb(x.denominator)

@@ -17,7 +17,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from typing import Any
 
 import flint
 from flint import acb_poly, arb
@@ -27,7 +26,7 @@ from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, at_rising_precision, expression_ball
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, at_rising_precision, expression_ball, fraction_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, s
 from haptisym.kernel.rootcount import Roots, count_roots, is_stable
 from haptisym.kernel.sampledloop import Plant, SampledLoop, Timed, circle_tests, most_on_circle
@@ -152,10 +151,6 @@ def _by_delay(ring: Ring, polynomial: Polynomial) -> Mapping[tuple[int, ...], tu
     return {turns: tuple(row.get(n, Integer(0)) for n in range(max(row) + 1)) for turns, row in rows.items()}
 
 
-def _ball(x: Fraction) -> Any:
-    return arb(x.numerator) / arb(x.denominator)
-
-
 @dataclass(frozen=True, repr=False)
 class CriticalValue(RealNumber):
     """The zero of one of the three tests between two values at which its signs differ."""
@@ -177,7 +172,7 @@ class CriticalValue(RealNumber):
 def _bisected(zero: CriticalValue, bits: int) -> Ball:
     """A ball around it of about that relative accuracy: by regula falsi, until signs on both sides of a point confirm it."""
     with flint.ctx.workprec(2 * bits + 64):
-        low, high = _ball(zero.low), _ball(zero.high)
+        low, high = fraction_ball(zero.low), fraction_ball(zero.high)
         f, g = (zero.value(x) for x in (low, high))
         if f.contains(0) or g.contains(0):
             return low.union(high)
@@ -415,8 +410,8 @@ class Walk:
         if left.has(1 / symbol) or self.loop.always:
             return False
         with flint.ctx.workprec(_BITS):
-            q = arb(0, _ball(step).upper())
-            rest = expression_ball(left, {symbol: q}), *self.loop.tests(_ball(value) + q)[1:]
+            q = arb(0, fraction_ball(step).upper())
+            rest = expression_ball(left, {symbol: q}), *self.loop.tests(fraction_ball(value) + q)[1:]
             return not any(x.contains(0) or not x.is_finite() for x in rest)
 
     def towards(self, side: int) -> tuple[Passage | None, Fraction]:
@@ -495,7 +490,7 @@ class Walk:
 
     def _most(self, one: Fraction, other: Fraction) -> int | None:
         with flint.ctx.workprec(_BITS_OF_WALK):
-            return self.loop.most(_ball(one).union(_ball(other)))
+            return self.loop.most(fraction_ball(one).union(fraction_ball(other)))
 
     def _once(self, one: Fraction, other: Fraction) -> tuple[int | None, Passage | None]:
         """The one change between two values, or 0 where there is none, each test being 0 once there at most; else None.
@@ -511,7 +506,7 @@ class Walk:
         except UndecidedError:
             return None, None
         with flint.ctx.workprec(_BITS):
-            ends = [self.loop.tests(_ball(x))[:2] for x in (one, other)]
+            ends = [self.loop.tests(fraction_ball(x))[:2] for x in (one, other)]
         return (0 if all(x * y > 0 for x, y in zip(*ends, strict=True)) else None), None
 
     def _over(self, one: Fraction, step: Fraction) -> tuple[Passage | None, Fraction]:
@@ -551,7 +546,7 @@ class Walk:
             if sense is None:
                 raise UndecidedError("whether a limit is 0, or next to it")
             with flint.ctx.workprec(_BITS):
-                is_below = sense != _sign(self.loop.tests(_ball(low))[changed])
+                is_below = sense != _sign(self.loop.tests(fraction_ball(low))[changed])
             low, high = (low, Fraction(0)) if is_below else (Fraction(0), high)
         value = CriticalValue(self.loop, changed, low, high)
         return Passage(value, Swing(value), below, above)
@@ -569,7 +564,7 @@ class Walk:
 
     def _changed(self, low: Fraction, high: Fraction) -> int | None:
         """Which test alone has another sign at the other end; None where balls do not tell."""
-        ends = zip(*(self.loop.tests(_ball(x)) for x in (low, high)), strict=True)
+        ends = zip(*(self.loop.tests(fraction_ball(x)) for x in (low, high)), strict=True)
         signs = [x * y for x, y in ends]
         changed = [i for i, x in enumerate(signs) if x < 0]
         return changed[0] if len(changed) == 1 and sum(bool(x > 0) for x in signs) == 2 else None
@@ -612,8 +607,6 @@ class Passages:
     high: Fraction | None = None
     beside: Fraction | None = None
     """From where on it goes up, where the number itself has a root at 1."""
-    homes: tuple[int, int] = (0, 0)
-    """The number of roots at that number, and from there on."""
 
 
 def passages(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Passages:
@@ -665,29 +658,30 @@ def _walk(loop: Opened, free: Knob) -> Walk:
 
 
 def _both_ways(walk: Walk, scene: Scene, hand: Hand, free: Knob, most: int) -> Passages:
-    """The first passages on each side, and between which values these are all: None where enough is damped from there on."""
+    """The first passages on each side, in order, and between which values these are all: None where enough is damped above."""
     down, up = walk.beside(-1), walk.beside(1)
     assert up is not None  # no rule forbids to go up
 
     def is_enough(value: Fraction) -> bool:
         return is_held(scene, hand, free, Rational(value.numerator, value.denominator))
 
-    below, low = _along(down, -1, most) if down else ([], walk.start)
+    found, low = _along(down, -1, most) if down else ([], walk.start)
+    found.reverse()
     if down and down.home != up.home:
         at = ExactNumber(Rational(walk.start.numerator, walk.start.denominator))
-        below.append(Passage(at, _ZERO, down.home, up.home))
-    beside, homes = (up.start, (walk.home, up.home)) if walk.is_at_1 else (None, (0, 0))
+        found.append(Passage(at, _ZERO, down.home, up.home))
+    beside = up.start if walk.is_at_1 else None
     if is_enough(up.start):
-        return Passages(tuple(below), low, None, beside, homes)
+        return Passages(tuple(found), low, None, beside)
     above, high = _along(up, 1, most)
-    end = None if len(above) < most and is_enough(high) else high
-    return Passages((*below, *above), low, end, beside, homes)
+    return Passages((*found, *above), low, None if is_enough(high) else high, beside)
 
 
 def _along(walk: Walk, side: int, most: int) -> tuple[list[Passage], Fraction]:
     """The first passages on a side, as many as may be looked for, and up to which value these are all.
 
-    In half of the time that is left: something is left for the other side, and for other numbers.
+    Beyond one at which roots become fewer the next is looked for as well: what is stable there may end. In half of the time
+    that is left: something is left for the other side, and for other numbers.
     """
     found = list[Passage]()
     while True:
@@ -697,8 +691,9 @@ def _along(walk: Walk, side: int, most: int) -> tuple[list[Passage], Fraction]:
         if passage is None:
             return found, known
         found.append(passage)
-        walk = replace(walk, start=known, home=passage.above if side > 0 else passage.below)
-        if len(found) == most:
+        before, beyond = (passage.below, passage.above)[::side]
+        walk = replace(walk, start=known, home=beyond)
+        if len(found) >= most and beyond >= before:
             return found, known
 
 
