@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
-from sympy import Expr, Float, I, Matrix, Rational, Symbol, asin, exp, sqrt
+from sympy import Expr, Float, I, Matrix, Rational, Symbol, asin, cbrt, exp, sqrt
 from sympy.physics.control import (
     Feedback,
     MIMOSeries,
@@ -208,6 +208,17 @@ def test_numbers_and_roots_are_systems() -> None:
     assert hs.distort(k, (s + sqrt(6)) * (s - sqrt(2) * sqrt(3)) / (s**2 - 6)).distortion == 0
     with pytest.raises(hs.SceneError, match="fractional powers"):
         hs.evaluate(hs.Scene(1 + sqrt(2) * s, ()))
+    with pytest.raises(hs.SceneError, match="fractional powers"):
+        hs.distort(k, 1 / (1 + s * sqrt(Symbol("a", real=True))))
+
+
+def test_what_is_told_by_factors_over_the_rationals_is_not_told_of_irrational_numbers() -> None:
+    """The real part (W - 2^(1/2))^2 is touched, so no sign changes; its factor over Q[x, 2^(1/2)] is irreducible."""
+    touched = m * (s**4 + 2 * sqrt(2) * s**2 + 2)
+    assert [x.omega for x in hs.distort(touched).changeovers.environment] == [None]
+    for known in (hs.distort(touched).at({m: 1}), hs.distort(s**2 + cbrt(2))):
+        with pytest.raises(hs.SceneError, match=r"2\b.*rational"):
+            str(known.changeovers)
 
 
 def test_delays_that_act_together_are_one() -> None:

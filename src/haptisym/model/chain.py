@@ -15,6 +15,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache, partial
 from math import factorial
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from sympy import (
@@ -30,7 +31,6 @@ from sympy import (
     cos,
     count_ops,
     exp,
-    factor_terms,
     im,
     oo,
     pi,
@@ -360,27 +360,21 @@ def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = Non
     """
     if any(x.omega is None for x in found):
         return None
-    if values is not None:
-        here = {}
-        for x, y in ((x, x.put(values)) for x in found):
-            if y is None:
-                continue
-            if y.omega is None or not y.omega.is_real or y.conditions:
-                return None
-            here[float(y.omega)] = x.omega
-        return here[min(here)] if here else None
-    return next((x.omega for x in found if all(x is other or _is_lower(x, other) for other in found)), None)
+    if values is None:
+        return next((x.omega for x in found if all(x is other or _is_lower(x, other) for other in found)), None)
+    put = [(y.omega, y.conditions, x.omega) for x in found if (y := x.put(values)) and y.omega is not None]
+    if not put or any(conditions or not here.is_real for here, conditions, _ in put):
+        return None
+    (low, formula), *others = sorted(((float(here), form) for here, _, form in put), key=itemgetter(0))
+    # two zeros that meet as doubles may be one that is touched, where no sign changes
+    return None if others and others[0][0] - low <= 1e-9 * low else formula
 
 
 def _is_lower(one: Solution, other: Solution) -> bool:
     """Whether a formula is in force wherever another one is, and below it there: proven."""
     assert one.omega is not None
     assert other.omega is not None
-    if not set(one.conditions) <= set(other.conditions):
-        return False
-    gap = factor_terms((other.omega**2 - one.omega**2).expand())  # of two roots: the root of a discriminant, over a
-    known = (x.is_positive for x in Mul.make_args(gap) if not (x.is_Pow and x.exp == Rational(1, 2)))
-    return bool((one.omega - other.omega).is_negative) or all(known)
+    return set(one.conditions) <= set(other.conditions) and bool((one.omega - other.omega).is_negative)
 
 
 _SQUARE = Symbol("W", positive=True)  # omega^2, the unknown of a threshold polynomial
