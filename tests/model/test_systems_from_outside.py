@@ -235,6 +235,7 @@ def test_delays_that_act_together_are_one() -> None:
     [
         (LAGGED, omega / 10, {}), (LAGGED, s, {}), (LAGGED, Symbol("k"), {}), (LAGGED, 0, {}), (LAGGED, float("nan"), {}),
         (hs.distort(k, 1 / (1 + T * s), omega=Symbol("c")), c, {}), (hs.distort(k + c * s, 0.5), c, {}), (LAGGED, 0.1, {"band": (0, 1)}),
+        (hs.distort(k, exp(-s * tau)), 0.1, {"band": (0, 1)}), (hs.distort(k, 1 / (1 + s**z)), 0.1, {"band": (0, 1)}),
     ],
 )  # fmt: skip
 def test_a_threshold_has_symbols_of_its_own_and_a_band_takes_numbers(d: hs.Distortion, level: Any, more: Any) -> None:

@@ -43,7 +43,7 @@ from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of
 from haptisym.kernel.errors import SceneError, quoted, within
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, degree_in, omega, s
+from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, omega, s
 from haptisym.kernel.rings import c as symbol_c
 from haptisym.kernel.roots import Chart, chart, sign_of_number
 from haptisym.kernel.solutions import Solution, solve
@@ -468,9 +468,7 @@ def _chart(f: RealFunction, band: tuple[Any, Any] | None) -> Chart:
 
 def unknown(*functions: RealFunction) -> set[Symbol]:
     """The parameters on which some functions depend."""
-    parts = [(f.axis, (f.function.numerator, f.function.denominator)) for f in functions]
-    used = (x for axis, both in parts for i, x in enumerate(axis.symbols, 2) if degree_in(both, i))
-    return {x for root in used for x in root.free_symbols}
+    return {x for f in functions for x in f.expression().free_symbols} - {omega}
 
 
 def _ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:
