@@ -228,6 +228,9 @@ def test_delays_that_act_together_are_one() -> None:
         "imag"
     )
     assert hs.distort(k, exp(-s * tau)).crossings("imag", Rational(3, 2)) == ()
+    assert (
+        LAGGED.crossings("real", Symbol("eps") - 1)[0].conditions[-1] == Symbol("eps") - 1
+    )  # below 1 it is no threshold
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ series is left as Re or Im of H_perc(j omega) as the chain builds it. Named step
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache, partial
 from math import factorial
 from operator import itemgetter
@@ -31,6 +31,7 @@ from sympy import (
     cos,
     count_ops,
     exp,
+    factor_terms,
     im,
     oo,
     pi,
@@ -374,7 +375,11 @@ def _is_lower(one: Solution, other: Solution) -> bool:
     """Whether a formula is in force wherever another one is, and below it there: proven."""
     assert one.omega is not None
     assert other.omega is not None
-    return set(one.conditions) <= set(other.conditions) and bool((one.omega - other.omega).is_negative)
+    if not set(one.conditions) <= set(other.conditions):
+        return False
+    gap = factor_terms((other.omega**2 - one.omega**2).expand())  # of two roots: the root of a discriminant, over a
+    known = (x.is_positive for x in Mul.make_args(gap) if not (x.is_Pow and x.exp == Rational(1, 2)))
+    return bool((one.omega - other.omega).is_negative) or all(known)
 
 
 _SQUARE = Symbol("W", positive=True)  # omega^2, the unknown of a threshold polynomial
@@ -445,7 +450,8 @@ def crossings(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> tuple[S
     if not c.free_symbols:
         return solve(excess(squared_ratio, c))
     found = solve(excess(squared_ratio, stand_in))
-    return tuple(y for x in found if (y := x.put({stand_in: c})) is not None)
+    asked = (replace(x, conditions=(*x.conditions, stand_in)).put({stand_in: c}) for x in found)
+    return tuple(x for x in asked if x is not None)
 
 
 def zeros(f: RealFunction, band: tuple[Any, Any] | None) -> tuple[RealNumber, ...]:
