@@ -162,13 +162,13 @@ def _of_sympy(system: System, package: ModuleType) -> Expr:
         return _state_space(system.A, system.B, system.C, system.D)
     if isinstance(system, package.TransferFunctionMatrix):
         return _of_sympy(system[0, 0], package)
+    for kinds, operation in (
+        (package.Series | package.MIMOSeries, mul),
+        (package.Parallel | package.MIMOParallel, add),
+    ):
+        if isinstance(system, kinds):
+            return reduce(operation, (_of_sympy(x, package) for x in system.args))
     if not isinstance(system, package.Feedback | package.MIMOFeedback):
-        for kinds, operation in (
-            ((package.Series, package.MIMOSeries), mul),
-            ((package.Parallel, package.MIMOParallel), add),
-        ):
-            if isinstance(system, kinds):
-                return reduce(operation, (_of_sympy(x, package) for x in system.args))
         return in_laplace(system.to_expr(), system.var)
     forward, back = (_of_sympy(x, package) for x in (system.sys1, system.sys2))
     loop = 1 - system.sign * forward * back

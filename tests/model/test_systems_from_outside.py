@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
-from sympy import Expr, Float, I, Matrix, Rational, Symbol, asin, exp, sqrt
+from sympy import Expr, Float, I, Matrix, Rational, Symbol, asin, cbrt, exp, sqrt
 from sympy.physics.control import (
     Feedback,
     MIMOSeries,
@@ -208,15 +208,28 @@ def test_numbers_and_roots_are_systems() -> None:
     assert hs.distort(k, (s + sqrt(6)) * (s - sqrt(2) * sqrt(3)) / (s**2 - 6)).distortion == 0
     with pytest.raises(hs.SceneError, match="fractional powers"):
         hs.evaluate(hs.Scene(1 + sqrt(2) * s, ()))
+    with pytest.raises(hs.SceneError, match="fractional powers"):
+        hs.distort(k, 1 / (1 + s * sqrt(Symbol("a", real=True))))
+
+
+def test_what_is_told_by_factors_over_the_rationals_is_not_told_of_irrational_numbers() -> None:
+    """The real part (W - 2^(1/2))^2 is touched, so no sign changes; its factor over Q[x, 2^(1/2)] is irreducible."""
+    touched = m * (s**4 + 2 * sqrt(2) * s**2 + 2)
+    assert [x.omega for x in hs.distort(touched).changeovers.environment] == [None]
+    for known in (hs.distort(touched).at({m: 1}), hs.distort(s**2 + cbrt(2))):
+        with pytest.raises(hs.SceneError, match=r"2\b.*rational"):
+            str(known.changeovers)
 
 
 def test_delays_that_act_together_are_one() -> None:
     two = hs.distort(k, exp(-s * tau), exp(-s * T), omega=w)
     assert two.crossings("imag")[0].omega == asin(c) / (T + tau)
-    assert hs.distort(k, exp(-s * tau), exp(-s * tau)).crossings("imag") == hs.distort(k, exp(-2 * s * tau)).crossings(
-        "imag"
-    )
+    both, one = hs.distort(k, exp(-s * tau), exp(-s * tau)), hs.distort(k, exp(-2 * s * tau))
+    assert both.crossings("imag") == one.crossings("imag")
     assert hs.distort(k, exp(-s * tau)).crossings("imag", Rational(3, 2)) == ()
+    assert (
+        LAGGED.crossings("real", Symbol("eps") - 1)[0].conditions[-1] == Symbol("eps") - 1
+    )  # below 1 it is no threshold
 
 
 @pytest.mark.parametrize(
@@ -224,6 +237,7 @@ def test_delays_that_act_together_are_one() -> None:
     [
         (LAGGED, omega / 10, {}), (LAGGED, s, {}), (LAGGED, Symbol("k"), {}), (LAGGED, 0, {}), (LAGGED, float("nan"), {}),
         (hs.distort(k, 1 / (1 + T * s), omega=Symbol("c")), c, {}), (hs.distort(k + c * s, 0.5), c, {}), (LAGGED, 0.1, {"band": (0, 1)}),
+        (hs.distort(k, exp(-s * tau)), 0.1, {"band": (0, 1)}), (hs.distort(k, 1 / (1 + s**z)), 0.1, {"band": (0, 1)}),
     ],
 )  # fmt: skip
 def test_a_threshold_has_symbols_of_its_own_and_a_band_takes_numbers(d: hs.Distortion, level: Any, more: Any) -> None:
@@ -237,11 +251,8 @@ def test_parameters_may_be_called_as_the_threshold_or_self() -> None:
     assert hs.distort(damper * s + k, 1 / (1 + T * s)).crossings("real", 0.1)[0].equation.equals(found.subs(b, damper))
     assert hs.distort(me, 0.5).compile(of=["real"])(1.0, self=3).real == -1.5
     cancelled = hs.distort(k, 1 / (1 + s / 10))
-    assert (
-        cancelled.bandwidth(0.1).digits(12)
-        == cancelled.crossings("imag", 0.1, band=(0, 9))[0].digits(12)
-        == "1.01020514434"
-    )
+    [crossing] = cancelled.crossings("imag", 0.1, band=(0, 9))
+    assert cancelled.bandwidth(0.1).digits(12) == crossing.digits(12) == "1.01020514434"
 
 
 def test_a_distortion_and_what_it_answers_are_values() -> None:
@@ -252,18 +263,10 @@ def test_a_distortion_and_what_it_answers_are_values() -> None:
     assert pickle.loads(pickle.dumps(again)) == again
     assert pickle.loads(pickle.dumps((known, found)))[1].digits(30) == found.digits(30)
     derived = hs.derive(LAGGED)
-    assert ("Re dH" in derived, "omega_perc" in derived, 3 in derived, next(iter(derived))) == (
-        True,
-        False,
-        False,
-        "H_env",
-    )
-    assert (
-        hs.distort(k, exp(-s * tau))
-        .crossings("imag")[0]
-        ._repr_latex_()
-        .startswith(r"$\displaystyle \omega = \frac{\arcsin")
-    )
+    assert [x in derived for x in ("Re dH", "omega_perc", 3)] == [True, False, False]
+    assert next(iter(derived)) == "H_env"
+    solution = hs.distort(k, exp(-s * tau)).crossings("imag")[0]
+    assert solution._repr_latex_().startswith(r"$\displaystyle \omega = \frac{\arcsin")
 
 
 def test_points_are_drawn_as_symbols_are_declared() -> None:

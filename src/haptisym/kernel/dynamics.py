@@ -127,8 +127,8 @@ def _is_fractional(x: Expr) -> bool:
 
 def _is_root(x: Expr) -> bool:
     """Whether it is a fractional power of a parameter or of a number."""
-    is_known = x.is_Pow and (x.base.is_Symbol or x.base.is_Integer)
-    return bool(is_known and x.base != s and x.exp.is_Rational and not x.exp.is_Integer)
+    is_known = x.is_Pow and (x.base.is_Symbol or x.base.is_Integer) and x.base.is_nonnegative
+    return bool(is_known and x.exp.is_Rational and not x.exp.is_Integer)
 
 
 def _independent(numbers: set[Integer]) -> set[Integer]:

@@ -122,6 +122,11 @@ class PolynomialRing:
             polynomial = divmod(polynomial, relation)[1]
         return polynomial
 
+    def root_in(self, *polynomials: Polynomial) -> Expr | None:
+        """A root of a number in some polynomials: factors over Q do not tell their zeros apart, as of x^2 - 2 sqrt(2) x + 2."""
+        roots = (x for p, x in self.roots.items() if p.is_Integer)
+        return next((x for x in roots if degree_in(polynomials, self.meanings.index(x))), None)
+
     @property
     def zero(self) -> RationalFunction:
         """0."""

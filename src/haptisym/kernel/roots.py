@@ -355,6 +355,9 @@ def _joined(names: Iterable[Key], lattices: Mapping[Key, Lattice], point: Point)
 
 def _charted(functions: Mapping[Key, RealFunction], low: Expr, high: Expr) -> tuple[Point, ...]:
     """The points of a chart of single functions."""
+    for f in functions.values():
+        if root := f.axis.root_in(f.function.numerator, f.function.denominator):
+            raise SceneError(f"{root}: zeros are found of functions with rational numbers: give it as a decimal")
     even = all(is_even_or_odd(function) for function in functions.values())
     products = _products(functions, in_square=even)
     factors = {factor for product in products.values() for factor in product.exponents}

@@ -35,8 +35,8 @@ class Solution(Shown):
     ``omega``: the frequency, rad/s; None for a factor with no readable inverse, whose zeros are those of ``equation``.
     ``period``: adding any multiple of it gives the further zeros of a delay's angle; 0 for a single zero. ``order``: of the
     zero. ``conditions``: what must not be negative; where all of them hold ``omega`` is real and not negative. Of one
-    function the formulas whose conditions hold are all its zeros, unless there is one without ``omega`` beside them, or the
-    values make the highest coefficient of a factor vanish.
+    function the formulas whose conditions hold are all its zeros, unless there is one without ``omega`` beside them, a
+    delay is negative, or the values make the highest coefficient of a factor vanish.
     """
 
     omega: Expr | None
@@ -92,7 +92,7 @@ def _solved(polynomial: Polynomial, order: int, axis: Axis, *, readable: bool) -
     own = bool(degrees[0])
     if polynomial == axis.variable or not (own or turning or powers):
         return []
-    if own + len(turning) + len(powers) > 1:
+    if own + len(turning) + len(powers) > 1 or axis.root_in(polynomial):
         found = None
     elif turning:
         found = _angles(polynomial, axis, turning[0])

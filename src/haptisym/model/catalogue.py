@@ -373,7 +373,7 @@ def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     """A formula as an expression in ``s`` and the parameters' symbols."""
     found = _read(key, given, parameters)
     for x in found.atoms(Pow):
-        is_root = not isinstance(given, str) and (x.base.is_Symbol or x.base.is_Integer)
+        is_root = not isinstance(given, str) and (x.base.is_Symbol or x.base.is_Integer) and x.base.is_nonnegative
         if x.exp.is_Rational and not x.exp.is_Integer and x.base != s and not is_root:
             base = str(x.base).replace("**", "^")
             rule = "only s has fractional powers, as in 0.17*s^0.5"

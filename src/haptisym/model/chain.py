@@ -12,9 +12,10 @@ series is left as Re or Im of H_perc(j omega) as the chain builds it. Named step
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache, partial
 from math import factorial
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from sympy import (
@@ -43,7 +44,7 @@ from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of
 from haptisym.kernel.errors import SceneError, quoted, within
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, degree_in, omega, s
+from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, omega, s
 from haptisym.kernel.rings import c as symbol_c
 from haptisym.kernel.roots import Chart, chart, sign_of_number
 from haptisym.kernel.solutions import Solution, solve
@@ -360,16 +361,14 @@ def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = Non
     """
     if any(x.omega is None for x in found):
         return None
-    if values is not None:
-        here = {}
-        for x, y in ((x, x.put(values)) for x in found):
-            if y is None:
-                continue
-            if y.omega is None or not y.omega.is_real or y.conditions:
-                return None
-            here[float(y.omega)] = x.omega
-        return here[min(here)] if here else None
-    return next((x.omega for x in found if all(x is other or _is_lower(x, other) for other in found)), None)
+    if values is None:
+        return next((x.omega for x in found if all(x is other or _is_lower(x, other) for other in found)), None)
+    put = [(y.omega, y.conditions, x.omega) for x in found if (y := x.put(values)) and y.omega is not None]
+    if not put or any(conditions or not here.is_real for here, conditions, _ in put):
+        return None
+    (low, formula), *others = sorted(((float(here), form) for here, _, form in put), key=itemgetter(0))
+    # two zeros that meet as doubles may be one that is touched, where no sign changes
+    return None if others and others[0][0] - low <= 1e-9 * low else formula
 
 
 def _is_lower(one: Solution, other: Solution) -> bool:
@@ -451,7 +450,8 @@ def crossings(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> tuple[S
     if not c.free_symbols:
         return solve(excess(squared_ratio, c))
     found = solve(excess(squared_ratio, stand_in))
-    return tuple(y for x in found if (y := x.put({stand_in: c})) is not None)
+    asked = (replace(x, conditions=(*x.conditions, stand_in)).put({stand_in: c}) for x in found)
+    return tuple(x for x in asked if x is not None)
 
 
 def zeros(f: RealFunction, band: tuple[Any, Any] | None) -> tuple[RealNumber, ...]:
@@ -474,9 +474,7 @@ def _chart(f: RealFunction, band: tuple[Any, Any] | None) -> Chart:
 
 def unknown(*functions: RealFunction) -> set[Symbol]:
     """The parameters on which some functions depend."""
-    parts = [(f.axis, (f.function.numerator, f.function.denominator)) for f in functions]
-    used = (x for axis, both in parts for i, x in enumerate(axis.symbols, 2) if degree_in(both, i))
-    return {x for root in used for x in root.free_symbols}
+    return {x for f in functions for x in f.expression().free_symbols} - {omega}
 
 
 def _ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:

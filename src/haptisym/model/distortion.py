@@ -9,7 +9,6 @@ import cmath
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import gcd
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from sympy import Abs, Add, Expr, I, Poly, Rational, Symbol, im, lambdify, re, sqrt
@@ -406,23 +405,24 @@ class Distortion(Shown):
     def with_one_delay(self) -> Distortion:
         """The same with one delay where several only act together, as in exp(-s tau_1) exp(-s tau_2): formulas know one."""
         ring = ring_of(self.env)
-        lags = slice(ring.size, ring.size + len(ring.lags))
-        polynomials = [p for f in (self.env, self.perc) for p in (f.numerator, f.denominator)]
-        turns = {tuple(map(int, exponents[lags])) for p in polynomials for exponents in p.monoms()}
+        first, last = ring.size, ring.size + len(ring.lags)
+        parts = [p for f in (self.env, self.perc) for p in (f.numerator, f.denominator)]
+        turns = {tuple(map(int, exponents[first:last])) for p in parts for exponents in p.monoms()}
         turns.discard((0,) * len(ring.lags))
-        step = [gcd(*column) for column in zip(*turns, strict=True)]
-        pivot = next((i for i, n in enumerate(step) if n), None)
-        if pivot is None or len(step) == step[pivot] == 1:
+        unit = min(turns, default=())
+        multiples = {tuple(n * x for x in unit): n for n in range(sum(max(turns, default=())) + 1)}
+        if sum(unit) < 2 or not turns <= multiples.keys():
             return self
-        if any(turn[i] * step[pivot] != turn[pivot] * n for turn in turns for i, n in enumerate(step)):
-            return self
-        whole = Add(*(n * lag for n, lag in zip(step, ring.lags, strict=True)))
-        other = Ring(ring.symbols, [whole], ring.orders, j=I in ring.generators)
+        other = Ring(
+            ring.symbols,
+            [Add(*(n * lag for n, lag in zip(unit, ring.lags, strict=True)))],
+            ring.orders,
+            j=I in ring.generators,
+        )
 
         def same(p: Polynomial) -> Polynomial:
             terms = ((tuple(map(int, e)), x) for e, x in monomials(p))
-            own = {(*e[: ring.size], e[lags][pivot] // step[pivot], *e[lags.stop :]): x for e, x in terms}
-            return other.context.from_dict(own)
+            return other.context.from_dict({(*e[:first], multiples[e[first:last]], *e[last:]): x for e, x in terms})
 
         env, perc = (other.function(same(f.numerator), same(f.denominator)) for f in (self.env, self.perc))
         return replace(self, env=env, perc=perc)
