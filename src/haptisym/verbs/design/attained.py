@@ -46,6 +46,7 @@ _TRIED = 6
 _MISSED = 3
 """Rounds without anything better after which values that are off are closed in on no further: each is dear."""
 _FEWER = 4
+"""How many times fewer sets are looked at where each is looked at many times."""
 _GOLDEN = {1: 1.618033988749895, 2: 1.324717957244746, 3: 1.2207440846057596}
 """Roots x of x^(d+1) = x + 1: steps of 1/x, 1/x^2, ... fill a box of d sides evenly."""
 
@@ -139,7 +140,7 @@ class Points:
     def spread(self) -> Array:
         """Values all over the box, and its corners; by ratios where a range spans more than a factor of eight."""
         n = len(self.free)
-        even = _even(n, 1 + np.arange(_POINTS[n] // self._share))
+        even = _even(n, 1 + np.arange(_POINTS[n] // (_FEWER if self.off else 1)))
         shares = np.concatenate([even, np.array(list(product((0.0, 1.0), repeat=n)))])
         columns = [
             low * (high / low) ** u if by_ratio else low + (high - low) * u
@@ -151,13 +152,15 @@ class Points:
         low, high = np.array([x[:2] for x in self._scales]).T
         return np.clip(values, low, high)
 
-    def bandwidths(self, values: Array) -> tuple[Array, Array]:
+    def bandwidths(self, values: Array, since: int = 0) -> Array:
         """Of sets of values, (sets, parameters), the smallest bandwidth of all environments and factors, in floats.
 
-        From a lower to an upper number: both are the same but where floats decide nothing, at a threshold that is touched.
+        A lower and an upper number, (2, sets): both are the same but where floats decide nothing, at a threshold that is
+        touched. ``since`` : of the factors from that number on.
         """
         found = np.full((2, len(values)), np.inf)
-        for (factors, scene), box in zip(product(self.factors, self.scenes), self.boxes, strict=True):
+        boxes = self.boxes[since * len(self.scenes) :]
+        for (factors, scene), box in zip(product(self.factors[since:], self.scenes), boxes, strict=True):
             own, left, kernel = np.empty((2, len(values))), np.arange(len(values)), self._kernel(scene)
             if kernel is not None:
                 columns, left = kernel.in_floats((values * np.array(factors, float)).T)
@@ -165,8 +168,7 @@ class Points:
             if len(left):
                 own[:, left] = self._from(box.criteria, values[left])
             found = np.minimum(found, own)
-        least, most = found
-        return least, most
+        return found
 
     def first_crossings(self, values: Array) -> dict[Part, Array]:
         """From where on each part is noticed with any environment, of sets of values; the band's end where it is not."""
@@ -282,14 +284,14 @@ class Points:
         Proposed by floats, which close in on the best so far, and evaluated exactly. Where that shows a factor to be worst
         that nobody had looked at, floats begin again with it.
         """
-        looked_at = 0
+        looked_at, found = 0, np.array(np.inf)
         while len(self.factors) > looked_at:
+            found = np.minimum(found, self.bandwidths(start, looked_at))
             looked_at = len(self.factors)
-            best = self._best(start, least)
+            best = self._best(start, found, least)
         return best if best and self.fits(best) and best.bandwidth > least else None
 
-    def _best(self, values: Array, least: float) -> Attained | None:
-        found = self.bandwidths(values)
+    def _best(self, values: Array, found: Array, least: float) -> Attained | None:
         centre, top, sides, missed, looked_at = None, least, len(self.free), 0, len(self.factors)
         # some factors alone are looked at: what is little better by these is hardly ever so by all
         margin = 1 + self.gap / 2 if self.off else 1.0
@@ -317,7 +319,7 @@ class Points:
 
     def _near(self, centre: Array, width: float, n: int) -> Array:
         """Sets of values about one, within a share of the box (by ratios: of the logarithm of its range)."""
-        count = _ROUND[len(self.free)] // self._share
+        count = _ROUND[len(self.free)]
         shares = (_even(len(self.free), np.arange(count) + 7 * n) - 0.5) * 2 * width
         columns = [
             c * (high / low) ** u if by_ratio and c > 0 else c + (high - low) * u
@@ -325,9 +327,9 @@ class Points:
         ]
         return self._inside(np.stack(columns, -1))
 
-    def _first_kept(self, values: Array, found: tuple[Array, Array], least: float) -> tuple[Array, float] | None:
+    def _first_kept(self, values: Array, found: Array, least: float) -> tuple[Array, float] | None:
         """The best proposal above ``least`` that keeps all, of the first few that look so, and its bandwidth."""
-        low, high = (x.copy() for x in found)
+        low, high = found.copy()
         open_ = [int(i) for i in np.argsort(-high, kind="stable") if high[i] > max(low[i] + self._unclear, least)]
         for i in open_[:_TRIED]:
             tick()
@@ -344,11 +346,6 @@ class Points:
             except HaptisymError:
                 continue
         return None
-
-    @property
-    def _share(self) -> int:
-        """How many times fewer sets are looked at where each is looked at many times."""
-        return _FEWER if self.off else 1
 
     @cached_property
     def _unclear(self) -> float:
