@@ -43,10 +43,8 @@ _ROUNDS, _ROUND, _CLOSER = {1: 12, 2: 24, 3: 24}, {1: 16, 2: 40, 3: 80}, {1: 0.2
 """Times that the search closes in on the best, sets of values each time, and to which share of the box before."""
 _TRIED = 6
 """Of the proposals of a round that look better than what keeps all, how many are tried."""
-_MISSED = 3
-"""Rounds without anything better after which values that are off are closed in on no further: each is dear."""
 _FEWER = 4
-"""How many times fewer sets are looked at where each is looked at many times."""
+"""How many times fewer sets and rounds there are for values that may be off, each of which is looked at many times."""
 _GOLDEN = {1: 1.618033988749895, 2: 1.324717957244746, 3: 1.2207440846057596}
 """Roots x of x^(d+1) = x + 1: steps of 1/x, 1/x^2, ... fill a box of d sides evenly."""
 
@@ -292,21 +290,18 @@ class Points:
         return best if best and self.fits(best) and best.bandwidth > least else None
 
     def _best(self, values: Array, found: Array, least: float) -> Attained | None:
-        centre, top, sides, missed, looked_at = None, least, len(self.free), 0, len(self.factors)
+        centre, top, sides, looked_at = None, least, len(self.free), len(self.factors)
         # some factors alone are looked at: what is little better by these is hardly ever so by all
         margin = 1 + self.gap / 2 if self.off else 1.0
-        for n in range(_ROUNDS[sides]):
+        for n in range(_ROUNDS[sides] // (_FEWER if self.off else 1)):
             tick()
             better = self._first_kept(values, found, top * margin)
-            missed = missed + 1 if better is None else 0
             if better is not None:
                 centre, top = better
                 if self.off:
                     self.attained(self.exact(centre))
             if centre is None or len(self.factors) > looked_at:
                 return None
-            if self.off and missed == _MISSED:
-                break
             values = self._near(centre, _CLOSER[sides] ** (n + 1), n)
             found = self.bandwidths(values)
         assert centre is not None

@@ -493,19 +493,6 @@ _FINEST, _MOST_PIECES = (
 )  # of the ranges, cells that are cut no further; pieces of the band behind all of them
 
 
-@dataclass(frozen=True)
-class _ByCells:
-    """Values in a cell that is ``kept`` and in one that is ``broken``; None if there is none.
-
-    ``tops`` : where none is broken, for all that hangs together of the open ones the corner at which r is greatest; None for
-    one that is not known.
-    """
-
-    kept: Mapping[str, Expr] | None
-    broken: Mapping[str, Expr] | None
-    tops: Sequence[Mapping[str, Expr] | None] = (None,)
-
-
 @dataclass(frozen=True, repr=False)
 class Tolerances(Answer):
     """The answers for a box of parameters.
@@ -647,7 +634,7 @@ class Tolerances(Answer):
         searched = [own for x, own in self._search.items() if not self._is_kept_anyway(x)]
         corners: Sequence[Mapping[str, Expr] | None] = [self._greatest(form, x) for form, own in searched for x in own]
         if None in corners:
-            corners = self._by_cells.tops
+            _, corners = self._by_cells
         try:
             return all(x is not None and self.one(x).transparent is True for x in [{}, *corners])
         except LimitError:
@@ -690,13 +677,17 @@ class Tolerances(Answer):
     def _tried(self, *, transparent: bool) -> Iterator[One]:
         """Sets of values that may be transparent, or noticed, the simplest first."""
         yield from self._corners
-        middle = self._by_cells.kept if transparent else self._by_cells.broken
-        if middle is not None:
-            yield self.one(middle)
+        middles, _ = self._by_cells
+        if transparent in middles:
+            yield self.one(middles[transparent])
 
     @cached_property
-    def _by_cells(self) -> _ByCells:
-        """What cells of the box show: each is kept or broken for all of its values, or stays open."""
+    def _by_cells(self) -> tuple[Mapping[bool, Mapping[str, Expr]], Sequence[Mapping[str, Expr] | None]]:
+        """Values in a cell that is kept, and in one that is broken, for all of its values, by whether it is kept.
+
+        And where none is broken, for all that hangs together of the open ones the corner at which r is greatest; None for one
+        that is not known.
+        """
         forms = [form for form, _ in self._search.values() if not form.is_zero]
         band = np.linspace(0, 1, _FIRST + 1)
         pieces = sliding_window_view(band, 2)[:, None]
@@ -709,9 +700,8 @@ class Tolerances(Answer):
                 if (is_kept := bool(ceiling == np.inf)) not in middles:
                     middles[is_kept] = self._middle(cell)
             if len(middles) == 2:
-                return _ByCells(middles[True], middles[False])
-        tops = [None] if False in middles else self._tops(forms, search.left)
-        return _ByCells(middles.get(True), middles.get(False), tops=tops)
+                break
+        return middles, [None] if False in middles else self._tops(forms, search.left)
 
     def _tops(self, forms: Sequence[Excess], left: Cells) -> list[dict[str, Expr] | None]:
         """The values for which what hangs together of open cells is greatest."""
