@@ -152,7 +152,12 @@ class Design(Answer):
             return ()
         end, found = self.best.seen * (1 + float(self.gap)), dict[tuple[str, str], Bound]()
         rows = zip(cycle(self.family), self.best.evaluations, strict=False)
-        met = [Bound(x.criterion, x.omega, name) for name, own in rows for x in own.crossings if x.kind is CrossingKind.EXCEEDS]
+        met = [
+            Bound(x.criterion, x.omega, name)
+            for name, own in rows
+            for x in own.crossings
+            if x.kind is CrossingKind.EXCEEDS
+        ]
         for x in sorted(met, key=lambda x: float(x.omega)):
             if float(x.omega) <= end:
                 found.setdefault((x.environment, x.criterion.name), x)
