@@ -410,6 +410,7 @@ def test_bounds_hold_against_a_dense_grid_of_values_and_frequencies(formula, a, 
             assert x.bandwidth <= worst(value, float(x.relative)) + step
 
 
+@pytest.mark.slow
 def test_what_is_0_is_off_by_nothing_and_keeps_what_it_keeps():
     """0.3 omega = 10 at 33.3 rad/s; a damper is passive."""
     found = hs.design(shunted("(0.3 + b)*s", b="0.2"), {"b": (0, 1)}, keep="passive", robust="5 %")
