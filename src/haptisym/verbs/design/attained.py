@@ -43,9 +43,8 @@ _ROUNDS, _ROUND, _CLOSER = {1: 12, 2: 24, 3: 24}, {1: 16, 2: 40, 3: 80}, {1: 0.2
 """Times that the search closes in on the best, sets of values each time, and to which share of the box before."""
 _TRIED = 6
 """Of the proposals of a round that look better than what keeps all, how many are tried."""
-_MISSED = 3
-"""Rounds without anything better after which values that are off are closed in on no further: each is dear."""
 _FEWER = 4
+"""How many times fewer sets and rounds there are for values that may be off, each of which is looked at many times."""
 _GOLDEN = {1: 1.618033988749895, 2: 1.324717957244746, 3: 1.2207440846057596}
 """Roots x of x^(d+1) = x + 1: steps of 1/x, 1/x^2, ... fill a box of d sides evenly."""
 
@@ -82,17 +81,6 @@ class Attained:
         return all(x.bandwidth is not None and x.bandwidth == x.chart.points[-1].omega for x in self.evaluations)
 
 
-@dataclass(frozen=True)
-class Worst:
-    """What all values within a distance of some attain: at least ``low``, rad/s, infinite where nothing is noticed.
-
-    ``at`` : the worst of the values that were found to attain less than what was known; None where there are none.
-    """
-
-    low: float
-    at: tuple[Expr, ...] | None
-
-
 def least_of(x: Evaluation) -> float:
     """The bandwidth, rad/s, rounded down; 0 where there is none."""
     if x.bandwidth is None:
@@ -116,31 +104,26 @@ class Points:
     keep: Sequence[str]
     off: Expr
     gap: float
-    factors: list[tuple[Expr, ...]] = field(init=False)
+    factors: list[tuple[Expr, ...]] = field(default_factory=list)
+    boxes: list[DesignBox] = field(default_factory=list)
+    """All values, so many times what they are, of each environment."""
     known: dict[tuple[Expr, ...], Attained | None] = field(default_factory=dict)
-    _boxes: dict[tuple[Expr, ...], list[DesignBox]] = field(default_factory=dict)
-    _made: dict[tuple[int, Part | None], list[Judge]] = field(default_factory=dict)
     _kernels: dict[int, Kernel | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.factors = _offsets(len(self.free), self.off)
+        for x in _offsets(len(self.free), self.off):
+            self._look_at(x)
 
-    @property
-    def boxes(self) -> list[DesignBox]:
-        """All values, so many times what they are, of each environment."""
-        return [box for own in self.factors for box in self._boxes_of(own)]
-
-    def _boxes_of(self, factors: tuple[Expr, ...]) -> list[DesignBox]:
-        if factors not in self._boxes:
-            free = zip(self.free, self.ranges, strict=True)
-            sides = tuple(Side(x.symbol.name, *ends, x.unit) for x, ends in free)
-            self._boxes[factors] = [DesignBox(scene, sides).times(factors) for scene in self.scenes]
-        return self._boxes[factors]
+    def _look_at(self, factors: tuple[Expr, ...]) -> None:
+        """Values so many times what they are, too."""
+        sides = tuple(Side(x.symbol.name, *ends, x.unit) for x, ends in zip(self.free, self.ranges, strict=True))
+        self.factors.append(factors)
+        self.boxes += [DesignBox(scene, sides).times(factors) for scene in self.scenes]
 
     @property
     def criteria(self) -> list[Judge]:
         """What must not be positive on the band, of all boxes."""
-        return [judge for box in self.boxes for judge in self._judges(box)]
+        return [judge for box in self.boxes for judge in box.criteria]
 
     @cached_property
     def _scales(self) -> list[tuple[float, float, bool]]:
@@ -155,7 +138,7 @@ class Points:
     def spread(self) -> Array:
         """Values all over the box, and its corners; by ratios where a range spans more than a factor of eight."""
         n = len(self.free)
-        even = _even(n, 1 + np.arange(_POINTS[n] // self._share))
+        even = _even(n, 1 + np.arange(_POINTS[n] // (_FEWER if self.off else 1)))
         shares = np.concatenate([even, np.array(list(product((0.0, 1.0), repeat=n)))])
         columns = [
             low * (high / low) ** u if by_ratio else low + (high - low) * u
@@ -167,58 +150,35 @@ class Points:
         low, high = np.array([x[:2] for x in self._scales]).T
         return np.clip(values, low, high)
 
-    def bandwidths(self, values: Array, since: int = 0) -> tuple[Array, Array]:
+    def bandwidths(self, values: Array, since: int = 0) -> Array:
         """Of sets of values, (sets, parameters), the smallest bandwidth of all environments and factors, in floats.
 
-        From a lower to an upper number: both are the same but where floats decide nothing, at a threshold that is touched.
-        ``since`` : of the factors from that number on.
+        A lower and an upper number, (2, sets): both are the same but where floats decide nothing, at a threshold that is
+        touched. ``since`` : of the factors from that number on.
         """
-        sets = self._times(values, since)
-        found = np.full((2, len(sets)), np.inf)
-        for scene, box in zip(self.scenes, self._wide, strict=True):
-            own, left, kernel = np.empty((2, len(sets))), np.arange(len(sets)), self._kernel(scene)
+        found = np.full((2, len(values)), np.inf)
+        boxes = self.boxes[since * len(self.scenes) :]
+        for (factors, scene), box in zip(product(self.factors[since:], self.scenes), boxes, strict=True):
+            own, left, kernel = np.empty((2, len(values))), np.arange(len(values)), self._kernel(scene)
             if kernel is not None:
-                columns, left = kernel.in_floats(sets.T)
+                columns, left = kernel.in_floats((values * np.array(factors, float)).T)
                 own[:] = np.nan_to_num(columns["bandwidth"], nan=0.0)
             if len(left):
-                own[:, left] = self._from(self._judges(box), sets[left])
+                own[:, left] = self._from(box.criteria, values[left])
             found = np.minimum(found, own)
-        least, most = found.reshape(2, len(values), -1).min(-1)
-        return least, most
+        return found
 
     def first_crossings(self, values: Array) -> dict[Part, Array]:
         """From where on each part is noticed with any environment, of sets of values; the band's end where it is not."""
-        own = {part: [x for box in self._wide for x in self._judges(box, part)] for part in Part}
-        sets = self._times(values)
-        each = {part: self._from(judges, sets)[1] for part, judges in own.items() if judges}
-        return {part: x.reshape(len(values), -1).min(-1) for part, x in each.items()}
+        own = {part: [x for box in self.boxes for x in box.criteria_of(part)] for part in Part}
+        return {part: self._from(criteria, values)[1] for part, criteria in own.items() if criteria}
 
-    def _times(self, values: Array, since: int = 0) -> Array:
-        """Each set of values times each of the factors."""
-        factors = np.array(self.factors[since:], float)
-        return (values[:, None] * factors).reshape(-1, len(self.free))
-
-    @cached_property
-    def _wide(self) -> list[DesignBox]:
-        """All values that are off by as much as they may, of each environment."""
-        free = zip(self.free, self.ranges, strict=True)
-        sides = [Side(x.symbol.name, a - self.off * abs(a), b + self.off * abs(b), x.unit) for x, (a, b) in free]
-        return [DesignBox(scene, tuple(sides)) for scene in self.scenes]
-
-    def _judges(self, box: DesignBox, part: Part | None = None) -> list[Judge]:
-        if (id(box), part) not in self._made:
-            self._made[id(box), part] = box.criteria(part)
-        return self._made[id(box), part]
-
-    def _from(self, criteria: Sequence[Judge], values: Array) -> tuple[Array, Array]:
+    def _from(self, criteria: Sequence[Judge], values: Array) -> Array:
         """From where on, at least and at most, one of several criteria is exceeded, rad/s; the band's end where none is."""
-        ends = np.array([(float(x.low), float(x.high)) for x in self._wide[0].sides]).T
+        start, width = np.array([(low, high - low) for low, high, _ in self._scales]).T
         low, high = map(float, self.scenes[0].band)
-        least, most = (
-            np.select([x >= 1, x > 0], [high, low + x * (high - low)], 0.0)
-            for x in at_points(criteria, np.clip((values - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0))
-        )
-        return least, most
+        shares = np.stack(at_points(criteria, (values - start) / width))
+        return np.select([shares >= 1, shares > 0], [high, low + shares * (high - low)], 0.0)
 
     def _kernel(self, scene: Scene) -> Kernel | None:
         """What a sweep has; not of several delays, holds, powers of s or of one and a JND region: a set may take it a second."""
@@ -247,29 +207,25 @@ class Points:
         found = Attained(values, tuple(map(evaluate, scenes)), self._keep_all(scenes))
         if not self.off:
             return found
-        worst = self.worst(found, self.off, self.gap / 100)
-        if worst.at is not None:
-            there = tuple(map(evaluate, self._at(worst.at)))
-            self._look_at(worst.at, values, min(map(least_of, there)))
+        proven, at = self.worst(found, self.off, self.gap / 100)
+        if at is not None:
+            there = tuple(map(evaluate, self._at(at)))
+            if min(map(least_of, there)) < found.seen * (1 - self.gap / 2):  # worse than by all that are looked at
+                pairs = zip(at, values, strict=True)
+                self._look_at(tuple(x / value if value else Integer(1) for x, value in pairs))
             found = replace(found, evaluations=(*found.evaluations, *there))
         kept = self.keep_around(values, self.off) if found.kept else found.kept
-        return replace(found, kept=kept, proven=worst.low)
-
-    def _look_at(self, at: Sequence[Expr], values: Sequence[Expr], attained: float) -> None:
-        """One factor more, by which values are worse than by all that are looked at."""
-        for factors in reversed(self.factors):
-            scenes = self._at(tuple(map(mul, values, factors)))
-            if min(least_of(evaluate(x)) for x in scenes) * (1 - self.gap / 2) <= attained:
-                return
-        pairs = zip(at, values, strict=True)
-        self.factors.append(tuple(x / value if value else Integer(1) for x, value in pairs))
+        return replace(found, kept=kept, proven=proven)
 
     def fits(self, found: Attained) -> bool:
         """Whether what must be kept is; of values that are off it may stay open, which is said, whether all of them do."""
         return found.kept is True or (bool(self.off) and found.kept is None)
 
-    def worst(self, found: Attained, relative: Expr, within: float) -> Worst:
-        """What all values within a relative distance of some attain."""
+    def worst(self, found: Attained, relative: Expr, within: float) -> tuple[float, tuple[Expr, ...] | None]:
+        """What all values within a relative distance of some attain at least, rad/s, infinite where nothing is noticed.
+
+        With the worst of them that were found to attain less than what was known; None where there are none.
+        """
         each = zip(self.free, found.values, strict=True)
         sides = tuple(Side(x.symbol.name, v, v, x.unit) for x, v in each)
         start, end = map(float, self.scenes[0].band)
@@ -279,7 +235,7 @@ class Points:
         for scene in self.scenes:
             box, least = DesignBox(scene, sides).around(relative), 0.0
             for least, most, where in smallest(  # noqa: B007  the last and closest
-                box.criteria(), len(self.free), within, known
+                box.criteria, len(self.free), within, known
             ):
                 tick()
                 if where is not None and most < known:
@@ -287,16 +243,16 @@ class Points:
             if least <= 0:
                 tick()  # where the time was over before anything was proven that is no answer
             lowest = min(lowest, least)
-        return Worst(_frequency(lowest, start, end), at)
+        return _frequency(lowest, start, end), at
 
     def keep_around(self, values: Sequence[Expr], relative: Expr) -> bool | None:
         """Whether all values within a relative distance keep what must be kept; None where that is not proven."""
         if not self.keep:
             return True
-        if len(self.free) > 1:
+        if len(self.free) > 1 or not any(values):  # 0 is off by nothing
             corners = [tuple(map(mul, values, x)) for x in _offsets(len(self.free), relative)]
             found = [self._keep_all(self._at(x)) for x in corners]
-            return False if False in found else None
+            return False if False in found else None if None in found or any(values) else True
         from haptisym.verbs.require.required import require
 
         [value], [free] = values, self.free
@@ -314,8 +270,7 @@ class Points:
         return [scene.with_values(own) for scene in self.scenes]
 
     def _scenes(self, values: Sequence[Expr]) -> list[Scene]:
-        each = _offsets(len(self.free), self.off)
-        return [scene for factors in each for scene in self._at(tuple(map(mul, values, factors)))]
+        return [scene for factors in self.factors for scene in self._at(tuple(map(mul, values, factors)))]
 
     def _keep_all(self, scenes: Sequence[Scene]) -> bool | None:
         found = [keeps(scene, x) for x in self.keep for scene in scenes]
@@ -327,31 +282,26 @@ class Points:
         Proposed by floats, which close in on the best so far, and evaluated exactly. Where that shows a factor to be worst
         that nobody had looked at, floats begin again with it.
         """
-        found = self.bandwidths(start)
-        while True:
+        looked_at, found = 0, np.array(np.inf)
+        while len(self.factors) > looked_at:
+            found = np.minimum(found, self.bandwidths(start, looked_at))
             looked_at = len(self.factors)
             best = self._best(start, found, least)
-            if len(self.factors) == looked_at:
-                return best if best and self.fits(best) and best.bandwidth > least else None
-            low, high = self.bandwidths(start, looked_at)
-            found = np.minimum(found[0], low), np.minimum(found[1], high)
+        return best if best and self.fits(best) and best.bandwidth > least else None
 
-    def _best(self, values: Array, found: tuple[Array, Array], least: float) -> Attained | None:
-        centre, top, sides, missed, looked_at = None, least, len(self.free), 0, len(self.factors)
+    def _best(self, values: Array, found: Array, least: float) -> Attained | None:
+        centre, top, sides, looked_at = None, least, len(self.free), len(self.factors)
         # some factors alone are looked at: what is little better by these is hardly ever so by all
         margin = 1 + self.gap / 2 if self.off else 1.0
-        for n in range(_ROUNDS[sides]):
+        for n in range(_ROUNDS[sides] // (_FEWER if self.off else 1)):
             tick()
             better = self._first_kept(values, found, top * margin)
-            missed = missed + 1 if better is None else 0
             if better is not None:
                 centre, top = better
                 if self.off:
                     self.attained(self.exact(centre))
             if centre is None or len(self.factors) > looked_at:
                 return None
-            if self.off and missed == _MISSED:
-                break
             values = self._near(centre, _CLOSER[sides] ** (n + 1), n)
             found = self.bandwidths(values)
         assert centre is not None
@@ -364,7 +314,7 @@ class Points:
 
     def _near(self, centre: Array, width: float, n: int) -> Array:
         """Sets of values about one, within a share of the box (by ratios: of the logarithm of its range)."""
-        count = _ROUND[len(self.free)] // self._share
+        count = _ROUND[len(self.free)]
         shares = (_even(len(self.free), np.arange(count) + 7 * n) - 0.5) * 2 * width
         columns = [
             c * (high / low) ** u if by_ratio and c > 0 else c + (high - low) * u
@@ -372,9 +322,9 @@ class Points:
         ]
         return self._inside(np.stack(columns, -1))
 
-    def _first_kept(self, values: Array, found: tuple[Array, Array], least: float) -> tuple[Array, float] | None:
+    def _first_kept(self, values: Array, found: Array, least: float) -> tuple[Array, float] | None:
         """The best proposal above ``least`` that keeps all, of the first few that look so, and its bandwidth."""
-        low, high = (x.copy() for x in found)
+        low, high = found.copy()
         open_ = [int(i) for i in np.argsort(-high, kind="stable") if high[i] > max(low[i] + self._unclear, least)]
         for i in open_[:_TRIED]:
             tick()
@@ -392,11 +342,6 @@ class Points:
                 continue
         return None
 
-    @property
-    def _share(self) -> int:
-        """How many times fewer sets are looked at where each is looked at many times."""
-        return _FEWER if self.off else 1
-
     @cached_property
     def _unclear(self) -> float:
         """How far floats may be apart, rad/s, where they decide what the bandwidth is."""
@@ -405,11 +350,9 @@ class Points:
 
     def nearest_whole(self, values: Array, high: float, to: Array) -> Attained | None:
         """Of sets of values with which floats may see nothing noticed up to ``high``, the nearest that keeps all."""
-        least, most = self.bandwidths(values)
-        found, is_open = values[most >= high], least[most >= high] < high
+        found = values[self.bandwidths(values)[1] >= high]
         spans = np.array([high - low for low, high, _ in self._scales])
-        away = np.abs((found - to) / spans).max(-1)
-        for x in found[np.lexsort((away, is_open))][:_TRIED]:
+        for x in found[np.argsort(np.abs((found - to) / spans).max(-1), kind="stable")][:_TRIED]:
             tick()
             own = self.attained(self.exact(x))
             if own and self.fits(own) and own.is_whole:

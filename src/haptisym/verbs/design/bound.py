@@ -71,8 +71,13 @@ class DesignBox(Box):
             sides.append(replace(x, low=middle - away, high=middle + away))
         return replace(self, free=tuple(sides))
 
-    def criteria(self, part: Part | None = None) -> list[Judge]:
-        """What must not be positive on the band; of one part alone if it is given."""
+    @cached_property
+    def criteria(self) -> list[Judge]:
+        """What must not be positive on the band."""
+        return self.criteria_of(None)
+
+    def criteria_of(self, part: Part | None) -> list[Judge]:
+        """The same, of one part alone if it is given."""
         found = (excess_of(self, x) for x in noticed(self.scene.threshold) if part in (None, x.part))
         return [x.curve for x in found if not x.is_zero]
 

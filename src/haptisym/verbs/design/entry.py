@@ -151,14 +151,17 @@ class Design(Answer):
         if self.best is None or self.is_whole:
             return ()
         end, found = self.best.seen * (1 + float(self.gap)), dict[tuple[str, str], Bound]()
-        for name, evaluation in zip(cycle(self.family), self.best.evaluations, strict=False):
-            for x in evaluation.crossings:
-                if x.kind is CrossingKind.EXCEEDS and float(x.omega) <= end:
-                    own = Bound(x.criterion, x.omega, name)
-                    least = found.setdefault((name, x.criterion.name), own)
-                    if float(own.omega) < float(least.omega):
-                        found[name, x.criterion.name] = own
-        return tuple(sorted(found.values(), key=lambda x: float(x.omega)))
+        rows = zip(cycle(self.family), self.best.evaluations, strict=False)
+        met = [
+            Bound(x.criterion, x.omega, name)
+            for name, own in rows
+            for x in own.crossings
+            if x.kind is CrossingKind.EXCEEDS
+        ]
+        for x in sorted(met, key=lambda x: float(x.omega)):
+            if float(x.omega) <= end:
+                found.setdefault((x.environment, x.criterion.name), x)
+        return tuple(found.values())
 
     @cached_property
     def clusters(self) -> list[list[tuple[float, float]]]:
@@ -402,7 +405,7 @@ class _Search:
         for relative in reversed(_MISSED):
             try:
                 with limited(_MOST_LOSS):
-                    low = min(self.points.worst(middle, relative, _LOSS).low, self._high)
+                    low = min(self.points.worst(middle, relative, _LOSS)[0], self._high)
                     kept = self.points.keep_around(best.values, relative)
             except (LimitError, UndecidedError, SceneError):
                 continue

@@ -319,26 +319,15 @@ def together(domain: Domain, found: Sequence[Solved]) -> Solved:
 
 
 def within(found: Solved, searched: tuple[Expr, Expr], domain: Domain) -> Solved:
-    """What is known of the values that are searched: where a domain has no end nothing is said of those beyond."""
-    low = ExactNumber(searched[0]) if domain.low is None else None
-    high = ExactNumber(searched[1]) if domain.high is None else None
-
-    def below(x: RealNumber | None) -> bool:
-        return low is not None and x is not None and ordered(low, x) <= 0
-
-    def above(x: RealNumber | None) -> bool:
-        return high is not None and x is not None and ordered(high, x) >= 0
-
-    spans = [x for x in found.feasible if not below(x.high.value) and not above(x.low.value)]
-    pairs = [(a, b) for a, b in found.undecided if not below(b) and not above(a)]
-    return Solved(
-        tuple(
-            Span(End(None) if below(x.low.value) else x.low, End(None) if above(x.high.value) else x.high)
-            for x in spans
-        ),
-        tuple((None if below(a) else a, None if above(b) else b) for a, b in pairs),
-        found.reason if pairs else "",
+    """The same but for what is open of values beyond those that are searched, where a domain has no end."""
+    low, high = map(ExactNumber, searched)
+    left = tuple(
+        (a, b)
+        for a, b in found.undecided
+        if not (domain.low is None and b is not None and ordered(b, low) >= 0)
+        and not (domain.high is None and a is not None and ordered(high, a) >= 0)
     )
+    return replace(found, undecided=left, reason=found.reason if left else "")
 
 
 @dataclass(frozen=True)

@@ -493,20 +493,6 @@ _FINEST, _MOST_PIECES = (
 )  # of the ranges, cells that are cut no further; pieces of the band behind all of them
 
 
-@dataclass(frozen=True)
-class _ByCells:
-    """Values in a cell that is ``kept`` and in one that is ``broken``; None if there is none.
-
-    ``latest`` : where all are broken, the share of the band by which each is. ``tops`` : where none is, for all that hangs
-    together of the open ones the corner at which r is greatest; None for one that is not known.
-    """
-
-    kept: Mapping[str, Expr] | None
-    broken: Mapping[str, Expr] | None
-    latest: float | None = None
-    tops: Sequence[Mapping[str, Expr] | None] = (None,)
-
-
 @dataclass(frozen=True, repr=False)
 class Tolerances(Answer):
     """The answers for a box of parameters.
@@ -628,7 +614,7 @@ class Tolerances(Answer):
             return Verdict.ALL if self.nominal.transparent else Verdict.NONE
         if not self._search:
             return Verdict.UNDECIDED
-        if self._always_noticed() or (not self._is_one and self._by_cells.latest is not None):
+        if self._always_noticed():
             return Verdict.NONE
         return Verdict.ALL if self._never_noticed() else Verdict.UNDECIDED
 
@@ -645,20 +631,14 @@ class Tolerances(Answer):
         open cells that hang together, of which several may have the same frequencies, where r < c in all others: the way does not
         leave them.
         """
-        corners: Sequence[Mapping[str, Expr] | None] = self._tops_of_clusters(self._search)
+        searched = [own for x, own in self._search.items() if not self._is_kept_anyway(x)]
+        corners: Sequence[Mapping[str, Expr] | None] = [self._greatest(form, x) for form, own in searched for x in own]
         if None in corners:
-            corners = self._by_cells.tops
-        if None in corners:
-            corners = self._tops_of_clusters([x for x in self._search if not self._is_kept_anyway(x)])
+            _, corners = self._by_cells
         try:
             return all(x is not None and self.one(x).transparent is True for x in [{}, *corners])
         except LimitError:
             return False
-
-    def _tops_of_clusters(self, criteria: Iterable[Criterion]) -> list[dict[str, Expr] | None]:
-        """The values for which what hangs together of clusters is greatest."""
-        own = (self._search[x] for x in criteria)
-        return [self._greatest(form, x) for form, found in own for x in found]
 
     def _is_kept_anyway(self, criterion: Criterion) -> bool:
         """Whether a criterion is kept for all values there are, also beyond the box."""
@@ -697,31 +677,31 @@ class Tolerances(Answer):
     def _tried(self, *, transparent: bool) -> Iterator[One]:
         """Sets of values that may be transparent, or noticed, the simplest first."""
         yield from self._corners
-        middle = self._by_cells.kept if transparent else self._by_cells.broken
-        if middle is not None:
-            yield self.one(middle)
+        middles, _ = self._by_cells
+        if transparent in middles:
+            yield self.one(middles[transparent])
 
     @cached_property
-    def _by_cells(self) -> _ByCells:
-        """What cells of the box show: each is kept or broken for all of its values, or stays open."""
+    def _by_cells(self) -> tuple[Mapping[bool, Mapping[str, Expr]], Sequence[Mapping[str, Expr] | None]]:
+        """Values in a cell that is kept, and in one that is broken, for all of its values, by whether it is kept.
+
+        And where none is broken, for all that hangs together of the open ones the corner at which r is greatest; None for one
+        that is not known.
+        """
         forms = [form for form, _ in self._search.values() if not form.is_zero]
         band = np.linspace(0, 1, _FIRST + 1)
         pieces = sliding_window_view(band, 2)[:, None]
         first = Cells.of(np.tile([0.0, 1.0], (1, len(self.box.sides), 1)), [pieces] * len(forms))
         judges = [form.curve for form in forms]
         search = Search(judges, first, wide=lambda x: x[..., 1] - x[..., 0] > _FINEST, most=_MOST_PIECES)
-        middles, latest = dict[bool, dict[str, Expr]](), 0.0
+        middles = dict[bool, dict[str, Expr]]()
         for cells in search:
             for cell, ceiling in zip(cells.outer, cells.ceiling, strict=True):
                 if (is_kept := bool(ceiling == np.inf)) not in middles:
                     middles[is_kept] = self._middle(cell)
-                latest = max(latest, float(ceiling))
             if len(middles) == 2:
-                return _ByCells(middles[True], middles[False])
-        if True not in middles and not len(search.left):
-            return _ByCells(None, middles[False], latest)
-        tops = [None] if False in middles else self._tops(forms, search.left)
-        return _ByCells(middles.get(True), middles.get(False), tops=tops)
+                break
+        return middles, [None] if False in middles else self._tops(forms, search.left)
 
     def _tops(self, forms: Sequence[Excess], left: Cells) -> list[dict[str, Expr] | None]:
         """The values for which what hangs together of open cells is greatest."""
@@ -764,10 +744,8 @@ class Tolerances(Answer):
         if self.nominal.bandwidth is None or any(float(x.low) <= float(low) for x in self.enclosures):
             return None
         least = min([x.low for x in self.enclosures] or [high], key=float)
-        ends = [end for end in map(self._end_of_first, self.criteria) if end is not None]
-        if not ends and self.verdict is Verdict.NONE and self._by_cells.latest is not None:
-            ends.append(at_share(self.box, self._by_cells.latest))
-        return least, min(ends or [high], key=float)
+        ends = [self._end_of_first(x) for x in self.criteria]
+        return least, min([x for x in ends if x is not None] or [high], key=float)
 
     def _end_of_first(self, criterion: Criterion) -> RealNumber | None:
         """From where on r exceeds c whatever the values, at the latest; None if nowhere for certain."""
