@@ -93,8 +93,6 @@ LAYOUTS: dict[str, tuple[str, str, str, str]] = {
                  'quantity = "accelerance"', "10 lines; Hz, g/N; accelerance"),
     "an unknown unit": ("a.csv", table("Frequency (Hz),Real (N per m),Imag (N per m)\n", plain), 'unit = { real = "N/m", imag = "N/m" }',
                         "10 lines; Hz, N/m"),
-    "a unit told twice": ("a.csv", table("Frequency (Hz),Real (N/m),Imag (N/m)\n", plain), 'unit = { real = "N-m/m^2", imag = "N/m" }',
-                          "10 lines; Hz, N/m"),
     "complex, i": ("a.csv", table("f [Hz];H [N/m]\n", lambda f, h: (f, f"({h.real!r} {h.imag:+.17g}*j)"), ";", commas=True), "",
                    "10 lines; Hz, N/m; decimal commas"),
     "frd": ("a.frd", table("* Freq(Hz) SPL(dB) Phase(degrees)\n", decibels, " "), "", "10 lines; Hz, dB, deg"),

@@ -376,23 +376,21 @@ def _proposal(plain: str, fits: Callable[[Powers], bool]) -> str:
 
     All else stays as it was written, so that a proposal has the size of what was meant.
     """
-    words = list(dict.fromkeys(_RUN_TOGETHER.findall(plain)))
-    ways = [[word] if _is_named(word) else _near(word) for word in words]
-    for chosen in islice(product(*ways), _MOST_READINGS):
-        parts = dict(zip(words, chosen, strict=True))
-        one = _respelt(plain, parts)
-        with suppress(SceneError):
-            known = None if one == plain else _reading(one, one, fits)
-            if known is not None and fits(known[1]):
-                return f'did you mean "{one}"?'
+    one = _RUN_TOGETHER.sub(lambda found: _nearest(found[0]), plain)
+    with suppress(SceneError):
+        known = None if one == plain else _reading(one, one, fits)
+        if known is not None and fits(known[1]):
+            return f'did you mean "{one}"?'
     return ""
 
 
-def _near(word: str) -> list[str]:
-    """Names of units that one which is none may stand for: in other letters, and then in another spelling."""
+def _nearest(word: str) -> str:
+    """The name of a unit that one which is none may stand for: in other letters, or in another spelling."""
+    if _is_named(word):
+        return word
     same = [x for x in _SPELT if x.lower() == word.lower()]
     likely = re.search('"(.*)"', meant(word, [*_units(), *_SPELT]))
-    return [*same, word[0] + word[1:].lower(), *([likely[1]] if likely else [])]
+    return next(iter(same), likely[1] if likely else word)
 
 
 @dataclass(frozen=True, slots=True)

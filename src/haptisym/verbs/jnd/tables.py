@@ -162,8 +162,8 @@ def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
             return Columns(pair[0], None, None, answer, pair[1])
     found = {key: _named(header, key, named) if key in named else _known(header, key) for key in ALIASES}
     level, count, trials, answer = (found[key] for key in ("level", "count", "trials", "answer"))
-    if count is None and "answer" not in named:
-        count = next((i for i, name in enumerate(header) if _is_per_cent(name)), None)
+    if count is None and answer is None:
+        count = next((i for i, name in enumerate(header) if _is_per_cent(name) and i != level), None)
     if level is None:
         raise SceneError(_missing(header, "the levels", "level"))
     if count is not None and trials is not None and "answer" not in named:
@@ -175,9 +175,12 @@ def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
 
 
 def _two_intervals(header: Sequence[str]) -> tuple[int, int] | None:
-    """Where the levels of two intervals are: the only two columns whose names differ in a last 1 and 2."""
+    """Where the levels of two intervals are: the only two columns that differ in a last 1 and 2, and no other has levels."""
     firsts = [x for x in header if x.endswith("1") and f"{x[:-1]}2" in header]
-    return (header.index(firsts[0]), header.index(f"{firsts[0][:-1]}2")) if len(firsts) == 1 else None
+    if len(firsts) != 1:
+        return None
+    pair = header.index(firsts[0]), header.index(f"{firsts[0][:-1]}2")
+    return pair if _known([x for i, x in enumerate(header) if i not in pair], "level") is None else None
 
 
 def _is_per_cent(name: str) -> bool:
@@ -385,7 +388,7 @@ def _of_two_intervals(
     """Of the levels of two intervals, one of which is the standard, and which was answered; no trial where both are."""
     levels = [number("level", x) for x in cells[:2]]
     if cells[2] not in ("1", "2"):
-        raise SceneError(f"answer: {quoted(cells[2])} must be 1 or 2, the interval that was more")
+        raise SceneError(f"answer: {quoted(cells[2])} must be 1 or 2, the interval that was more; or add --level")
     if reference not in levels:
         raise SceneError(f"neither {cells[0]} nor {cells[1]} is the level of the standard, {reference:g}")
     other = 1 if levels[0] == reference else 0
