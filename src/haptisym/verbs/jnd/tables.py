@@ -176,11 +176,9 @@ def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
 
 def _two_intervals(header: Sequence[str]) -> tuple[int, int] | None:
     """Where the levels of two intervals are: the only two columns that differ in a last 1 and 2, and no other has levels."""
-    firsts = [x for x in header if x.endswith("1") and f"{x[:-1]}2" in header]
-    if len(firsts) != 1:
-        return None
-    pair = header.index(firsts[0]), header.index(f"{firsts[0][:-1]}2")
-    return pair if _known([x for i, x in enumerate(header) if i not in pair], "level") is None else None
+    pairs = [(i, header.index(f"{x[:-1]}2")) for i, x in enumerate(header) if x.endswith("1") and f"{x[:-1]}2" in header]
+    others = [x for i, x in enumerate(header) if pairs and i not in pairs[0]]
+    return pairs[0] if len(pairs) == 1 and _known(others, "level") is None else None
 
 
 def _is_per_cent(name: str) -> bool:
@@ -401,22 +399,15 @@ def _of_counts(
     """Of a level, k and n, or the percentage that k is of n."""
     level, k, n = (number(key, x) for key, x in zip(("level", "k", "n"), cells, strict=True))
     if is_per_cent:
-        k = _whole_share(k, n, cells[1])
+        share, k = k, round(k * n / 100)
+        if abs(100 * k - share * n) > n / 2:  # rounded to a whole percentage, or less
+            raise SceneError(f"{quoted(cells[1])} % of {n:g} is no whole number of responses")
     for key, x, text in zip("kn", (k, n), cells[1:], strict=True):
         if x < 0 or x != int(x) or x > _MOST_TRIALS:
             raise SceneError(f"{key}: {quoted(text)} is no count of responses: give a whole number")
     if k > n:
         raise SceneError(f"k = {int(k)} is more than n = {int(n)}")
     return level, int(k), int(n)
-
-
-def _whole_share(share: float, n: float, text: str) -> float:
-    """The whole number that is this percentage of n, as far as its digits go."""
-    k = round(share * n / 100)
-    decimals = len(text.replace(",", ".").partition(".")[2])
-    if not 0 <= share <= 100 or (n and abs(100 * k / n - share) > 0.5 * 10.0**-decimals):
-        raise SceneError(f"{quoted(text)} % of {n:g} is no whole number of responses")
-    return float(k)
 
 
 def _number(key: str, text: str, *, has_commas: bool = False) -> float:
