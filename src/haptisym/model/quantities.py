@@ -284,8 +284,8 @@ def read_unit(unit: str, text: str, hint: str, fits: Callable[[Powers], bool] = 
     ``N-m``, ``kg.m2``, ``g`` of an acceleration). Raises SceneError where it is unknown, or where two such readings fit that
     differ in size.
 
-    >>> read_unit("Nm/rad", "8 Nm/rad", "") == read_unit("N*m/rad", "8 N*m/rad", "")
-    True
+    >>> read_unit("Nm/rad", "", "") == read_unit("N*m/rad", "", ""), read_unit("rad/Nm", "", "") == read_unit("rad/(N*m)", "", "")
+    (True, True)
     """
     plain = _JUXTAPOSED.sub("*", unit.translate(_PLAIN))
     if (known := _reading(plain, text, fits)) is not None:
@@ -332,7 +332,8 @@ _GRAVITY = re.compile(r"\b(m?)g\b")
 
 def _as_engineers_write(plain: str) -> Iterator[str]:
     """Other readings of a unit: signs between names as products, names run together taken apart, g as an acceleration."""
-    spelt = _POWER_BEHIND.sub(r"^\1", _BETWEEN.sub("*", plain))
+    below = re.sub(r"/([^*/()\s]+)", r"/(\1)", plain)  # rad/Nm is rad/(N*m)
+    spelt = _POWER_BEHIND.sub(r"^\1", _BETWEEN.sub("*", below))
     spelt = re.sub(r"\^(-\d)", r"^(\1)", spelt)
     words = list(dict.fromkeys(_RUN_TOGETHER.findall(spelt)))
     ways = [[word, *_taken_apart(word)] for word in words if len(word) <= _LONGEST_RUN]
