@@ -601,7 +601,7 @@ def _read(path: Path, layout: Layout, check: Check, example: str) -> Given:
     return _read_text(path, layout, check, example)
 
 
-_STATED = re.compile(r"#\s*(averages|confidence|slope)\s*=\s*(\S.*)")
+_STATED = re.compile(r"# haptisym: (averages|confidence|slope)\s*=\s*(\S.*)")
 
 
 def _stated(path: Path) -> dict[str, str]:

@@ -176,7 +176,9 @@ def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
 
 def _two_intervals(header: Sequence[str]) -> tuple[int, int] | None:
     """Where the levels of two intervals are: the only two columns that differ in a last 1 and 2, and no other has levels."""
-    pairs = [(i, header.index(f"{x[:-1]}2")) for i, x in enumerate(header) if x.endswith("1") and f"{x[:-1]}2" in header]
+    pairs = [
+        (i, header.index(f"{x[:-1]}2")) for i, x in enumerate(header) if x.endswith("1") and f"{x[:-1]}2" in header
+    ]
     others = [x for i, x in enumerate(header) if pairs and i not in pairs[0]]
     return pairs[0] if len(pairs) == 1 and _known(others, "level") is None else None
 

@@ -314,9 +314,8 @@ def _opened(grid: SweepGrid, place: Path) -> xr.Dataset:
         kind = "Zarr store" if is_zarr else "NetCDF file"
         raise SceneError(f"{place}: exists, but is not a {kind}: choose another name") from None
     _same(grid, found.attrs, place)
-    axes = [np.array_equal(found[x.path].values, x.values) for x in grid.axes if x.path in found.coords]
-    shapes = [found[name].shape == grid.shape for name in grid.variables if name in found]
-    if len(axes) < len(grid.axes) or len(shapes) < len(grid.variables) or not all(axes + shapes):
+    held = all(x.path in found.coords and np.array_equal(found[x.path].values, x.values) for x in grid.axes)
+    if not held or not {*grid.variables} <= {*found}:
         raise SceneError(
             f"{place}: values or variables of the sweep are missing in it: remove it, or choose another name"
         )
