@@ -91,6 +91,8 @@ LAYOUTS: dict[str, tuple[str, str, str, str]] = {
     "the reaction": ("a.csv", table("Frequency (Hz),Real,Imag\n", lambda f, h: plain(f, -h)), "sign = -1", "10 lines; Hz, SI; sign turned round"),
     "g over N": ("a.csv", table("Frequency (Hz),Real (g/N),Imag (g/N)\n", lambda f, h: (f, *(x / 9.80665 for x in derived(2, -1)(f, h)[1:]))),
                  'quantity = "accelerance"', "10 lines; Hz, g/N; accelerance"),
+    "a unit told twice": ("a.csv", table("Frequency (Hz),Real (N/m),Imag (N/m)\n", plain), 'unit = { real = "N-m/m^2", imag = "N/m" }',
+                          "10 lines; Hz, N-m/m^2, N/m"),
     "an unknown unit": ("a.csv", table("Frequency (Hz),Real (N per m),Imag (N per m)\n", plain), 'unit = { real = "N/m", imag = "N/m" }',
                         "10 lines; Hz, N/m"),
     "complex, i": ("a.csv", table("f [Hz];H [N/m]\n", lambda f, h: (f, f"({h.real!r} {h.imag:+.17g}*j)"), ";", commas=True), "",

@@ -170,9 +170,10 @@ def _unit(role: str, column: Column, layout: Layout) -> str:
     stated = layout.unit.get(role, "")
     if not (own and stated) or own.lower() == stated.lower():
         return own or stated
+    wanted = _scale(role, stated, column, layout)
     with suppress(SceneError):
-        _scale(role, own, column, layout)
-        own = stated
+        if _scale(role, own, column, layout)._replace(unit=wanted.unit) != wanted:
+            own = stated
     if own == stated:
         raise SceneError(f"unit: {role}: the file has {quoted(column.unit)}: leave out {quoted(stated)}")
     return stated
