@@ -102,6 +102,7 @@ class Column(NamedTuple):
 
 
 def column_of(cell: str) -> Column:
+    """A column by the cell of its header."""
     match = re.fullmatch(r"(.*\S)\s*[\[(]((?:[^\[\]()]|\([^()]*\))*)[\])]", cell)
     name, unit = (match[1].strip(), match[2].strip()) if match and not match[2].strip().isdigit() else (cell, "")
     suffix = re.fullmatch(r"(.+)_([A-Za-z]+)", name)
@@ -192,6 +193,7 @@ class Scale(NamedTuple):
 
 
 def scales_of(columns: Sequence[Column], roles: Mapping[str, int], layout: Layout) -> dict[str, Scale]:
+    """The scale of each role. SceneError where a unit is missing, unknown, or contradicts another."""
     if strange := [x for x in layout.unit if x not in roles]:
         raise SceneError(f"unit: {strange[0]}: the columns in use are {', '.join(roles)}")
     units = {role: _unit(role, columns[i], layout) for role, i in roles.items()}
