@@ -178,8 +178,8 @@ def test_a_table_that_is_written_names_its_columns_and_their_units_and_keeps_eve
     felt = type(felt)(felt.omega, felt.H, felt.coherence, 5, motion=motion)
     path = felt.to_csv(tmp_path / "out.csv")
     assert path.read_text(encoding="utf-8").splitlines() == [
-        "# averages = 5",
-        "# confidence = 0.95",
+        "# haptisym: averages = 5",
+        "# haptisym: confidence = 0.95",
         "omega,real,imag,coherence",
         f"rad/s,{unit},{unit},1",
         f"{1 / 3!r},0.1,{1 / 7!r},{1 / 7!r}",
@@ -189,7 +189,7 @@ def test_a_table_that_is_written_names_its_columns_and_their_units_and_keeps_eve
     assert again.motion is motion
     assert (again.files, felt.files) == ((path,), ())
     radius = hs.measured([1], [1], radius=[0.5]).to_csv(path).read_text(encoding="utf-8")
-    assert radius == "# confidence = 0.95\nomega,real,imag,radius\nrad/s,,,\n1.0,1.0,0.0,0.5\n"
+    assert radius == "# haptisym: confidence = 0.95\nomega,real,imag,radius\nrad/s,,,\n1.0,1.0,0.0,0.5\n"
 
 
 UNITS = [("rad/s", "N/mm", "1", 1000), ("1/s", "", "-", 1), ("-", "-", "1", 1), ("rad/s", "kN/m", "-", 1000)]

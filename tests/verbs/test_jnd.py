@@ -207,6 +207,8 @@ SAME = {
     "two words": "level,answer\n" + TRIALS_OF.replace(",1\n", ",Comp\n").replace(",0\n", ",Ref\n"),
     "1 or 2": "level,answer\n" + TRIALS_OF.replace(",1\n", ",2\n").replace(",0\n", ",1\n"),
     "1 or -1": "level,answer\n" + TRIALS_OF.replace(",0\n", ",-1\n"),
+    "levels in per cent, with a number": "level (%),n,answer\n" + TRIALS_OF.replace(",", ",3,"),
+    "a level beside a pair": "rt1,rt2,level,answer\n" + "".join(f"1,2,{x}\n" for x in TRIALS_OF.split()),
     "per cent of n": "level,n,percent_more\n" + "".join(f"{x},{TRIALS},{100 * k / TRIALS}\n" for x, k in zip(LEVELS, COUNTS, strict=True)),
     "words": "stimulus,correct\n" + TRIALS_OF.replace(",1\n", ",True\n").replace(",0\n", ",no\n"),
     "PsychoPy": "participant,comparison,trials.thisN,key_resp.keys,key_resp.corr,key_resp.rt\n7,,,,,\n"

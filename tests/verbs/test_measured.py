@@ -406,6 +406,8 @@ def test_a_file_keeps_what_is_known_of_the_certainty(tmp_path: Path) -> None:
     plain = hs.measured(hs.measured([1.0], [2.0]).to_csv(tmp_path / "out.csv"))
     assert (plain.discs, plain.confidence, plain.slope) == (None, 0.95, None)
     assert (tmp_path / "out.csv").read_text(encoding="utf-8").startswith("omega")
+    (tmp_path / "out.csv").write_text("# averages = 16 (Hann)\nomega,real,imag\n1,2,3\n", encoding="utf-8")
+    assert hs.measured(tmp_path / "out.csv").averages is None  # a remark of another program
 
 
 def test_the_response_is_exact_and_is_judged_as_the_scene_is(tmp_path: Path, call: Called) -> None:

@@ -727,12 +727,12 @@ def test_one_process_writes_a_file_and_another_is_told(few: Any, tmp_path: Path)
         ("method", "not all sets are there"),
         (MASS, "are missing in it"),
         ("bandwidth", "are missing in it"),
-        ("marks", "differs in band"),
+        ("band", "exists with another sweep"),
     ],
 )
 def test_a_file_is_believed_only_where_it_holds_this_sweep(few: Any, tmp_path: Path, what: str, told: str) -> None:
     changed = few.copy(deep=True)
-    if what == "marks":
+    if what == "band":
         changed = hs.sweep(PAPER.with_band(0, 14), FEW)
     elif what == "bandwidth":
         changed = changed.drop_vars(what)

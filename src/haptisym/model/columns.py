@@ -171,14 +171,13 @@ def _unit(role: str, column: Column, layout: Layout) -> str:
     stated = layout.unit.get(role, "")
     if not (own and stated) or own.lower() == stated.lower():
         return own or stated
-    try:
-        understood = _scale(role, own, column, layout)
-    except SceneError:
-        return stated
     wanted = _scale(role, stated, column, layout)
-    if (wanted.factor, wanted.decibel) != (understood.factor, understood.decibel):
-        raise SceneError(f"unit: {role}: the file has {quoted(own)}: leave out {quoted(stated)}")
-    return own
+    with suppress(SceneError):
+        if _scale(role, own, column, layout)._replace(unit=wanted.unit) != wanted:
+            own = stated
+    if own == stated:
+        raise SceneError(f"unit: {role}: the file has {quoted(column.unit)}: leave out {quoted(stated)}")
+    return stated
 
 
 # Units.

@@ -282,7 +282,7 @@ class Measurement(Shown):
         units = {"omega": "rad/s", "coherence": "1"}
         rows = zip(*(x.tolist() for x in columns.values()), strict=True)
         told = [
-            *(f"# {key} = {x}" for key, x in stated.items() if x is not None),
+            *(f"# haptisym: {key} = {x}" for key, x in stated.items() if x is not None),
             ",".join(columns),
             ",".join(units.get(key, unit) for key in columns),
             *(",".join(map(repr, x)) for x in rows),

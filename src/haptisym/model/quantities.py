@@ -284,8 +284,8 @@ def read_unit(unit: str, text: str, hint: str, fits: Callable[[Powers], bool] = 
     ``N-m``, ``kg.m2``, ``g`` of an acceleration). Raises SceneError where it is unknown, or where two such readings fit that
     differ in size.
 
-    >>> read_unit("Nm/rad", "8 Nm/rad", "") == read_unit("N*m/rad", "8 N*m/rad", "")
-    True
+    >>> read_unit("Nm/rad", "", "") == read_unit("N*m/rad", "", ""), read_unit("rad/Nm", "", "") == read_unit("rad/(N*m)", "", "")
+    (True, True)
     """
     plain = _JUXTAPOSED.sub("*", unit.translate(_PLAIN))
     if (known := _reading(plain, text, fits)) is not None:
@@ -332,7 +332,8 @@ _GRAVITY = re.compile(r"\b(m?)g\b")
 
 def _as_engineers_write(plain: str) -> Iterator[str]:
     """Other readings of a unit: signs between names as products, names run together taken apart, g as an acceleration."""
-    spelt = _POWER_BEHIND.sub(r"^\1", _BETWEEN.sub("*", plain))
+    below = re.sub(r"/([^*/()\s]+)", r"/(\1)", plain)  # rad/Nm is rad/(N*m)
+    spelt = _POWER_BEHIND.sub(r"^\1", _BETWEEN.sub("*", below))
     spelt = re.sub(r"\^(-\d)", r"^(\1)", spelt)
     words = list(dict.fromkeys(_RUN_TOGETHER.findall(spelt)))
     ways = [[word, *_taken_apart(word)] for word in words if len(word) <= _LONGEST_RUN]
@@ -376,23 +377,21 @@ def _proposal(plain: str, fits: Callable[[Powers], bool]) -> str:
 
     All else stays as it was written, so that a proposal has the size of what was meant.
     """
-    words = list(dict.fromkeys(_RUN_TOGETHER.findall(plain)))
-    ways = [[word] if _is_named(word) else _near(word) for word in words]
-    for chosen in islice(product(*ways), _MOST_READINGS):
-        parts = dict(zip(words, chosen, strict=True))
-        one = _respelt(plain, parts)
-        with suppress(SceneError):
-            known = None if one == plain else _reading(one, one, fits)
-            if known is not None and fits(known[1]):
-                return f'did you mean "{one}"?'
+    one = _RUN_TOGETHER.sub(lambda found: _nearest(found[0]), plain)
+    with suppress(SceneError):
+        known = None if one == plain else _reading(one, one, fits)
+        if known is not None and fits(known[1]):
+            return f'did you mean "{one}"?'
     return ""
 
 
-def _near(word: str) -> list[str]:
-    """Names of units that one which is none may stand for: in other letters, and then in another spelling."""
+def _nearest(word: str) -> str:
+    """The name of a unit that one which is none may stand for: in other letters, or in another spelling."""
+    if _is_named(word):
+        return word
     same = [x for x in _SPELT if x.lower() == word.lower()]
     likely = re.search('"(.*)"', meant(word, [*_units(), *_SPELT]))
-    return [*same, word[0] + word[1:].lower(), *([likely[1]] if likely else [])]
+    return next(iter(same), likely[1] if likely else word)
 
 
 @dataclass(frozen=True, slots=True)

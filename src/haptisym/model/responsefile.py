@@ -576,32 +576,17 @@ def _rate(given: Given) -> tuple[float, str]:
 
 def read_motion(path: Path) -> Given:
     """Time and position of a recorded motion: columns with such names, or the only two of a table. SceneError otherwise."""
-    try:
-        return _read(path, Layout(), _motion_roles, "t,x")
-    except SceneError as error:
-        first = error
-    try:
-        return _read(path, Layout(columns={"time": 1, "position": 2}), _only_two, "t,x")
-    except _OtherColumnsError:
-        raise first from None
+    return _read(path, Layout(columns={"time": 1, "position": 2}), _motion_roles, "t,x")
 
 
-class _OtherColumnsError(SceneError):
-    """A table has more or fewer than two columns."""
-
-
-def _motion_roles(columns: Sequence[Column], layout: Layout) -> dict[str, int]:
-    roles = assigned(columns, {key: RECORD[key] for key in ("time", "position")}, layout)
+def _motion_roles(columns: Sequence[Column], _: Layout) -> dict[str, int]:
+    if len(columns) == 2 and known_role(columns[1].text) != "time":
+        return {"time": 0, "position": 1}
+    roles = assigned(columns, {key: RECORD[key] for key in ("time", "position")}, Layout())
     if len(roles) < 2:
         listed = ", ".join(x.text for x in columns[:20])
         raise SceneError(f"give a time and a displacement, in columns t and x: there are {listed}")
     return roles
-
-
-def _only_two(columns: Sequence[Column], layout: Layout) -> dict[str, int]:
-    if len(columns) != 2:
-        raise _OtherColumnsError("give a time and a displacement")
-    return {"time": 0, "position": 1}
 
 
 RECORDS = ("estimator", "segment", "overlap", "window", "every")
@@ -616,7 +601,7 @@ def _read(path: Path, layout: Layout, check: Check, example: str) -> Given:
     return _read_text(path, layout, check, example)
 
 
-_STATED = re.compile(r"#\s*(averages|confidence|slope)\s*=\s*(\S.*)")
+_STATED = re.compile(r"# haptisym: (averages|confidence|slope)\s*=\s*(\S.*)")
 
 
 def _stated(path: Path) -> dict[str, str]:

@@ -11,27 +11,25 @@ one's on the band to four digits, each once, and no other: these are certified.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import reduce
-from operator import add, mul
+from collections.abc import Callable, Sequence
+from typing import Any
 
-import flint
-from flint import acb, arb, fmpq
-from sympy import Abs, Expr, Float, I, Integer, Pow, Rational, Symbol, atan2, pi
+import mpmath
+from sympy import Expr, Float, Integer, Rational, lambdify
 
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import omega, s
 from haptisym.kernel.roots import chart
 
 DIGITS = (6, 8, 10, 12)
 """Of each number of a formula, as few of these as do."""
-_WITHIN = Rational(1, 20000)
+_WITHIN = 0.5e-4
 """Half a unit of the fourth digit of 1: of a value, and of a frequency."""
-_SHARES = (Rational(1, 100), Rational(1, 20), *(Rational(n, 8) for n in range(1, 9)))
+_SHARES = (0.01, 0.05, *(n / 8 for n in range(1, 9)))
 """Where on a band values are compared."""
-_BITS = (128, 512, 2048)
+_INSIDE = 300
+"""Digits of that comparison, so that some are left where terms cancel."""
 
 Band = tuple[Expr, Expr]
 ANYWHERE: Band = (Integer(0), Integer(100))
@@ -52,15 +50,17 @@ def faithful(
     (3333333.66667 - 3333333.33333*cos(omega/1000000), '≈')
     """
     exact = form(None)
-    true: list[tuple[Expr, acb, arb]] | None = None
+    true: list[tuple[float, Any, Any]] | None = None
     for count in digits:
         shown = form(count)
         printed = as_printed(shown)
         if printed == exact:
             return shown, "="
-        true = _values(exact, band) if true is None else true
-        if all(abs(_value(printed, at) - y) <= room for at, y, room in true):
-            return shown, "≈"
+        with mpmath.workdps(_INSIDE):
+            true = _values(exact, band) if true is None else true
+            value = _compiled(printed)
+            if all(abs(value(at) - y) <= room for at, y, room in true):
+                return shown, "≈"
     return None
 
 
@@ -69,51 +69,30 @@ def as_printed(shown: Expr) -> Expr:
     return shown.xreplace({x: Rational(str(x)) for x in shown.atoms(Float)})
 
 
-def _values(exact: Expr, band: Band) -> list[tuple[Expr, acb, arb]]:
+def _values(exact: Expr, band: Band) -> list[tuple[float, Any, Any]]:
     """Frequencies, the values there, and how far a value may be off."""
-    low, high = band
-    found = []
+    low, high = map(float, band)
+    value, found = _compiled(exact), []
     for share in _SHARES:
         at = low + (high - low) * share
-        here, before, after = (_value(exact, at * (1 + n * _WITHIN)) for n in (0, -1, 1))
-        room = arb(fmpq(1, 20000)) * abs(here) + max(abs(before - here), abs(after - here), key=lambda x: x.mid())
-        found.append((at, here, room))
+        here, *near = (value(at * x) for x in (1, 1 - _WITHIN, 1 + _WITHIN))
+        found.append((at, here, _WITHIN * abs(here) + max(abs(x - here) for x in near)))
     return found
 
 
-def _value(form: Expr, at: Expr) -> acb:
-    """The value at a frequency, with so many digits that some are left where terms cancel."""
-    for bits in _BITS:
-        with flint.ctx.workprec(bits):
-            x = expression_ball(at)
-            found = _ball(form, {omega: acb(x), s: acb(0, x)}, {})
-        if found.rel_accuracy_bits() > 40:
-            break
-    return found
+def _compiled(form: Expr) -> Callable[[float], Any]:
+    """The value at a frequency, a parameter that is left being 1; not a number where it is infinite."""
+    symbols = [*form.free_symbols]
+    function = lambdify(symbols, form, "mpmath")
 
+    def value(at: float) -> Any:
+        known = {omega: mpmath.mpf(at), s: mpmath.mpc(0, at)}
+        try:
+            return function(*(known.get(x, mpmath.mpf(1)) for x in symbols))
+        except ZeroDivisionError:
+            return mpmath.nan
 
-def _ball(form: Expr, at: Mapping[Symbol, acb], known: dict[Expr, acb]) -> acb:
-    """A ball around the value of a formula, a parameter that is left being 1; ``known`` : those of its parts."""
-    if form.is_Symbol:
-        return at.get(form, acb(1))
-    if form.is_Rational:
-        return acb(fmpq(int(form.p), int(form.q)))
-    if form in known:
-        return known[form]
-    inside = [_ball(x, at, known) for x in form.args]
-    if form.is_Add or form.is_Mul:
-        known[form] = reduce(add if form.is_Add else mul, inside)
-    elif isinstance(form, Pow):
-        known[form] = inside[0] ** (int(form.exp) if form.exp.is_Integer else inside[1])
-    elif form is pi or form is I:
-        known[form] = acb.pi() if form is pi else acb(0, 1)
-    elif isinstance(form, Abs):
-        known[form] = acb(abs(inside[0]))
-    elif isinstance(form, atan2):
-        known[form] = acb((inside[1] + inside[0] * acb(0, 1)).log().imag)
-    else:
-        known[form] = getattr(acb, form.func.__name__)(*inside)
-    return known[form]
+    return value
 
 
 # Zeros.
@@ -129,7 +108,7 @@ def keeps_zeros(shown: Expr, found: RealFunction, band: Band) -> bool:
         return False
     if exact is None or other is None or [n for _, n in exact] != [n for _, n in other]:
         return False
-    return all(abs(x - y) <= float(_WITHIN) * x for (x, _), (y, _) in zip(exact, other, strict=True))
+    return all(abs(x - y) <= _WITHIN * x for (x, _), (y, _) in zip(exact, other, strict=True))
 
 
 def _zeros(f: RealFunction, band: Band) -> list[tuple[float, float]] | None:

@@ -32,7 +32,7 @@ from haptisym.kernel.dynamics import Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import expression_ball
-from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega, s
+from haptisym.kernel.rings import RationalFunction, omega, s
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.model.quantities import Dimension, number
 from haptisym.model.scene import Scene
@@ -240,8 +240,8 @@ def _response(f: RationalFunction, program: Program, *, changed: bool) -> Callab
     def response(z: Any, analytic: bool) -> Any:  # noqa: FBT001  as Arb calls it
         if not is_rational and z.contains(0):
             return next_to_rest(z, analytic)
-        at = [_generator(x, z, analytic) for x in ring.meanings]
-        return _polynomial(f.numerator, at) / _polynomial(f.denominator, at)
+        at = {x: _generator(x, z, analytic) for x in ring.meanings}
+        return ring.ball(f.numerator, at) / ring.ball(f.denominator, at)
 
     return response
 
@@ -257,17 +257,6 @@ def _generator(x: Expr, z: Any, analytic: bool) -> Any:  # noqa: FBT001
     if x.has(s):
         return (at * expression_ball((x.args[0] / s).cancel())).exp()
     return acb(*map(expression_ball, x.as_real_imag())) if x.is_number else acb(0)
-
-
-def _polynomial(p: Polynomial, at: list[Any]) -> Any:
-    """Its value with these numbers for the generators of its ring."""
-    total = acb(0)
-    for exponents, c in monomials(p):
-        term = acb(arb(c))
-        for x, n in zip(at, exponents, strict=True):
-            term *= x ** int(n) if n else 1
-        total += term
-    return total
 
 
 def _fit(moments: tuple[Any, Any, Any], real: tuple[Any, Any], imag: Any) -> dict[str, Any]:

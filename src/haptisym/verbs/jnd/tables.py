@@ -162,8 +162,8 @@ def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
             return Columns(pair[0], None, None, answer, pair[1])
     found = {key: _named(header, key, named) if key in named else _known(header, key) for key in ALIASES}
     level, count, trials, answer = (found[key] for key in ("level", "count", "trials", "answer"))
-    if count is None and "answer" not in named:
-        count = next((i for i, name in enumerate(header) if _is_per_cent(name)), None)
+    if count is None and answer is None:
+        count = next((i for i, name in enumerate(header) if _is_per_cent(name) and i != level), None)
     if level is None:
         raise SceneError(_missing(header, "the levels", "level"))
     if count is not None and trials is not None and "answer" not in named:
@@ -175,9 +175,12 @@ def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
 
 
 def _two_intervals(header: Sequence[str]) -> tuple[int, int] | None:
-    """Where the levels of two intervals are: the only two columns whose names differ in a last 1 and 2."""
-    firsts = [x for x in header if x.endswith("1") and f"{x[:-1]}2" in header]
-    return (header.index(firsts[0]), header.index(f"{firsts[0][:-1]}2")) if len(firsts) == 1 else None
+    """Where the levels of two intervals are: the only two columns that differ in a last 1 and 2, and no other has levels."""
+    pairs = [
+        (i, header.index(f"{x[:-1]}2")) for i, x in enumerate(header) if x.endswith("1") and f"{x[:-1]}2" in header
+    ]
+    others = [x for i, x in enumerate(header) if pairs and i not in pairs[0]]
+    return pairs[0] if len(pairs) == 1 and _known(others, "level") is None else None
 
 
 def _is_per_cent(name: str) -> bool:
@@ -385,7 +388,7 @@ def _of_two_intervals(
     """Of the levels of two intervals, one of which is the standard, and which was answered; no trial where both are."""
     levels = [number("level", x) for x in cells[:2]]
     if cells[2] not in ("1", "2"):
-        raise SceneError(f"answer: {quoted(cells[2])} must be 1 or 2, the interval that was more")
+        raise SceneError(f"answer: {quoted(cells[2])} must be 1 or 2, the interval that was more; or add --level")
     if reference not in levels:
         raise SceneError(f"neither {cells[0]} nor {cells[1]} is the level of the standard, {reference:g}")
     other = 1 if levels[0] == reference else 0
@@ -398,22 +401,15 @@ def _of_counts(
     """Of a level, k and n, or the percentage that k is of n."""
     level, k, n = (number(key, x) for key, x in zip(("level", "k", "n"), cells, strict=True))
     if is_per_cent:
-        k = _whole_share(k, n, cells[1])
+        share, k = k, round(k * n / 100)
+        if abs(100 * k - share * n) > n / 2:  # rounded to a whole percentage, or less
+            raise SceneError(f"{quoted(cells[1])} % of {n:g} is no whole number of responses")
     for key, x, text in zip("kn", (k, n), cells[1:], strict=True):
         if x < 0 or x != int(x) or x > _MOST_TRIALS:
             raise SceneError(f"{key}: {quoted(text)} is no count of responses: give a whole number")
     if k > n:
         raise SceneError(f"k = {int(k)} is more than n = {int(n)}")
     return level, int(k), int(n)
-
-
-def _whole_share(share: float, n: float, text: str) -> float:
-    """The whole number that is this percentage of n, as far as its digits go."""
-    k = round(share * n / 100)
-    decimals = len(text.replace(",", ".").partition(".")[2])
-    if not 0 <= share <= 100 or (n and abs(100 * k / n - share) > 0.5 * 10.0**-decimals):
-        raise SceneError(f"{quoted(text)} % of {n:g} is no whole number of responses")
-    return float(k)
 
 
 def _number(key: str, text: str, *, has_commas: bool = False) -> float:

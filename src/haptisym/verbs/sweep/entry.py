@@ -163,7 +163,6 @@ class SweepGrid:
             ),
             "floats": self._how,
             "fingerprint": self.fingerprint,
-            "marks": json.dumps(self.marks),
             **self._asides(),
         }
 
@@ -183,11 +182,6 @@ class SweepGrid:
     @cached_property
     def fingerprint(self) -> str:
         """A digest of everything that the results depend on."""
-        return _digest(self.marks)
-
-    @cached_property
-    def marks(self) -> dict[str, str]:
-        """A digest of each thing that the results depend on, by its name."""
         scene = self.scene
         told = [
             [
@@ -202,23 +196,14 @@ class SweepGrid:
         swept = {part for axis in self.axes for part in axis.knob.parts}
         plain = ["" if part in swept else str(x) for part, x in ((Part.REAL, c.real), (Part.IMAG, c.imag))]
         hands = [[x.name, [str(p.value) for p in x.parameters if not self._is_swept(p.symbol)]] for x in scene.hands]
-        parts = {
-            "format": [_FORMAT, TOLERANCE],
-            "environment and effects": told,
-            "hands": hands,
-            "band": [str(x) for x in scene.band],
-            "threshold": plain if c.is_plain else c.row(),
-            "swept parameters": [axis.path for axis in self.axes],
-            **{f"values of {axis.path}": sha256(axis.values.tobytes()).hexdigest() for axis in self.axes},
-        }
-        return {name: _digest(x) for name, x in parts.items()}
+        parts = [
+            _FORMAT, TOLERANCE, told, hands, [str(x) for x in scene.band], plain if c.is_plain else c.row(),
+            [[axis.path, axis.values.tolist()] for axis in self.axes],
+        ]  # fmt: skip
+        return sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
     def _is_swept(self, symbol: object) -> bool:
         return any(axis.knob.symbol == symbol for axis in self.axes)
-
-
-def _digest(told: object) -> str:
-    return sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
 
 
 def _threshold(scene: Scene) -> dict[str, Any]:
@@ -329,9 +314,8 @@ def _opened(grid: SweepGrid, place: Path) -> xr.Dataset:
         kind = "Zarr store" if is_zarr else "NetCDF file"
         raise SceneError(f"{place}: exists, but is not a {kind}: choose another name") from None
     _same(grid, found.attrs, place)
-    axes = [np.array_equal(found[x.path].values, x.values) for x in grid.axes if x.path in found.coords]
-    shapes = [found[name].shape == grid.shape for name in grid.variables if name in found]
-    if len(axes) < len(grid.axes) or len(shapes) < len(grid.variables) or not all(axes + shapes):
+    held = all(x.path in found.coords and np.array_equal(found[x.path].values, x.values) for x in grid.axes)
+    if not held or not {*grid.variables} <= {*found}:
         raise SceneError(
             f"{place}: values or variables of the sweep are missing in it: remove it, or choose another name"
         )
@@ -361,15 +345,8 @@ def _fill(grid: SweepGrid, store: Path, progress: Progress | None) -> None:
 
 
 def _same(grid: SweepGrid, attributes: Any, where: Path) -> None:
-    if attributes.get("fingerprint") == grid.fingerprint:
-        return
-    try:
-        theirs = dict(json.loads(attributes["marks"]))
-    except (KeyError, ValueError, TypeError):
-        theirs = {}
-    others = [name for name in {**grid.marks, **theirs} if grid.marks.get(name) != theirs.get(name)] if theirs else []
-    told = f", which differs in {', '.join(others)}" if others else ""
-    raise SceneError(f"{where}: exists with another sweep{told}: remove it, or choose another name")
+    if attributes.get("fingerprint") != grid.fingerprint:
+        raise SceneError(f"{where}: exists with another sweep: remove it, or choose another name")
 
 
 def _begin(grid: SweepGrid, store: Path) -> None:
