@@ -29,7 +29,7 @@ from haptisym.verbs.stability.critical import critical as limits
 from haptisym.verbs.stability.held import held, unstable_roots
 from haptisym.verbs.stability.margins import margins
 from haptisym.verbs.stability.plane import boundary, plane, wall_plane
-from haptisym.verbs.tolerances.stability import HeldPlane, held_plane
+from haptisym.verbs.stability.ranges import HeldPlane, held_plane
 
 E, F = hs.environments, hs.effects
 SPRING, ARM = hs.load_scene("delayed-spring"), hs.hands["postural-arm"]

@@ -23,7 +23,7 @@ from haptisym.kernel.budget import timed_by
 from haptisym.kernel.rings import s
 from haptisym.verbs.stability.held import held
 from haptisym.verbs.stability.oncircle import OnCircle
-from haptisym.verbs.tolerances.stability import ClockPlane, HeldInBox, held_in_box, quotient
+from haptisym.verbs.stability.ranges import ClockPlane, HeldInBox, held_in_box, quotient
 
 E, F = hs.environments, hs.effects
 

@@ -47,8 +47,8 @@ from haptisym.model.scene import clocks
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.stability.entry import WALL, Stability, has_plane
 from haptisym.verbs.stability.plane import Plane, Window, boundary, plane, wall_plane
+from haptisym.verbs.stability.ranges import HeldPlane, held_plane
 from haptisym.verbs.tolerances.proofs import Tolerances
-from haptisym.verbs.tolerances.stability import HeldPlane, held_plane
 from haptisym.writing.characters import printable
 
 _SMALLER = pen.SMALL - 0.5

@@ -47,6 +47,8 @@ from sympy import (
     Rational,
     S,
     Symbol,
+    atan,
+    atan2,
     factor_terms,
     pi,
     sqrt,
@@ -201,7 +203,7 @@ def decimal(value: Decimal) -> Numeral:
 def approximate(expression: Expr, digits: int = 6) -> Expr:
     """The formula with long numbers, and if there are any then irrational ones too, rounded to that many digits.
 
-    Arguments of functions of which a phase is made stay exact.
+    The phase of a sine, which grows with omega, stays exact but for the angles in it.
 
     >>> from sympy import Symbol
     >>> s = Symbol("s")
@@ -233,6 +235,10 @@ def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
         return Pow(finite(_with_numbers(expression.base, change)), expression.exp)
     if isinstance(expression, Abs):
         return Abs(_with_numbers(expression.args[0], change), evaluate=False)
+    if isinstance(expression, atan | atan2):  # an angle, which cannot drift
+        return expression.func(*(_with_numbers(x, change) for x in expression.args))
+    if isinstance(expression, Function):
+        return expression.xreplace({x: _with_numbers(x, change) for x in expression.atoms(atan, atan2)})
     if not isinstance(expression, Add | Mul):
         return expression
     known, rest = expression.as_independent(*expression.free_symbols, as_Add=isinstance(expression, Add))

@@ -273,7 +273,7 @@ class Question:
         return allowed, between[between[:, 0, 1] > between[:, 0, 0]]
 
     def _held_plane(self) -> tuple[Array, Array]:
-        from haptisym.verbs.tolerances.stability import held_plane
+        from haptisym.verbs.stability.ranges import held_plane
 
         sides = {x.symbol: ends for x, ends in zip(self.free, self.ranges, strict=True)}
         first = dict(list(sides.items())[:2])

@@ -42,7 +42,7 @@ from haptisym.verbs.require.feasible import IN_HANDS, STABLE, End, Kind, Solved,
 from haptisym.verbs.require.freeparameter import asked_of, conditions, domain, edge_polynomial, pieces, touch_polynomial
 from haptisym.verbs.require.hands import with_hands
 from haptisym.verbs.require.required import SUITS_ALL, TRANSPARENT, Requirement, further, require, wishes
-from haptisym.verbs.tolerances.stability import grid, held_plane, wider_than
+from haptisym.verbs.stability.ranges import grid, held_plane, wider_than
 
 
 @dataclass(frozen=True)

@@ -59,8 +59,8 @@ from haptisym.verbs.stability.critical import Tally, meetings, moved
 from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.held import drifts
 from haptisym.verbs.stability.loops import Gap, Loop, Meetings, Tendency
+from haptisym.verbs.stability.ranges import count_at
 from haptisym.verbs.stability.sampled import clocked_roots, passages_in
-from haptisym.verbs.tolerances.stability import count_at
 
 _MOST_WINDOWS = 8
 """Of values about the scene's own, each about four times as wide as the one before it."""

@@ -50,7 +50,8 @@ from haptisym.verbs.stability.loops import (
     from_infinity,
     minus,
 )
-from haptisym.verbs.stability.sampled import Passage, passages
+from haptisym.verbs.stability.opened import Passage
+from haptisym.verbs.stability.sampled import passages
 
 _WINDOWS = 7
 _SMALLEST = Rational(1, 1024)  # as what a value of 0 counts for the first window
@@ -276,18 +277,15 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
         return
     home, others = None, tuple[Gap, ...]()
     if any(any(turns) for turns in loop.leading):
-        here = ExactNumber(value)
         ends = (ExactNumber(x) for x in (loop.low, loop.high) if x is not None)
         far_out += tuple(Meeting(x, None) for x in ends)  # at an end alone what is delayed may be lost
-        clear = [Gap(a, b) for a, b in clear_of_chains(loop, far_out)]
-        home = next((x for x in clear if x.holds(here, here)), None)
+        clear = tuple(Gap(a, b) for a, b in clear_of_chains(loop, far_out))
+        home, is_own = _home(clear, value)
         others = tuple(x for x in clear if x is not home)
-        if home is None:
-            yield Meetings(far_out, gaps=others)
-            home = next((x for x in clear if x.low is not None), None)  # of which more may be known
+        if not is_own:
+            yield Meetings(far_out, gaps=clear)
             if home is None or BesideChains.of(loop) is None:
                 return
-            others = tuple(x for x in clear if x is not home)
     if loop.rests:
         yield _at_0(loop, far_out)
         return
@@ -309,6 +307,13 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
             yield Meetings((*far_out, *near.found), gaps=(*others, *near.gaps))
         return
     yield from _windows(loop, curve, value, far_out)
+
+
+def _home(clear: tuple[Gap, ...], value: Expr) -> tuple[Gap | None, bool]:
+    """Of the intervals that no chain of roots reaches the one about a value, and True; else the first bounded one."""
+    here = ExactNumber(value)
+    own = next((x for x in clear if x.holds(here, here)), None)
+    return own or next((x for x in clear if x.low is not None), None), own is not None
 
 
 def _of_a_delay(loop: Loop, value: Expr, far_out: tuple[Meeting, ...]) -> Meetings:

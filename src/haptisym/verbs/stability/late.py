@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, floor, pi
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from flint import acb, arb, arb_poly, ctx
 from sympy import Integer
@@ -19,9 +19,7 @@ from haptisym.kernel.budget import Waiting
 from haptisym.kernel.enclosures import over_circle
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, fraction_ball
-
-if TYPE_CHECKING:
-    from haptisym.verbs.stability.sampled import Opened, Passage
+from haptisym.verbs.stability.opened import Opened, Passage
 
 Phis: TypeAlias = "list[tuple[float, float]]"
 Piece: TypeAlias = "tuple[Opened, Fraction, Fraction]"

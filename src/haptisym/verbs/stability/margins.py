@@ -35,7 +35,8 @@ from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.verbs.stability.critical import critical
 from haptisym.verbs.stability.loops import Loop, minus
-from haptisym.verbs.stability.sampled import Opened, Walk, loop_of, series_alone
+from haptisym.verbs.stability.opened import Opened
+from haptisym.verbs.stability.sampled import Walk, loop_of, series_alone
 
 MOST_GAIN, MOST_DELAY = 1000, 1000
 _NONE = "no limit found within it"

@@ -46,8 +46,8 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.require.freeparameter import conditions, is_kept_anyway
 from haptisym.verbs.stability.entry import in_hands
+from haptisym.verbs.stability.ranges import HeldInBox, held_in_box
 from haptisym.verbs.sweep.entry import in_floats
-from haptisym.verbs.tolerances.stability import HeldInBox, held_in_box
 
 _BATCH = 256  # cells that are bounded together
 _MOST_CELLS = 3000  # that are looked at for one part
