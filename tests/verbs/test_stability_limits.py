@@ -57,7 +57,8 @@ def need_nearest(found: Nearest, start: float, count: Count, far: tuple[float, f
     home = count(start)
     assert home is not None
     for side, end in zip((-1, 1), far, strict=True):
-        row = next((x for x in found.found if (float(x.value) > start) == (side > 0)), None)
+        beside = [x for x in found.found if (float(x.value) > start) == (side > 0)]
+        row = min(beside, key=lambda x: abs(float(x.value) - start), default=None)
         if row is None and found.reason:
             continue
         is_near = row is not None and (float(row.value) - end) * side <= 0
