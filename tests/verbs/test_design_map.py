@@ -19,11 +19,11 @@ import haptisym as hs
 from haptisym.cli import app
 from haptisym.figures import requirement as requirement_charts
 from haptisym.figures.layers import draw
+from haptisym.judge.bindings import Kind
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.budget import timed_by
 from haptisym.verbs.require.classical import Encoder, lines
 from haptisym.verbs.require.designmap import Asked, Rectangles, Slice, common, held_rectangles, rectangles
-from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.stability.plane import plane
 
 E, F = hs.environments, hs.effects

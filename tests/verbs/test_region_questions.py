@@ -22,9 +22,10 @@ from valuesets import ends
 import haptisym as hs
 from haptisym.figures import requirement as requirement_charts
 from haptisym.figures.layers import draw
+from haptisym.judge.bindings import Kind
 from haptisym.kernel.rings import omega
 from haptisym.pages.derive import when_of_region
-from haptisym.verbs.require.feasible import End, Kind
+from haptisym.verbs.require.feasible import End
 from haptisym.writing.boxes import Name
 from haptisym.writing.code import Language, scene_code
 from haptisym.writing.document import Equations

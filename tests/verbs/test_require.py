@@ -24,10 +24,10 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.figures import requirement as requirement_charts
 from haptisym.figures.layers import draw
+from haptisym.judge.bindings import Kind
 from haptisym.kernel.budget import timed_by
 from haptisym.model.parameters import values
 from haptisym.model.scene import THRESHOLD
-from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.required import is_quick
 
 PAPER = hs.load_scene("fu2019")

@@ -18,13 +18,15 @@ from plainshapes import exact, function_of, q, rational
 from sympy import Expr, Integer, Poly, Rational, discriminant, exp, lambdify, pi, real_roots, resultant
 
 import haptisym as hs
+from haptisym.judge.bindings import Binding, Kind
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, SquareRoot
 from haptisym.kernel.rings import omega as w
 from haptisym.kernel.rings import s
 from haptisym.kernel.roots import Lattice
-from haptisym.verbs.require.feasible import Binding, Domain, End, Kind, Question, Solved, Span, Turn, runs, together
+from haptisym.kernel.sets import Domain
+from haptisym.verbs.require.feasible import End, Question, Solved, Span, Turn, runs, together
 from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import allowed, critical, edge_polynomial, missing, touch_polynomial
 from haptisym.verbs.require.freeparameter import real_roots as roots_in_parameter

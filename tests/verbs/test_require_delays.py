@@ -23,9 +23,9 @@ from valuesets import contradictions, ends, is_transparent, shown, undecided, wi
 
 import haptisym as hs
 from haptisym import effects, environments
+from haptisym.judge.bindings import Kind
 from haptisym.kernel.budget import timed_by
 from haptisym.kernel.reals import ExactNumber
-from haptisym.verbs.require.feasible import Kind
 from haptisym_check import check
 
 REAL, IMAG = hs.Part.REAL, hs.Part.IMAG

@@ -12,8 +12,8 @@ import pytest
 from sympy import Rational
 
 import haptisym as hs
+from haptisym.judge.bindings import Kind
 from haptisym.model.jnd import Part
-from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.required import Requirement
 
 E, F = hs.environments, hs.effects

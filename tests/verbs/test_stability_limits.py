@@ -729,7 +729,7 @@ def test_the_delays_that_will_do_do_not_hang_on_the_one_that_a_scene_has_not_eve
     felt, hand = E.mass_spring_damper(m=mass), hs.Hand("mine", m=1, b=1, k=1)
     found = [stable(hs.Scene(felt, (F.delay(x),), hands=(hand,)), "tau").to_dict() for x in ("0 ms", "1 ms", "3 s")]
     ranges = [x.pop("searched") for x in found]
-    assert [high / low for low, high in ranges] == pytest.approx([1e12] * 3)
+    assert [high for _, high in ranges] == pytest.approx([1, 1, 3000])
     assert found[0] == found[1] == found[2]
     assert found[0]["certified"]
     assert (found[0]["feasible"] == [[0.0, 0.0]]) is bool(Rational(mass) >= 1)

@@ -38,6 +38,7 @@ from haptisym.figures.layers import (
     handle,
     parameter,
 )
+from haptisym.judge.bindings import Binding, Kind
 from haptisym.judge.crossings import Criterion
 from haptisym.kernel.errors import SceneError
 from haptisym.model.chain import Chain
@@ -47,7 +48,7 @@ from haptisym.model.scene import Knob
 from haptisym.programs.values import Array, Values
 from haptisym.verbs.require.classical import Line
 from haptisym.verbs.require.designmap import DesignMap, common
-from haptisym.verbs.require.feasible import Binding, Kind, Span
+from haptisym.verbs.require.feasible import Span
 from haptisym.verbs.require.required import Requirement
 
 _GRID, _VALUES = 600, 400

@@ -10,15 +10,16 @@ from math import ceil
 
 from sympy import Expr
 
+from haptisym.judge.bindings import IN_HANDS, STABLE, Binding, Kind
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, Way, in_unit
 from haptisym.model.jnd import Part
 from haptisym.model.scene import THRESHOLD, Knob, clocks
+from haptisym.model.valueranges import searched
 from haptisym.pages import words as w
 from haptisym.verbs.require.designmap import DesignMap
-from haptisym.verbs.require.feasible import IN_HANDS, STABLE, Binding, End, Kind, Span
-from haptisym.verbs.require.freeparameter import searched
+from haptisym.verbs.require.feasible import End, Span
 from haptisym.verbs.require.nearest import Nearest
 from haptisym.verbs.require.required import Requirement, is_quick, require
 from haptisym.writing import document as doc

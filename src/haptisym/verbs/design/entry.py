@@ -33,10 +33,10 @@ from haptisym.model.catalogue import Hand
 from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.model.scenefile import SceneFamily, as_family
+from haptisym.model.valueranges import domain
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.design.attained import KEPT, PASSIVE, STABLE, STEADY, Attained, Points
 from haptisym.verbs.design.bound import LargestBandwidth, broken, profile
-from haptisym.verbs.require.freeparameter import domain
 
 Range: TypeAlias = tuple[Number, Number] | None
 Free: TypeAlias = Mapping[str, Range] | Sequence[str] | str

@@ -22,6 +22,7 @@ from typing import Any, ClassVar
 from sympy import Dummy, Expr, Rational
 
 from haptisym.judge.answers import Answer
+from haptisym.judge.bindings import IN_HANDS, STABLE, Kind
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.excess import Box, Side, excess_of
 from haptisym.kernel.arrays import np
@@ -37,9 +38,10 @@ from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.scenefile import as_scene
+from haptisym.model.valueranges import domain
 from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder
-from haptisym.verbs.require.feasible import IN_HANDS, STABLE, End, Kind, Solved, together
-from haptisym.verbs.require.freeparameter import asked_of, conditions, domain, edge_polynomial, pieces, touch_polynomial
+from haptisym.verbs.require.feasible import End, Solved, together
+from haptisym.verbs.require.freeparameter import asked_of, conditions, edge_polynomial, pieces, touch_polynomial
 from haptisym.verbs.require.hands import with_hands
 from haptisym.verbs.require.required import SUITS_ALL, TRANSPARENT, Requirement, further, require, wishes
 from haptisym.verbs.stability.ranges import grid, held_plane, wider_than

@@ -9,59 +9,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from enum import Enum
 from itertools import groupby, pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from sympy import Expr, Rational
 
-from haptisym.judge.crossings import Criterion, Judged
+from haptisym.judge.bindings import Binding
 from haptisym.kernel.budget import spared, tick
-from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
+from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
 from haptisym.kernel.roots import ascending, is_told, ordered
-from haptisym.model.catalogue import Hand
+from haptisym.kernel.sets import Domain
 
 if TYPE_CHECKING:  # only what is asked of a hand has gaps
     from haptisym.verbs.stability.loops import Gap
-
-
-@dataclass(frozen=True)
-class Domain:
-    """The values that are asked about: an interval, None where it is unbounded, and whether its ends belong to it."""
-
-    low: Expr | None
-    high: Expr | None
-    holds_low: bool = True
-    holds_high: bool = True
-
-
-class Kind(Enum):
-    """Where on the band a condition binds."""
-
-    EDGE = "band-edge"
-    """At the band's high end."""
-    START = "start"
-    """At the band's low end."""
-    TOUCH = "tangency"
-    """Inside: a ratio touches its threshold there."""
-    AXIS = "axis"
-    """Roots of a display in a hand lie on the imaginary axis."""
-    FAR = "far-out"
-    """At frequencies without bound: a root comes from infinity, or a condition fails there first."""
-
-
-@dataclass(frozen=True)
-class Binding(Judged):
-    """A condition that holds with equality at the end of a set: which one, where on the band, rad/s.
-
-    ``omega``: None where the frequency of a degenerate touch was not isolated.
-    """
-
-    criterion: Criterion
-    omega: RealNumber | None
-    kind: Kind
 
 
 @dataclass(frozen=True)
@@ -123,19 +85,6 @@ def runs(at: Sequence[bool], between: Sequence[bool]) -> list[tuple[int, int, bo
             first, last = places[0], places[-1]
             found.append((first // 2, (last + 1) // 2, first % 2 == 0, last % 2 == 0))
     return found
-
-
-STABLE, STEADY = IN_HANDS = "stable", "steady"
-
-
-def stable_in(hand: Hand, what: str = STABLE) -> Criterion:
-    """The display is stable in this hand, or steady: without shaking, a drift allowed; it has no function of frequency."""
-    name = f"{what} in {hand.name}"
-    return Criterion(what, name, "H_perc + Z_hand", name, _none, kept=name)
-
-
-def _none(_: object) -> Any:
-    raise SceneError("whether a display is stable in a hand is no condition at one frequency")
 
 
 _BEYOND = "values further out are not tested"

@@ -18,13 +18,14 @@ from typing import TypeAlias
 
 import flint
 from flint import fmpq
-from sympy import Expr, Integer, S, Symbol, pi
+from sympy import Expr, Integer, Symbol, pi
 
+from haptisym.judge.bindings import Kind
 from haptisym.judge.bounds import ANY_ENVIRONMENT, for_any_environment, is_series
 from haptisym.judge.crossings import Criterion, noticed, opened
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction, Ring
-from haptisym.kernel.errors import SceneError, several
+from haptisym.kernel.errors import SceneError
 from haptisym.kernel.factors import PolynomialFactor
 from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega
@@ -32,59 +33,9 @@ from haptisym.kernel.roots import Lattice, ordered, sign_of_number
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
-from haptisym.model.parameters import Rule, values
-from haptisym.model.quantities import Number
+from haptisym.model.parameters import values
 from haptisym.model.scene import THRESHOLD, Knob, Scene
-from haptisym.verbs.require.feasible import Domain, End, Kind, Span
-
-
-def domain(free: Knob, given: tuple[Number, Number] | None) -> Domain:
-    """The values that the rule of a parameter allows, within the range that is given."""
-    low, high, closed = _ALLOWED[free.rule]
-    if given is None:
-        return Domain(low, high, closed, closed)
-    ends = several(free.path, given, "the range has two ends, as (20, 200)")
-    if len(ends) != 2:
-        raise SceneError(f"{free.path}: a range has two ends, not {len(ends)}")
-    start, end = (free.number(x) for x in ends)
-    if sign_of_number(end - start) <= 0:
-        raise SceneError(f"{free.path}: the range must go up, not from {given[0]} to {given[1]}")
-    if (low is not None and sign_of_number(end - low) <= 0) or (high is not None and sign_of_number(high - start) <= 0):
-        raise SceneError(f"{free.path} {free.rule.value}: no value from {given[0]} to {given[1]} does")
-    below = low is not None and sign_of_number(start - low)
-    above = high is not None and sign_of_number(high - end)
-    return Domain(
-        low if below is not False and below < 0 else start,
-        high if above is not False and above < 0 else end,
-        closed or below is False or below > 0,
-        closed or above is False or above > 0,
-    )
-
-
-_REACH = 10**6
-"""How many times as large, and as small, as the scene's own a value is that is still searched."""
-
-
-def searched(free: Knob, asked: Domain) -> tuple[Expr, Expr]:
-    """From where to where values are searched: a millionth to a million times the scene's, 1 in SI standing for 0.
-
-    Signed values to a million times it on both sides, and all between ends that were given. 0 is looked at by itself where a
-    domain begins or ends there: what holds next to it is what holds at the least value that is searched.
-    """
-    own = S.One if free.value.free_symbols or not free.value else abs(free.value)  # a limit may be a formula
-    low = -_REACH * own if asked.low is None else asked.low
-    high = max(_REACH * own, _REACH * low) if asked.high is None else asked.high
-    if low == 0:
-        return min(own, high) / _REACH, high
-    return low, -min(own, -low) / _REACH if high == 0 else high
-
-
-_ALLOWED: Mapping[Rule, tuple[Expr | None, Expr | None, bool]] = {
-    Rule.POSITIVE: (Integer(0), None, False),
-    Rule.NONNEGATIVE: (Integer(0), None, True),
-    Rule.ANY: (None, None, True),
-    Rule.FRACTION: (Integer(0), Integer(1), False),
-}
+from haptisym.verbs.require.feasible import End, Span
 
 
 def asked_of(scene: Scene, free: Sequence[Knob], part: Part | None, *, any_environment: bool) -> tuple[Criterion, ...]:

@@ -25,6 +25,7 @@ import flint
 from flint import acb, arb
 from sympy import Expr, Integer, Rational, exp, pi
 
+from haptisym.judge.bindings import IN_HANDS, STEADY, Binding, Kind, stable_in
 from haptisym.judge.colgate import SampledPassivity, loop_of, sampled_passivity
 from haptisym.judge.crossings import PASSIVE, Criterion
 from haptisym.judge.passivity import environment_alone, passivity
@@ -34,12 +35,14 @@ from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, s
 from haptisym.kernel.roots import ordered
+from haptisym.kernel.sets import Domain
 from haptisym.model.catalogue import Hand, how_to_give
 from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import Rule, values
 from haptisym.model.scene import Knob, Scene, clocks
+from haptisym.model.valueranges import searched
 from haptisym.programs.onaxis import OnAxis
-from haptisym.verbs.require.feasible import IN_HANDS, STEADY, Binding, Domain, Kind, Question, Solved, Turn, stable_in
+from haptisym.verbs.require.feasible import Question, Solved, Turn
 from haptisym.verbs.require.floatcells import Energy, span
 from haptisym.verbs.require.freeparameter import (
     ExactSign,
@@ -52,7 +55,6 @@ from haptisym.verbs.require.freeparameter import (
     missing,
     pieces,
     real_roots,
-    searched,
     zeros_of,
 )
 from haptisym.verbs.stability.critical import Tally, meetings, moved

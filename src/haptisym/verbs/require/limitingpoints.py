@@ -32,6 +32,7 @@ import flint
 from flint import arb, arb_poly
 from sympy import Expr, Rational, Symbol
 
+from haptisym.judge.bindings import Kind
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.delayterms import CompiledWaves
@@ -40,7 +41,6 @@ from haptisym.kernel.enclosures import Sheet, range_of
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.zeros import rounded_up, tightened
-from haptisym.verbs.require.feasible import Kind
 
 _Waves: TypeAlias = tuple[int, ...]
 _Rows: TypeAlias = Mapping[tuple[_Waves, _Waves], list[arb_poly]]

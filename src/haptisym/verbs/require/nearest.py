@@ -17,6 +17,7 @@ from math import inf, sqrt
 
 from sympy import Expr, Rational, S
 
+from haptisym.judge.bindings import Binding, Kind
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.peaks import Top, tops
 from haptisym.kernel.arrays import np
@@ -24,11 +25,11 @@ from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot, rational_between
 from haptisym.kernel.rings import omega
+from haptisym.kernel.sets import Domain
 from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import values
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.values import Array, Compiled
-from haptisym.verbs.require.feasible import Binding, Domain, Kind
 from haptisym.verbs.require.freeparameter import allowed
 from haptisym.verbs.require.solving import solve
 

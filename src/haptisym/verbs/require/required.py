@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from sympy import Abs, Expr, Float, Symbol
 
 from haptisym.judge.answers import Answer
+from haptisym.judge.bindings import IN_HANDS, Binding, Kind, stable_in
 from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import PASSIVE, Criterion, noticed, opened
 from haptisym.kernel.arrays import has_arrays
@@ -26,6 +27,7 @@ from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, Sliver, whole
 from haptisym.kernel.rings import Polynomial, c, monomials, omega
+from haptisym.kernel.sets import Domain
 from haptisym.kernel.solutions import Solution
 from haptisym.kernel.solutions import solve as formulas_of
 from haptisym.model.catalogue import Hand
@@ -34,22 +36,9 @@ from haptisym.model.parameters import values
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.require.feasible import (
-    IN_HANDS,
-    Binding,
-    Domain,
-    End,
-    Kind,
-    Solved,
-    Span,
-    all_open,
-    bound_ends,
-    spanned,
-    stable_in,
-    together,
-    within,
-)
-from haptisym.verbs.require.freeparameter import asked_of, domain, searched
+from haptisym.model.valueranges import domain, searched
+from haptisym.verbs.require.feasible import End, Solved, Span, all_open, bound_ends, spanned, together, within
+from haptisym.verbs.require.freeparameter import asked_of
 from haptisym.verbs.require.solving import solve
 
 if TYPE_CHECKING:

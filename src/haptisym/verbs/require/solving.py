@@ -33,6 +33,7 @@ import flint
 from flint import arb
 from sympy import Expr, Rational, S, Symbol, pi
 
+from haptisym.judge.bindings import Binding, Kind
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.peaks import Largest, Top, tops
 from haptisym.judge.regions import Sided
@@ -56,11 +57,13 @@ from haptisym.kernel.reals import (
 )
 from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.roots import Signed, chart, each_once, ordered
+from haptisym.kernel.sets import Domain
 from haptisym.kernel.zeros import sign_of
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.scene import THRESHOLD, Knob, Scene
-from haptisym.verbs.require.feasible import Binding, Domain, End, Kind, Solved, Span, runs, together
+from haptisym.model.valueranges import searched
+from haptisym.verbs.require.feasible import End, Solved, Span, runs, together
 from haptisym.verbs.require.freeparameter import (
     Conditions,
     allowed,
@@ -70,7 +73,6 @@ from haptisym.verbs.require.freeparameter import (
     missing,
     pieces,
     real_roots,
-    searched,
     substituted,
     without,
 )
