@@ -91,10 +91,10 @@ def question(seed: int) -> tuple[hs.Scene, str]:
 
 def holds(found: Requirement, value: float) -> bool | None:
     """Whether a number lies in the set that was found; None where that stayed undecided."""
-    for low, high in found.undecided:
+    for low, high in ((p.low, p.high) for p in found.undecided):
         if (low is None or float(low) <= value) and (high is None or value <= float(high)):
             return None
-    spans = [(x.low.value, x.high.value) for x in found.feasible]
+    spans = [(x.low, x.high) for x in found.feasible]
     return any((a is None or float(a) < value) and (b is None or value < float(b)) for a, b in spans)
 
 

@@ -48,7 +48,7 @@ def main() -> None:
         }
         found = medians(contenders, {1: 9, 2: 5, 3: 1}[count])
         [span] = hs.require(scene, "effects.filter1.omega_n").feasible or [None]
-        end = "none" if span is None else span.low.value.digits(12)
+        end = "none" if span is None else span.low.digits(12)
         print(
             f"{2 * count:5d} {1000 * found['require']:9.1f} ms {1000 * found['sympy']:20.1f} ms"
             f" {found['sympy'] / found['require']:24.2f}    {end}"

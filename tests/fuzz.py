@@ -218,11 +218,11 @@ def require(t: Trial) -> None:
     found = hs.require(t.scene, "evaluation.jnd")
     if not found.feasible:
         return
-    least = MP.mpf(found.feasible[0].low.value.digits(25)) if found.feasible[0].low.value is not None else MP.mpf(0)
+    least = MP.mpf(found.feasible[0].low.digits(25)) if found.feasible[0].low is not None else MP.mpf(0)
     for omega in t.frequencies(8):
         for part in PARTS:
             assert t.ratio_at(part, omega) <= least * (1 + MP.mpf(10) ** -20), (omega, part)
-    if least > 0 and found.feasible[0].low.closed and not isinstance(t, Late):
+    if least > 0 and found.feasible[0].closed[0] and not isinstance(t, Late):
         share = Fraction(str(MP.nstr(least, 20))) * Fraction(10**9 - 1, 10**9)
         below = t.case.with_(c=dict.fromkeys(PARTS, share))
         start = digits_of(t.case.band[0]) + MP.mpf(10) ** -30  # at the end itself a ratio may be a limit

@@ -15,7 +15,7 @@ scene = hs.Scene(
     (hs.effects.sampled_loop(T="1 ms", method="backward-difference"), hs.effects.shunt(m="40 g", b=0.1)),
     (0, 100),
 )
-most = hs.require(scene, "environment.k", that=("passive",)).feasible[-1].high.value.digits(15)
+most = hs.require(scene, "environment.k", that=("passive",)).feasible[-1].high.digits(15)
 rows = Table(
     [
         number("2 b/T, b = 0.1 N s/m, T = 1 ms", "condition", "200", most, "N/m"),

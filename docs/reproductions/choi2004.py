@@ -14,7 +14,7 @@ import haptisym as hs
 def most(T):
     loop, device = hs.effects.sampled_loop(T=T, method="backward-difference"), hs.effects.shunt(m="40 g", b=1)
     scene = hs.Scene(hs.environments.mass_spring_damper(k=50), (loop, device), (0, 100))
-    return float(hs.require(scene, "environment.k", that=("passive",)).feasible[-1].high.value)
+    return float(hs.require(scene, "environment.k", that=("passive",)).feasible[-1].high)
 
 
 rows = Table(

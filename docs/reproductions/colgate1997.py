@@ -18,7 +18,7 @@ def wall(**damping):
 
 
 def most(scene):
-    return hs.require(scene, "environment.k", that=("passive",)).feasible[-1].high.value.digits(15)
+    return hs.require(scene, "environment.k", that=("passive",)).feasible[-1].high.digits(15)
 
 
 free = hs.stability(wall(), "none", ("environment.k",)).to_dict()["held"][0]["critical"][-1]["digits"]

@@ -23,7 +23,7 @@ def stable_to(scene):
 
 
 late = wall({"k": 100}, {"m": "40 g", "b": 0.8}, T="1 ms", delay=1)
-passive = hs.require(late, "environment.k", that=("passive",)).feasible[-1].high.value.digits(15)
+passive = hs.require(late, "environment.k", that=("passive",)).feasible[-1].high.digits(15)
 unit = wall({"k": 0.5, "b": "0.8284271247461901"}, {"m": 1}, T="1 s", delay=0)
 rows = Table(
     [

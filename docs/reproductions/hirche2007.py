@@ -22,7 +22,7 @@ spring = felt(hs.environments.mass_spring_damper(k=100))
 mass = -felt(hs.environments.mass_spring_damper(m="1e-6 kg")) / 1e-6
 rigid = felt(hs.environments.mass_spring_damper(k=1e12))
 scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (link,), ("1e-4 rad/s", "2e-4 rad/s"), hs.Threshold.of(0.1))
-most = 2 * float(hs.require(scene, "effects.wave-variables.tau", ("0.1 ms", "100 ms")).feasible[-1].high.value)
+most = 2 * float(hs.require(scene, "effects.wave-variables.tau", ("0.1 ms", "100 ms")).feasible[-1].high)
 rows = Table(
     [
         apart("stiffness k/(1 + k T/2b)", "", f"{100 / 1.2:.4f} N/m, derived", f"{spring:.4f} N/m", WHY),

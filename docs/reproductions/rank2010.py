@@ -17,7 +17,7 @@ TURN = 6.283185307179586
 def noticed(environment):
     """The smallest delay that is noticed at 1 Hz, c = 10 %."""
     scene = hs.Scene(environment, (hs.effects.delay("10 ms"),), (TURN - 1e-6, TURN), hs.Threshold.of(0.1))
-    return hs.require(scene, "effects.delay.tau", ("0 ms", "100 ms")).feasible[0].high.value
+    return hs.require(scene, "effects.delay.tau", ("0 ms", "100 ms")).feasible[0].high
 
 
 damper = noticed(hs.environments.mass_spring_damper(b=1))

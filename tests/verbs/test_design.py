@@ -442,8 +442,6 @@ def test_what_is_kept_is_what_is_required(name, keep):
     assert (found.best is None) == (not kept.feasible)
     if found.best:
         [value] = map(float, found.best.values)
-        assert any(
-            float(x.low.value) <= value <= float(x.high.value) for x in kept.feasible if x.low.value and x.high.value
-        )
+        assert any(float(x.low) <= value <= float(x.high) for x in kept.feasible if x.low and x.high)
     assert found.is_whole == bool(both.feasible)
     assert f"--that transparent --that {keep}" in " ".join(str(found).split()) or not found.is_whole

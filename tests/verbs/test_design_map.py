@@ -57,7 +57,7 @@ def off(f: Any, a: float, b: float) -> float:
 
 
 def spans(r: Any) -> list[tuple[float, float]]:
-    return [(float(x.low.value), float(x.high.value)) for x in r.feasible]
+    return [(float(x.low), float(x.high)) for x in r.feasible]
 
 
 # --- slices ---------------------------------------------------------------------------------------------------------------

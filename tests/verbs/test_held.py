@@ -636,6 +636,6 @@ def test_what_binds_a_sampled_loop_lies_on_the_unit_circle() -> None:
     )
     found = hs.require(hs.parse_scene(text), "environment.b", that=("stable",))
     [span] = found.feasible
-    assert (span.low.value.digits(15), span.high.value.digits(15)) == ("0.107766452952012", "1.87491415916525")
+    assert (span.low.digits(15), span.high.digits(15)) == ("0.107766452952012", "1.87491415916525")
     assert "unit circle" in str(found)
     assert "imaginary axis" not in str(found)

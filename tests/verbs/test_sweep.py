@@ -1014,7 +1014,7 @@ def test_the_exact_boundary_divides_the_sets_of_a_sweep_and_is_drawn_in_its_map(
     for x in exact.slices:
         [span] = x.requirement.feasible
         column = found.bandwidth.sel({MASS: float(x.at)})
-        assert ((column.values == 15) == (column[NATURAL].values >= float(span.low.value))).all()
+        assert ((column.values == 15) == (column[NATURAL].values >= float(span.low))).all()
     few = hs.sweep(PAPER, {NATURAL: [60, 100, 140, 180], MASS: [0.5, 1, 2, 4]})
     for of, is_drawn in ((PAPER, True), (None, False)):
         [ax] = sweep_charts.sweep_figure(few, of).axes

@@ -16,8 +16,7 @@ Place = TypeVar("Place")
 
 def shown(found: Any) -> list[tuple[float | None, float | None, bool, bool]]:
     """Of each interval both ends, and whether they belong to it."""
-    rows = [(x.low, x.high) for x in found.feasible]
-    return [(*(None if e.value is None else float(e.value) for e in (a, b)), a.closed, b.closed) for a, b in rows]  # type: ignore[misc]
+    return [(*(None if e is None else float(e) for e in (x.low, x.high)), *x.closed) for x in found.feasible]  # type: ignore[misc]
 
 
 def ends(found: Any) -> list[tuple[float | None, float | None]]:
@@ -30,7 +29,7 @@ def within(pairs: Iterable[Sequence[Any]], value: Any) -> bool:
 
 
 def undecided(found: Any) -> list[tuple[float | None, ...]]:
-    return [tuple(None if x is None else float(x) for x in pair) for pair in found.undecided]
+    return [tuple(None if x is None else float(x) for x in pair) for pair in ((p.low, p.high) for p in found.undecided)]
 
 
 def closed_sets(marks: Sequence[Place], holds: Callable[[Any], bool]) -> list[tuple[Place, Place]]:

@@ -41,6 +41,7 @@ from haptisym.figures.layers import (
 from haptisym.judge.bindings import Binding, Kind
 from haptisym.judge.crossings import Criterion
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.sets import Piece
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import values
@@ -48,7 +49,6 @@ from haptisym.model.scene import Knob
 from haptisym.programs.values import Array, Values
 from haptisym.verbs.require.classical import Line
 from haptisym.verbs.require.designmap import DesignMap, common
-from haptisym.verbs.require.feasible import Span
 from haptisym.verbs.require.required import Requirement
 
 _GRID, _VALUES = 600, 400
@@ -85,7 +85,7 @@ def requirement(found: Requirement) -> Chart:
     t = np.linspace(low, high, _VALUES + 1)[1:]
     curves = _worst(found, t)
     lines = [Curve(t, curves[x], *_look_of(x)[:2], label=x.words) for x in found.criteria if x in curves]
-    ends = [float(end.value) for end in found.ends if end.value is not None]
+    ends = [float(end.value) for end in found.ends]
     marks = Mark(ends, [1.0] * len(ends), label="ends, proven")
     threshold = [Limit(1, label="threshold", shared=True)] if lines else []
     lowest = [float(np.min(worst[np.isfinite(worst)], initial=np.inf)) for worst in curves.values()]
@@ -107,13 +107,10 @@ class _Unnumbered(Layer):
 def _set(found: Requirement, low: float, high: float) -> list[Layer]:
     """The values that are proven to do, and those that are undecided, in strips that are wide enough to be seen."""
     word = " and ".join(found.that)
-    spans = [_limits(span, low, high) for span in found.feasible]
+    spans = [_limits(piece, low, high) for piece in found.feasible]
     none = f"no value is {word if found.certified else f'proven {word}'}"
     made: list[Layer] = [Band(spans, label=word)] if spans else [Words(label=none)]
-    left = [
-        _visible(low if a is None else float(a), high if b is None else float(b), high - low)
-        for a, b in found.undecided
-    ]
+    left = [_visible(*_limits(piece, low, high), high - low) for piece in found.undecided]
     return [*made, *([Band(left, label="undecided", firm=True, look=UNDECIDED)] if left else [])]
 
 
@@ -131,19 +128,16 @@ def _window(found: Requirement) -> Pair:
     """The values drawn: the range, cut where it is unbounded to about the ends of the set and the scene's own value."""
     own = found.free.value
     known = [
-        *([] if own.free_symbols else [float(own)]), *(float(end.value) for end in found.ends if end.value is not None),
+        *([] if own.free_symbols else [float(own)]), *(float(end.value) for end in found.ends),
     ]  # fmt: skip
     low, high = found.domain.low, found.domain.high
     reach = 2 * max((abs(x) for x in known), default=0.0) or 1.0
     return (float(low) if low is not None else -reach), (float(high) if high is not None else reach)
 
 
-def _limits(span: Span, low: float, high: float) -> Pair:
+def _limits(piece: Piece, low: float, high: float) -> Pair:
     """The ends of an interval; where it has none, those that are given."""
-    return (
-        low if span.low.value is None else float(span.low.value),
-        high if span.high.value is None else float(span.high.value),
-    )
+    return (low if piece.low is None else float(piece.low), high if piece.high is None else float(piece.high))
 
 
 def _worst(found: Requirement, t: Array) -> dict[Criterion, Array]:
@@ -240,12 +234,7 @@ class _Plane:
         (a, b), (low, high) = self.asked
         x, y = list[float](), list[float]()
         for _, _, rows in self.sets():
-            ends = [
-                (at, float(e.value))
-                for at, r in rows
-                for e in r.ends
-                if e.value is not None and low < float(e.value) < high
-            ]
+            ends = [(at, float(e.value)) for at, r in rows for e in r.ends if low < float(e.value) < high]
             some = [(at, end) for at, r in rows for span in r.feasible for end in self.ends(span)]
             x += [at for at, _ in some]
             y += [end for _, end in (ends or some)]
@@ -259,7 +248,7 @@ class _Plane:
         one, other = (parameter(x, x.name, ends) for x, ends in zip(self.found.free, self.window, strict=True))
         return one, other
 
-    def ends(self, span: Span) -> Pair:
+    def ends(self, span: Piece) -> Pair:
         """From where to where an interval of a slice goes."""
         return _limits(span, *self.asked[1])
 
@@ -287,8 +276,8 @@ class _Plane:
         at = [x for x, _ in self.rows]
         middles = [at[0], *((a + b) / 2 for a, b in pairwise(at)), at[-1]] if at else []
         for (_, r), around in zip(self.rows, pairwise(middles), strict=True):
-            for start, end in r.undecided:
-                yield around, (low if start is None else float(start), high if end is None else float(end))
+            for piece in r.undecided:
+                yield around, _limits(piece, low, high)
 
     def unlike(self, rows: Rows, *, decided: bool = False) -> Iterator[Join]:
         """The intervals of neighbouring slices that have not as many; ``decided`` : only if nothing is open on either."""
@@ -312,7 +301,7 @@ def _are_alike(one: Requirement, other: Requirement) -> bool:
     return len(one.feasible) == len(other.feasible)
 
 
-def _neighbours(rows: Rows) -> Iterator[tuple[Pair, Span, Span]]:
+def _neighbours(rows: Rows) -> Iterator[tuple[Pair, Piece, Piece]]:
     """Between slices with as many intervals: where they are, and the intervals that belong together."""
     for (x, one), (y, other) in pairwise(rows):
         if _are_alike(one, other):
@@ -516,8 +505,8 @@ def _joins(plane: _Plane) -> Iterator[tuple[Join, Binding]]:
     """The lines that join the ends of neighbouring slices, and what limits along each; none along the ends of the range."""
     for at, left, right in _neighbours(plane.rows):
         pairs = zip(plane.ends(left), plane.ends(right), strict=True)
-        for pair, one, other in zip(pairs, (left.low, left.high), (right.low, right.high), strict=True):
-            if one.bindings and other.bindings:
+        for pair, one, other in zip(pairs, (left.first, left.last), (right.first, right.last), strict=True):
+            if one and other and one.bindings and other.bindings:
                 yield (at, pair), one.bindings[0]
 
 

@@ -185,8 +185,13 @@ class ValueSet(Shown):
         stretches = (low, inside, high) if len(points) == 2 else (low, high) if points else (inside,)
         return cls(points, stretches, domain)
 
-    def _line(self) -> str:
+    @property
+    def said(self) -> str:
+        """What holds, in a line: ``from 122.356 on``, ``0 to 3.5 or 7``; ``none``."""
         return " or ".join(map(spanned, self.feasible)) or "none"
+
+    def _line(self) -> str:
+        return self.said
 
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:
@@ -224,7 +229,7 @@ class ValueSet(Shown):
 
     @property
     def ends(self) -> tuple[Point, ...]:
-        """The points at which what holds ends and something binds, in order."""
+        """The points at which what holds ends as something binds, in order; not where the range itself ends."""
         listed = (end for piece in self.feasible for end in piece.ends)
         return tuple(x for x in listed if x.bindings)
 
@@ -497,12 +502,16 @@ class _Solving:
         for side in (0, 1, -1):
             verdicts: list[bool | None] = [] if not side else self._known_at(home)
             for i in self._on_side(home, side):
-                self.stretches[i] = self._of_stretch(i, open_)
-                verdicts.append(self.stretches[i].holds)
+                own = self.stretches[i] = self._of_stretch(i, open_)
+                verdicts.append(own.holds)
                 if self.near and _is_enough(verdicts):
                     break
             is_done = is_done and None not in verdicts
         return is_done
+
+    def _place_of(self, value: RealNumber) -> int:
+        """How many points lie below a value."""
+        return bisect_left(self.points, 0, key=lambda x: -ordered(x.value, value))
 
     def _known_at(self, i: int) -> list[bool | None]:
         stretch = self.stretches[i]
@@ -512,8 +521,7 @@ class _Solving:
         """The stretch in which the question's own value lies, or which ends there; the first one where it has none."""
         if self.own is None:
             return next(i for i, x in enumerate(self.stretches) if x is not None)
-        values = [x.value for x in self.points]
-        i = bisect_left(values, 0, key=lambda x: -ordered(x, self.own))
+        i = self._place_of(self.own)
         if self.stretches[i] is not None:
             return i
         return i + 1 if i + 1 < len(self.stretches) else i - 1
@@ -589,12 +597,11 @@ class _Solving:
     def settle_points(self, *, ask: bool = False) -> None:
         """Tell the verdict of points, as far as that needs no more than their neighbours; or by asking it."""
         for i, point in enumerate(self.points):
-            if point.holds is None and (ask or point.value not in self._ends_of_domain):
+            if point.holds is None:
                 self.points[i] = self._settled(i, ask=ask)
-
-    @cached_property
-    def _ends_of_domain(self) -> tuple[RealNumber | None, ...]:
-        return self.domain.ends
+            around = self.stretches[i : i + 2]
+            if None in around and Stretch(holds=True) in around:  # it is the range that ends there
+                self.points[i] = replace(self.points[i], bindings=())
 
     def _settled(self, i: int, *, ask: bool) -> Point:
         """A point with its verdict: its own where it is rational, else as its neighbours and the question tell."""
@@ -622,7 +629,7 @@ class _Solving:
             number = ExactNumber(value)
             if not isinstance(value, Rational) or not self.domain.holds(number):
                 continue
-            i = bisect_left(self.points, 0, key=lambda x: -ordered(x.value, number))
+            i = self._place_of(number)
             is_point = i < len(self.points) and not ordered(self.points[i].value, number)
             stretch = self.stretches[i]
             if not is_point and stretch is not None and stretch.holds is None:

@@ -14,12 +14,12 @@ from haptisym.judge.bindings import IN_HANDS, STABLE, Binding, Kind
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, Way, in_unit
+from haptisym.kernel.sets import Piece, Point
 from haptisym.model.jnd import Part
 from haptisym.model.scene import THRESHOLD, Knob, clocks
 from haptisym.model.valueranges import searched
 from haptisym.pages import words as w
 from haptisym.verbs.require.designmap import DesignMap
-from haptisym.verbs.require.feasible import End, Span
 from haptisym.verbs.require.nearest import Nearest
 from haptisym.verbs.require.required import Requirement, is_quick, require
 from haptisym.writing import document as doc
@@ -67,7 +67,7 @@ def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
     if r.feasible:
         known = "" if r.certified else "at least ", "for ", sets(r)
     yield what[0].upper() + what[1:], (known, now)
-    limits = list(dict.fromkeys(x for end in r.ends if end.value for x in _bindings(end, r)))
+    limits = list(dict.fromkeys(x for end in r.ends for x in _bindings(end, r)))
     if limits and not _rows(r):
         yield "Limited by", listed(limits)
     yield "Range searched", _range(r)
@@ -80,7 +80,7 @@ def _range(r: Requirement) -> Phrase:
     return zero, w.bare(w.value_of(r.free, low, Way.NEAREST)), " to ", w.value_of(r.free, high, Way.NEAREST)
 
 
-def _bindings(end: End, r: Requirement) -> Iterator[Phrase]:
+def _bindings(end: Point, r: Requirement) -> Iterator[Phrase]:
     for b in end.bindings:
         yield _part(b), ", " if b.kind is Kind.AXIS else " at ", _where(b, r)
 
@@ -90,28 +90,28 @@ def sets(r: Requirement) -> Phrase:
     return values_of(r.feasible, r.free)
 
 
-def values_of(feasible: Iterable[Span], free: Knob) -> Phrase:
+def values_of(feasible: Iterable[Piece], free: Knob) -> Phrase:
     """The same of some intervals of values of a parameter."""
     return listed((_span(x, free) for x in feasible), "or") or "no value"
 
 
-def _span(x: Span, free: Knob) -> Phrase:
+def _span(x: Piece, free: Knob) -> Phrase:
     name = named(free.symbol.name)
-    low, high = x.low.value, x.high.value
+    low, high = x.low, x.high
     if low is None and high is None:
         return "every value of ", name
-    if low is not None and low is high:
+    if x.is_single:
         return name, " = ", w.value_of(free, low, Way.NEAREST), " alone"
     least = None if low is None else w.value_of(free, low, Way.UP)
     most = None if high is None else w.value_of(free, high, Way.DOWN)
     if least is not None and most is None:
-        return name, " ≥ " if x.low.closed else " > ", least
-    left = () if least is None else (w.bare(least), _below(x.low))
-    return left, name, _below(x.high), most or ""
+        return name, " ≥ " if x.closed[0] else " > ", least
+    left = () if least is None else (w.bare(least), _below(x.closed[0]))
+    return left, name, _below(x.closed[1]), most or ""
 
 
-def _below(end: End) -> str:
-    return " ≤ " if end.closed else " < "
+def _below(is_closed: bool) -> str:  # noqa: FBT001 - what it says is its name
+    return " ≤ " if is_closed else " < "
 
 
 def _nearest(r: Requirement) -> Iterator[Block]:
@@ -137,7 +137,7 @@ def _near(r: Requirement) -> Nearest | None:
 
 def _rows(r: Requirement) -> list[tuple[Phrase, ...]]:
     """What limits at each end, where that is more than the answer has room for."""
-    ends = ((x.value, b) for x in r.ends for b in x.bindings if x.value)
+    ends = ((x.value, b) for x in r.ends for b in x.bindings)
     rows = dict.fromkeys((w.value_of(r.free, x, Way.NEAREST), _part(b), _where(b, r)) for x, b in ends)
     return [*rows] if len(rows) > _MOST_LIMITS else []
 
@@ -183,8 +183,8 @@ def _formulas(r: Requirement) -> Iterator[Block]:
 
 def _is_all(r: Requirement) -> bool:
     """Whether all that was asked about is undecided."""
-    [(low, high), *others] = r.undecided
-    ends = [None if x is None else float(x) for x in (low, high, r.domain.low, r.domain.high)]
+    [whole, *others] = r.undecided
+    ends = [None if x is None else float(x) for x in (whole.low, whole.high, *r.domain.ends)]
     return not others and ends[:2] == ends[2:]
 
 
@@ -193,14 +193,14 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
     if r.undecided:
         first, last = searched(r.free, r.domain)
         where = listed(
-            (w.bare(_limit(r, a, first, Way.DOWN)), " to ", _limit(r, b, last, Way.UP)) for a, b in r.undecided
+            (w.bare(_limit(r, x.low, first, Way.DOWN)), " to ", _limit(r, x.high, last, Way.UP)) for x in r.undecided
         )
         why = f"; stopped after {r.limit:g} s" if r.limit is not None else ""
         yield w.undecided((named(r.free.symbol.name), " from ", where, why, f": {r.reason}" if r.reason else ""))
         if not _is_all(r):
             yield "Proven: all other values in the range."
         return
-    exact = any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high))
+    exact = any(isinstance(end.value, Sliver) for piece in r.feasible for end in piece.ends)
     bounds = "; each end lies within the enclosure in --json" if exact else ""
     if r.feasible:
         yield w.proof(r.scene, (what, " for every value in this set and for no other in the range", bounds))

@@ -261,7 +261,7 @@ class Points:
             asked = require(scene, free.path, (ends[0], ends[1]), that=self.keep, limit=None)
             if asked.undecided:
                 return None
-            if len(asked.feasible) != 1 or any(x.bindings for x in (asked.feasible[0].low, asked.feasible[0].high)):
+            if len(asked.feasible) != 1 or asked.ends:
                 return False
         return True
 

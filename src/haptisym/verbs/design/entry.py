@@ -262,7 +262,7 @@ class Question:
 
         (low, high), [free] = self.ranges[0], self.free
         found = require(self.scenes[0], free.path, (low, high), that=asked, limit=_MOST_HELD)
-        spans = [*((x.low.value, x.high.value) for x in found.feasible), *found.undecided]
+        spans = [(x.low, x.high) for x in (*found.feasible, *found.undecided)]
 
         def share(x: RealNumber | None, end: int, none: float) -> float:
             return none if x is None else float((Rational(x.enclosure(20)[end]) - low) / (high - low))

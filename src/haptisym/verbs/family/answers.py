@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
 from haptisym.kernel.objects import counted, titled
+from haptisym.kernel.sets import ValueSet, combined
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import SceneFamily, as_family
 
@@ -52,22 +53,18 @@ class FamilyAnswers(Answer):
         return all(x.settled for x in self.answers.values())
 
     @cached_property
-    def common(self) -> Any:
-        """The values that do for all environments, as ``feasible`` and ``undecided`` of a ``Requirement``; or None."""
+    def common(self) -> ValueSet | None:
+        """The values that do for all environments; None where the answers are no such sets."""
         found = list(self.answers.values())
         domains: set[Any] = {getattr(x, "domain", None) for x in found}
-        if len(domains) > 1 or None in domains or not all(hasattr(x, "feasible") for x in found):
+        if len(domains) > 1 or None in domains or not all(hasattr(x, "values") for x in found):
             return None  # no sets of values, or of different ranges: a parameter of the environments themselves
-        from haptisym.verbs.require.feasible import Solved, together
-
-        return together(domains.pop(), [Solved(x.feasible, x.undecided, x.reason) for x in found])
+        return combined([x.values for x in found])
 
     @property
     def binding(self) -> tuple[tuple[float, str, str], ...]:
         """At each end of the common values, SI, the environments that bind there, each with its criterion."""
-        ends = (
-            {end.value for x in self.common.feasible for end in (x.low, x.high) if end.bindings} if self.common else ()
-        )
+        ends = [end.value for end in self.common.ends] if self.common else []
         found = {
             (float(value), name, b.criterion.name)
             for value in ends
@@ -90,10 +87,11 @@ class FamilyAnswers(Answer):
         def pair(low: Any, high: Any) -> list[float | None]:
             return [None if x is None else float(x) for x in (low, high)]
 
+        assert self.common is not None
         return {
-            "feasible": [pair(x.low.value, x.high.value) for x in self.common.feasible],
+            "feasible": [pair(x.low, x.high) for x in self.common.feasible],
             "binding": [{"at": at, "environment": name, "criterion": x} for at, name, x in self.binding],
-            "undecided": [pair(*x) for x in self.common.undecided],
+            "undecided": [pair(x.low, x.high) for x in self.common.undecided],
         }
 
 
@@ -107,7 +105,7 @@ def answer_each(family: SceneFamily | Scene | str | Path, question: Callable[[Sc
     >>> from haptisym import load_scenes, require
     >>> family = load_scenes("fu2019", ["fu2019", "helicopter-cyclic"])
     >>> found = answer_each(family, lambda scene: require(scene, "omega_n"))
-    >>> [round(at, 6) for at, *_ in found.binding] == [round(float(found.common.feasible[0].low.value), 6)]
+    >>> [round(at, 6) for at, *_ in found.binding] == [round(float(found.common.feasible[0].low), 6)]
     True
     """
     family = as_family(family)

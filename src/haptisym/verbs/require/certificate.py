@@ -21,10 +21,10 @@ from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.sets import Point
 from haptisym.model.scene import Scene
 from haptisym.verbs.evaluate.certificate import TOO_LONG, afford, document, name_in_file, shown
 from haptisym.verbs.evaluate.products import Linked, products, rectangular
-from haptisym.verbs.require.feasible import End
 from haptisym.verbs.require.freeparameter import conditions
 from haptisym.verbs.require.required import Requirement
 from haptisym_check.requirement import Slices, cost
@@ -192,7 +192,7 @@ def _afford(slabs: Sequence[dict[str, Any]], linked: Linked) -> None:
 
 
 def _binds(
-    ends: Mapping[Any, End], values: Sequence[tuple[Value, Value, bool]], slabs: Sequence[Sequence[Any]]
+    ends: Mapping[Any, Point], values: Sequence[tuple[Value, Value, bool]], slabs: Sequence[Sequence[Any]]
 ) -> list[str]:
     """The part that binds at each end; of several the one that exceeds in the slab beside it."""
     beside = (
@@ -267,29 +267,30 @@ def _starts(found: Requirement) -> list[Fraction]:
     return sorted({min(max(x, low), high) for x in places})
 
 
-def _values(found: Requirement, bounds: Callable[[End], Bounds | None]) -> list[tuple[Value, Value, bool]]:
+def _values(found: Requirement, bounds: Callable[[Point | None], Bounds | None]) -> list[tuple[Value, Value, bool]]:
     """Intervals of values, ascending, each with whether it is feasible."""
-    first, last = (None if x is None else _bounds(ExactNumber(x)) for x in (found.domain.low, found.domain.high))
-    here, rows = None if first is None else first[1], list[tuple[Value, Value, bool]]()
-    for span in found.feasible:
-        low, high = bounds(span.low), bounds(span.high)
+    low_end, high_end = (None if x is None else _bounds(x) for x in found.domain.ends)
+    here, rows = None if low_end is None else low_end[1], list[tuple[Value, Value, bool]]()
+    for piece in found.feasible:
+        low, high = bounds(piece.first), bounds(piece.last)
         if low and high and low[1] >= high[0]:
             raise SceneError("a certificate of a requirement has no room for a single value")
-        if span.low.bindings and low is not None:
+        if piece.first and piece.first.bindings and low is not None:
             rows.append((here, low[0], False))
         rows.append((None if low is None else low[1], None if high is None else high[0], True))
         here = None if high is None else high[1]
-    if not found.feasible or found.feasible[-1].high.bindings:
-        rows.append((here, None if last is None else last[0], False))
+    last = found.feasible[-1].last if found.feasible else None
+    if not found.feasible or (last and last.bindings):
+        rows.append((here, None if high_end is None else high_end[0], False))
     rows = [x for x in rows if x[0] is None or x[1] is None or x[0] < x[1]]
     if not ascending(rows):
         raise SceneError("a certificate of a requirement needs ends that are separated")
     return rows
 
 
-def _end(x: End, *, digits: int, apart: bool) -> Bounds | None:
+def _end(x: Point | None, *, digits: int, apart: bool) -> Bounds | None:
     """Bounds of an end; ``apart`` : where something binds it is neither of them, as no bounds of sines show that zero."""
-    if x.value is None:
+    if x is None:
         return None
     low, high = _bounds(x.value, digits)
     beside = (abs(low) or 1) / Fraction(10) ** digits if apart and low == high and x.bindings else Fraction(0)

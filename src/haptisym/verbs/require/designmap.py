@@ -32,6 +32,7 @@ from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.sets import combined
 from haptisym.kernel.where import Array, search
 from haptisym.model.catalogue import Hand
 from haptisym.model.jnd import Part
@@ -40,7 +41,6 @@ from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.model.valueranges import domain
 from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder
-from haptisym.verbs.require.feasible import End, Solved, together
 from haptisym.verbs.require.freeparameter import asked_of, conditions, edge_polynomial, pieces, touch_polynomial
 from haptisym.verbs.require.hands import with_hands
 from haptisym.verbs.require.required import SUITS_ALL, TRANSPARENT, Requirement, further, require, wishes
@@ -65,12 +65,10 @@ class Slice:
         one = apart[0]
         if len(apart) == 1:
             return cls(at, one, (), tuple(contours))
-        both = together(one.domain, [Solved(x.feasible, x.undecided, x.reason) for x in apart])
+        both = combined([x.values for x in apart])
         names = tuple(name for x in apart for name in x.that)
         criteria = tuple(y for x in apart for y in x.criteria)
-        found = replace(
-            one, feasible=both.feasible, undecided=both.undecided, reason=both.reason, criteria=criteria, that=names
-        )
+        found = replace(one, values=both, criteria=criteria, that=names)
         return cls(at, found, tuple(apart), tuple(contours))
 
     @property
@@ -98,10 +96,11 @@ class _End:
 
 
 def _ends(r: Requirement) -> Iterator[_End]:
-    for span in r.feasible:
-        for end in (span.low, span.high):
-            assert end.value is not None  # a map has a range
-            yield _End(float(end.value), frozenset((b.criterion.name, b.kind) for b in end.bindings))
+    for piece in r.feasible:
+        for end in (piece.first, piece.last):
+            assert end is not None  # a map has a range
+            binds = frozenset((b.criterion.name, b.kind) for b in end.bindings)
+            yield _End(float(end.value), binds)
 
 
 @dataclass(frozen=True)
@@ -434,17 +433,13 @@ def _within(cells: Array, a: float, b: float) -> tuple[Array, Array]:
 
 def _ends_in_proven(one: Requirement, other: Requirement, name: str) -> Array:
     """One end of each interval on both slices, (intervals, 2)."""
-    return np.array([[_place(getattr(x, name)) for x in own.feasible] for own in (one, other)]).reshape(2, -1).T
+    rows = [[float(getattr(x, name)) for x in own.feasible] for own in (one, other)]
+    return np.array(rows).reshape(2, -1).T
 
 
 def _unbounded(ends: Array, edge: float, beyond: float) -> Array:
     """The same, infinite where it is the end of the range on both slices."""
     return np.where((np.abs(ends - edge) <= _SAME * abs(edge)).all(-1, keepdims=True), beyond, ends)
-
-
-def _place(end: End) -> float:
-    assert end.value is not None  # a map has a range
-    return float(end.value)
 
 
 _RANGES = "give one for each of the two, as [(60, 200), (0.1, 1)]"
@@ -668,10 +663,11 @@ class DesignMap(Answer):
             return None
         i = self.that.index(STABLE)
         held = [(x, (x.apart or (x.requirement,))[i]) for x in self.slices]
-        tops = [(x, r.feasible[-1].high) for x, r in held if r.feasible]
-        if any(r.undecided for _, r in held) or not all(end.bindings for _, end in tops):
+        tops = [(x, r.feasible[-1].last) for x, r in held if r.feasible]
+        if any(r.undecided for _, r in held) or not all(end and end.bindings for _, end in tops):
             return None
-        return max(((x, end.value) for x, end in tops if end.value), key=lambda row: float(row[1]), default=None)
+        found = ((x, end.value) for x, end in tops if end)
+        return max(found, key=lambda row: float(row[1]), default=None)
 
     @property
     def _varied(self) -> tuple[list[str], list[str]]:
@@ -759,7 +755,7 @@ def design_map(
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = design_map(load_scene("fu2019"), ["zeta", "omega_n"], [("0.4", "0.6"), (50, 500)], slices=3)
-    >>> [x.requirement.feasible[0].low.value.digits(6) for x in found.slices]
+    >>> [x.requirement.feasible[0].low.digits(6) for x in found.slices]
     ['103.831', '122.356', '141.462']
     """
     plan = Plan(slices, None if uniform else WITHIN if within is None else share_of(within))

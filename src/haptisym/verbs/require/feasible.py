@@ -7,7 +7,7 @@ are not known, values are undecided, with a reason. What several sets have in co
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby, pairwise
 from typing import TYPE_CHECKING
@@ -20,7 +20,7 @@ from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
 from haptisym.kernel.roots import ascending, is_told, ordered
-from haptisym.kernel.sets import Domain
+from haptisym.kernel.sets import Domain, Point, Stretch, ValueSet
 
 if TYPE_CHECKING:  # only what is asked of a hand has gaps
     from haptisym.verbs.stability.loops import Gap
@@ -309,3 +309,52 @@ def _answer(x: Solved, value: RealNumber) -> bool | None:
         if (start is None or ordered(start, value) >= 0) and (end is None or ordered(value, end) >= 0):
             return None
     return False
+
+
+def as_set(found: Solved, asked: Domain) -> ValueSet:
+    """The same as a set of values."""
+    if isinstance(found, ValueSet):
+        return found
+    ends = [Point(y.value, None, y.bindings) for x in found.feasible for y in (x.low, x.high) if y.value is not None]
+    open_ = [Point(y) for x in found.undecided for y in x if y is not None]
+    edges = [Point(x) for x in asked.ends if x is not None]
+    places = list[Point]()
+    for x in ascending([*ends, *open_, *edges], lambda x: x.value):
+        if places and not ordered(places[-1].value, x.value):
+            if x.bindings and not places[-1].bindings:
+                places[-1] = x
+        else:
+            places.append(x)
+    points = tuple(
+        Point(x.value, asked.holds(x.value) and _answer(found, x.value), x.bindings, found.reason) for x in places
+    )
+    low, high = asked.ends
+    edges_ = [None, *[x.value for x in places], None]
+    cells = list[Stretch | None]()
+    for a, b in pairwise(edges_):
+        if (a is None and low is not None) or (b is None and high is not None):
+            cells.append(None)
+        else:
+            holds = _answer(found, ExactNumber(rational_between(a, b)))
+            cells.append(Stretch(holds, found.reason if holds is None else ""))
+    return ValueSet(points, tuple(cells), asked)
+
+
+def without(spans: Sequence[Span], gone: Sequence[RealNumber]) -> tuple[Span, ...]:
+    """Intervals of values without some."""
+    found = tuple(spans)
+    for x in gone:
+        found = tuple(y for span in found for y in _cut(span, x))
+    return found
+
+
+def _cut(span: Span, x: RealNumber) -> Iterator[Span]:
+    low, high = span.low, span.high
+    after = 1 if low.value is None else ordered(low.value, x)
+    before = 1 if high.value is None else ordered(x, high.value)
+    if after > 0 and before > 0:
+        yield from (Span(low, End(x)), Span(End(x), high))
+    elif after < 0 or before < 0:
+        yield span
+    elif after or before:  # x is one of two ends
+        yield Span(replace(low, closed=low.closed and after > 0), replace(high, closed=high.closed and before > 0))

@@ -29,13 +29,12 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.factors import PolynomialFactor
 from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega
-from haptisym.kernel.roots import Lattice, ordered, sign_of_number
+from haptisym.kernel.roots import Lattice, sign_of_number
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import values
 from haptisym.model.scene import THRESHOLD, Knob, Scene
-from haptisym.verbs.require.feasible import End, Span
 
 
 def asked_of(scene: Scene, free: Sequence[Knob], part: Part | None, *, any_environment: bool) -> tuple[Criterion, ...]:
@@ -384,26 +383,6 @@ def allowed(scene: Scene, free: Knob, value: Expr, *, in_air: bool = False) -> b
     except SceneError:
         return False
     return True
-
-
-def without(spans: Sequence[Span], gone: Sequence[RealNumber]) -> tuple[Span, ...]:
-    """Intervals of values without some."""
-    found = tuple(spans)
-    for x in gone:
-        found = tuple(y for span in found for y in _cut(span, x))
-    return found
-
-
-def _cut(span: Span, x: RealNumber) -> Iterator[Span]:
-    low, high = span.low, span.high
-    after = 1 if low.value is None else ordered(low.value, x)
-    before = 1 if high.value is None else ordered(x, high.value)
-    if after > 0 and before > 0:
-        yield from (Span(low, End(x)), Span(End(x), high))
-    elif after < 0 or before < 0:
-        yield span
-    elif after or before:  # x is one of two ends
-        yield Span(replace(low, closed=low.closed and after > 0), replace(high, closed=high.closed and before > 0))
 
 
 def _vanishing(chain: Chain, ring: Ring) -> Iterator[Polynomial]:

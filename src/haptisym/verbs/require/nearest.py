@@ -30,6 +30,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import values
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.values import Array, Compiled
+from haptisym.verbs.require.feasible import as_set
 from haptisym.verbs.require.freeparameter import allowed
 from haptisym.verbs.require.solving import solve
 
@@ -189,10 +190,10 @@ def _bounded(r: Question, best: Nearest) -> float | Expr | None:
         if not 1 < float(times) < best.times:
             return 1.0
         larger = [replace(x, threshold=(x.threshold * times).expand()) for x in r.criteria]
-        found = solve(r.scene, r.free, r.domain, larger)
+        found = as_set(solve(r.scene, r.free, r.domain, larger), r.domain)
         if found.feasible:
-            low, high = found.feasible[0].low.value, found.feasible[0].high.value
-            return None if low is high and low is not None else rational_between(low, high)
+            first = found.feasible[0]
+            return None if first.is_single else rational_between(first.low, first.high)
         if not found.undecided:
             return float(times) * (1 - 1e-15)
     return None

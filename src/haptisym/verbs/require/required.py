@@ -27,7 +27,7 @@ from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, Sliver, whole
 from haptisym.kernel.rings import Polynomial, c, monomials, omega
-from haptisym.kernel.sets import Domain
+from haptisym.kernel.sets import STOPPED, Domain, Piece, Point, ValueSet, combined
 from haptisym.kernel.solutions import Solution
 from haptisym.kernel.solutions import solve as formulas_of
 from haptisym.model.catalogue import Hand
@@ -37,7 +37,7 @@ from haptisym.model.quantities import Number
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.model.valueranges import domain, searched
-from haptisym.verbs.require.feasible import End, Solved, Span, all_open, bound_ends, spanned, together, within
+from haptisym.verbs.require.feasible import as_set
 from haptisym.verbs.require.freeparameter import asked_of
 from haptisym.verbs.require.solving import solve
 
@@ -138,26 +138,28 @@ def further(scene: Scene, wanted: Sequence[str]) -> tuple[Criterion, ...]:
     return (*held, EVERY_PASSIVE_HAND) if SUITS_ALL in wanted else held
 
 
-def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> Solved:
+def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> ValueSet:
     """All values with which every criterion is kept."""
-    found, judged = list[Solved](), [x for x in criteria if x.name not in (*IN_HANDS, SUITS_ALL)]
+    found = list[ValueSet]()
+    judged = [x for x in criteria if x.name not in (*IN_HANDS, SUITS_ALL)]
     if judged:
-        found.append(solve(scene, free, asked, judged))
+        found.append(_or_open(lambda: as_set(solve(scene, free, asked, judged), asked), asked))
     if len(judged) < len(criteria):
         from haptisym.verbs.require.hands import of_hands  # which much else is loaded for
 
         found += [_or_open(x, asked) for x in of_hands(scene, free, asked, criteria)]
-    return within(together(asked, found), searched(free, asked), asked)
+    low, high = searched(free, asked)
+    return replace(combined(found), searched=replace(asked, low=low, high=high))
 
 
-def _or_open(solved: Callable[[], Solved], asked: Domain) -> Solved:
+def _or_open(solved: Callable[[], ValueSet], asked: Domain) -> ValueSet:
     """The values; all of them undecided where that is not known, or the time does not last."""
     try:
         return solved()
     except LimitError:
-        return all_open(asked)
+        return ValueSet.all_of(asked, holds=None, reason=STOPPED)
     except UndecidedError as error:
-        return all_open(asked, str(error))
+        return ValueSet.all_of(asked, holds=None, reason=str(error))
 
 
 _NAMES = {Kind.EDGE: Symbol("omega_max", positive=True), Kind.START: Symbol("omega_min", positive=True)}
@@ -174,9 +176,9 @@ class Requirement(Answer):
 
     ``free`` : the parameter, its path, unit and the value that the scene gives. ``domain`` : the values that were asked about,
     SI.
-    ``feasible`` : intervals of values, SI, in order; () means proven that there are none. Each end has the condition that limits
-    there, at which frequency, and whether the end is among the values.
-    ``undecided`` : intervals of which nothing is proven, SI, None for an end without bound; ``reason`` : why.
+    ``values`` : all that were searched, SI, as a ``ValueSet``: its pieces hold, fail or are undecided, with a reason.
+    ``feasible`` : the pieces that hold, in order; () means proven that there are none. The points at their ends have the
+    condition that limits there, and at which frequency. ``undecided`` : the pieces of which nothing is proven.
     ``criteria`` : what is to hold; ``that`` : the words it was asked with. ``limit`` : seconds of a limit that cut the work
     short, None if none did.
 
@@ -184,7 +186,7 @@ class Requirement(Answer):
 
     >>> import haptisym as hs
     >>> found = hs.require("fu2019", "omega_n")
-    >>> [(float(x.low.value), x.low.closed) for x in found.feasible], found.undecided
+    >>> [(float(x.low), x.closed[0]) for x in found.feasible], found.undecided
     ([(122.35581477043092, True)], ())
     """
 
@@ -196,20 +198,31 @@ class Requirement(Answer):
     scene: Scene
     free: Knob
     domain: Domain
-    feasible: tuple[Span, ...]
-    undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()
+    values: ValueSet
     criteria: tuple[Criterion, ...] = ()
     digits: int = 15
     limit: float | None = None
     that: tuple[str, ...] = ("transparent",)
     """What was asked, as ``require`` takes it."""
-    reason: str = ""
-    """Why something is undecided, where it is not for lack of time."""
 
     def _line(self) -> str:
-        spans = " or ".join(map(spanned, self.feasible)) or "none"
         unit = f" ({self.free.unit})" if self.free.unit not in ("", "1") else ""
-        return f"{titled(self.scene.title)}: {self.free.path}{unit}: {spans}"
+        return f"{titled(self.scene.title)}: {self.free.path}{unit}: {self.values.said}"
+
+    @property
+    def feasible(self) -> tuple[Piece, ...]:
+        """The values that will do."""
+        return self.values.feasible
+
+    @property
+    def undecided(self) -> tuple[Piece, ...]:
+        """The values of which nothing is proven."""
+        return self.values.undecided
+
+    @property
+    def reason(self) -> str:
+        """Why something is undecided, where it is not for lack of time."""
+        return self.values.reason
 
     @property
     def certified(self) -> bool:
@@ -217,9 +230,9 @@ class Requirement(Answer):
         return not self.undecided
 
     @property
-    def ends(self) -> tuple[End, ...]:
+    def ends(self) -> tuple[Point, ...]:
         """The ends at which a condition binds, in order."""
-        return bound_ends(self.feasible)
+        return self.values.ends
 
     @cached_property
     def nearest(self) -> Nearest | None:
@@ -244,13 +257,11 @@ class Requirement(Answer):
 
     def _only(self, criteria: tuple[Criterion, ...]) -> Requirement:
         found = solve_all(self.scene, self.free, self.domain, criteria)
-        return replace(
-            self, feasible=found.feasible, undecided=found.undecided, criteria=criteria, that=(), reason=found.reason
-        )
+        return replace(self, values=found, criteria=criteria, that=())
 
-    def form(self, end: End) -> Expr | None:
+    def form(self, end: Point) -> Expr | None:
         """The value at an end as a formula in the scene's symbols, ``c`` and ``omega_max``; None where none is readable."""
-        if end.value is None or isinstance(end.value, Sliver) or float(end.value) <= 0:
+        if isinstance(end.value, Sliver) or float(end.value) <= 0:
             return None
         for binding in end.bindings:
             place = _NAMES.get(binding.kind)
@@ -300,7 +311,7 @@ class Requirement(Answer):
             "condition": [x.name for x in self.criteria],
             "criteria": list(self.that),
             "feasible": rows["feasible"],
-            "ends": [[self._end(x.low), self._end(x.high)] for x in self.feasible],
+            "ends": [[self._end(x, 0), self._end(x, 1)] for x in self.feasible],
             "binding": rows["binding"],
             "closed_form": self.closed_form,
             "undecided": rows["undecided"],
@@ -321,11 +332,11 @@ class Requirement(Answer):
         return {
             "feasible": self.spans(),
             "binding": [
-                {"at": _float(end), **_binding(b), "closed_form": None if forms[end] is None else str(forms[end])}
+                {"at": float(end.value), **_binding(b), "closed_form": None if forms[end] is None else str(forms[end])}
                 for end in self.ends
                 for b in end.bindings
             ],
-            "undecided": [[None if x is None else float(x) for x in pair] for pair in self.undecided],
+            "undecided": [[_float(x.low), _float(x.high)] for x in self.undecided],
             "certified": self.certified,
             **self._why,
         }
@@ -342,23 +353,24 @@ class Requirement(Answer):
             return None
         return " or ".join(x for x in (self._inequality(span, forms) for span in self.feasible) if x)
 
-    def _inequality(self, span: Span, forms: dict[End, Expr | None]) -> str:
+    def _inequality(self, piece: Piece, forms: dict[Point, Expr | None]) -> str:
         name = self.free.symbol.name
-        if span.low == span.high and span.low in forms:
-            return f"{name} = {forms[span.low]}"
-        low = [f"{name} >= {forms[span.low]}"] if span.low in forms else []
-        high = [f"{name} <= {forms[span.high]}"] if span.high in forms else []
+        if piece.is_single and piece.first in forms:
+            return f"{name} = {forms[piece.first]}"
+        low = [f"{name} >= {forms[piece.first]}"] if piece.first in forms else []
+        high = [f"{name} <= {forms[piece.last]}"] if piece.last in forms else []
         return " and ".join(low + high)
 
-    def _end(self, end: End) -> dict[str, Any] | None:
-        if end.value is None:
+    def _end(self, piece: Piece, side: int) -> dict[str, Any] | None:
+        value = (piece.low, piece.high)[side]
+        if value is None:
             return None
-        enclosure = list(end.value.enclosure(self.digits))
-        return {"digits": end.value.digits(self.digits), "enclosure": enclosure, "closed": end.closed}
+        enclosure = list(value.enclosure(self.digits))
+        return {"digits": value.digits(self.digits), "enclosure": enclosure, "closed": piece.closed[side]}
 
 
-def _float(end: End) -> float | None:
-    return None if end.value is None else float(end.value)
+def _float(x: RealNumber | None) -> float | None:
+    return None if x is None else float(x)
 
 
 def _binding(b: Binding) -> dict[str, Any]:
@@ -405,7 +417,7 @@ def require(
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = require(load_scene("fu2019"), "effects.filter.omega_n")
-    >>> [(x.low.value.digits(12), x.high.value) for x in found.feasible]
+    >>> [(x.low.digits(12), x.high) for x in found.feasible]
     [('122.355814770', None)]
     """
     scene = as_scene(scene)
@@ -422,9 +434,7 @@ def require(
     with limited(limit, told) as budget:
         found = solve_all(scene, free, asked, criteria)
     cut = budget.seconds if budget.reached else None
-    return Requirement(
-        scene, free, asked, found.feasible, found.undecided, criteria, digits, cut, tuple(wanted), found.reason
-    )
+    return Requirement(scene, free, asked, found, criteria, digits, cut, tuple(wanted))
 
 
 def is_quick(scene: Scene) -> bool:

@@ -63,7 +63,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.valueranges import searched
-from haptisym.verbs.require.feasible import End, Solved, Span, runs, together
+from haptisym.verbs.require.feasible import End, Solved, Span, runs, together, without
 from haptisym.verbs.require.freeparameter import (
     Conditions,
     allowed,
@@ -74,7 +74,6 @@ from haptisym.verbs.require.freeparameter import (
     pieces,
     real_roots,
     substituted,
-    without,
 )
 from haptisym.verbs.require.limitingpoints import (
     CellVerdict,
