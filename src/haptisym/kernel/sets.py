@@ -288,12 +288,13 @@ class ValueSet(Shown):
 
 
 def _append(pieces: list[Piece], piece: Piece) -> None:
-    """Put a piece to those before it; as one with the last of them if that has the same verdict for the same reason."""
+    """Put a piece to those before it; as one with the last of them if that has the same verdict."""
     last = pieces[-1] if pieces else None
-    if last is None or (last.verdict, last.reason) != (piece.verdict, piece.reason):
+    if last is None or last.verdict is not piece.verdict:
         pieces.append(piece)
-    else:
-        pieces[-1] = replace(last, last=piece.last, closed=(last.closed[0], piece.closed[1]))
+        return
+    reasons = dict.fromkeys(x for x in (*last.reason.split("; "), piece.reason) if x)
+    pieces[-1] = replace(last, last=piece.last, closed=(last.closed[0], piece.closed[1]), reason="; ".join(reasons))
 
 
 Rule = Callable[[Sequence[bool | None]], bool | None]
@@ -609,7 +610,7 @@ class _Solving:
         if not self.domain.holds(point.value):
             return replace(point, holds=False)
         if isinstance(point.value, ExactNumber) and isinstance(point.value.value, Rational):
-            if not ask:
+            if not ask and point.value.value not in self.asked:
                 return replace(point, reason=STOPPED)
             found = self._ask(point.value.value)
             return replace(point, holds=found.holds, reason=found.reason)
