@@ -225,7 +225,7 @@ class ValueSet(Shown):
     @property
     def reason(self) -> str:
         """Why something is undecided, each reason once."""
-        return "; ".join(dict.fromkeys(x.reason for x in self.undecided if x.reason))
+        return _joined(*(x.reason for x in self.undecided))
 
     @property
     def ends(self) -> tuple[Point, ...]:
@@ -293,8 +293,15 @@ def _append(pieces: list[Piece], piece: Piece) -> None:
     if last is None or last.verdict is not piece.verdict:
         pieces.append(piece)
         return
-    reasons = dict.fromkeys(x for x in (*last.reason.split("; "), piece.reason) if x)
-    pieces[-1] = replace(last, last=piece.last, closed=(last.closed[0], piece.closed[1]), reason="; ".join(reasons))
+    reason = _joined(last.reason, piece.reason)
+    closed = last.closed[0], piece.closed[1]
+    pieces[-1] = replace(last, last=piece.last, closed=closed, reason=reason)
+
+
+def _joined(*reasons: str) -> str:
+    """Each reason once."""
+    every = (x for reason in reasons for x in reason.split("; "))
+    return "; ".join(dict.fromkeys(x for x in every if x))
 
 
 Rule = Callable[[Sequence[bool | None]], bool | None]
@@ -344,7 +351,7 @@ def _here(sets: Sequence[ValueSet], rule: Rule, value: RealNumber) -> Point:
 
 
 def _reasons(found: Iterable[Point | Stretch]) -> str:
-    return "; ".join(dict.fromkeys(x.reason for x in found if x.holds is None and x.reason))
+    return _joined(*(x.reason for x in found if x.holds is None))
 
 
 @dataclass(frozen=True)
@@ -569,12 +576,21 @@ class _Solving:
                     self._splice(i, cells)
 
     def _splice(self, i: int, cells: Sequence[Cell]) -> None:
-        """Put cells in place of a stretch. What is between two of them is told by the one that is settled, as both hold it."""
+        """Put cells in place of a stretch: neighbours of one verdict as one.
+
+        What is between two of them is told by the one that is settled, as both hold it.
+        """
+        runs: list[Cell] = []
+        for x in cells:
+            if runs and runs[-1].holds is x.holds:
+                runs[-1] = replace(runs[-1], high=x.high, reason=_joined(runs[-1].reason, x.reason))
+            else:
+                runs.append(x)
         inner = [
-            Point(a.high, b.holds if a.holds is None else a.holds) for a, b in pairwise(cells) if a.high is not None
+            Point(a.high, b.holds if a.holds is None else a.holds) for a, b in pairwise(runs) if a.high is not None
         ]
         self.points[i:i] = inner
-        self.stretches[i : i + 1] = [Stretch(x.holds, x.reason) for x in cells]
+        self.stretches[i : i + 1] = [Stretch(x.holds, x.reason) for x in runs]
 
     def _use_ends(self) -> None:
         """Find the one end in what is open between values that hold and values that fail."""
