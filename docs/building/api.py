@@ -28,7 +28,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
         "After this page you can use what the functions return. `print` gives the text output, a notebook typesets it, `to_dict` and `to_json` give the JSON document.",
         (
             "Evaluation", "Crossing", "CrossingKind", "Percept", "Property", "Change", "Interval", "Point", "RealNumber",
-            "FamilyEvaluation", "MeasuredEvaluation", "Derivation", "Relevance", "Requirement", "DesignMap", "Stability", "Sensitivities",
+            "FamilyEvaluation", "MeasuredEvaluation", "Derivation", "Relevance", "Requirement", "ValueSet", "DesignMap", "Stability", "Sensitivities",
             "Tolerances", "Metrics", "Peaks", "Peak", "Cost", "HardCosts", "Psychometric", "Published", "PublishedThresholds", "Simulation",
             "Release", "Identification", "json_schema",
         ),

@@ -31,6 +31,7 @@ from haptisym.figures.layers import draw
 from haptisym.figures.sweep import is_logarithmic
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.sets import Point, Stretch
 from haptisym.verbs.cost.entry import Cost, Measurement
 from haptisym.verbs.cost.hardcosts import HardCosts, HardRow
 from haptisym.verbs.jnd.tables import Answers, Row
@@ -70,11 +71,14 @@ def test_the_worst_case_of_a_requirement_is_that_of_both_ratios_at_each_value() 
 def test_what_is_undecided_of_a_requirement_is_hatched_and_open_intervals_end_with_the_axis() -> None:
     found = hs.require(DAMPED, "effects.shunt.b")
     one, two = (ExactNumber(Rational(n)) for n in (1, 2))
-    for undecided in (((None, two),), ((one, two), (two, None))):
+    known = Stretch(holds=True)
+    low_part = hs.ValueSet((Point(two, holds=True),), (Stretch(None), known))
+    two_parts = hs.ValueSet((Point(one), Point(two, holds=False)), (known, Stretch(None), Stretch(None)))
+    for own, undecided in ((low_part, [(None, 2)]), (two_parts, [(1, 2), (2, None)])):
         ax = axes()
-        draw(ax, requirement_charts.requirement(replace(found, undecided=undecided)))
+        draw(ax, requirement_charts.requirement(replace(found, values=own)))
         low, high = ax.get_xlim()
-        ends = [(low if a is None else float(a), high if b is None else float(b)) for a, b in undecided]
+        ends = [(low if a is None else a, high if b is None else b) for a, b in undecided]
         assert spans(x for x in ax.patches if x.get_hatch()) == [pytest.approx(x) for x in ends]
         assert told(ax).count("undecided") == 1
 

@@ -247,6 +247,7 @@ def answers(path: Path) -> list[str]:
     derived: hs.Derivation = hs.derive(scene, keep=["m"])
     verified: hs.Verification = hs.verify(scene, 3)
     needed: hs.Requirement = hs.require(Path("own.toml"), "effects.filter.omega_n", (50, "200 rad/s"), part=hs.Part.REAL)
+    doing: hs.ValueSet = needed.values
     design: hs.DesignMap = hs.design_map(scene, ["zeta", "omega_n"], [(0.4, "0.6"), (50, 500)], slices=3)
     best: hs.Design = hs.design(scene, {"zeta": (0.3, "1")}, keep="passive", limit=20)
     slopes: hs.Sensitivities = hs.sensitivity(scene)
@@ -283,7 +284,7 @@ def answers(path: Path) -> list[str]:
         hs.parse_scene("nonsense")
     except hs.SceneError as error:
         written.append(str(error))
-    shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, design, slopes, boxes, kept]
+    shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, doing, design, slopes, boxes, kept]
     shown += [person, known, first, measures, shakes, costs, harder, run, let_go, both, motions, sets, f, bench, exact, fitted]
     return [*written, *map(str, shown), str(path)]
 '''

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from random import Random
 from typing import Any
@@ -196,8 +196,8 @@ def test_the_stiffest_wall_of_a_map_is_named_where_it_is_known_and_below_the_end
         if found.stiffest is not None:
             at, value = found.stiffest
             assert (at.place, float(value)) == (4, pytest.approx(15 * 5 / 0.14, rel=1e-14))
-        open_ = replace(high, requirement=unknown(high.requirement))
-        none = replace(high, requirement=replace(high.requirement, feasible=()))
+        open_ = replace(high, requirement=known(high.requirement, holds=None))
+        none = replace(high, requirement=known(high.requirement, holds=False))
         assert replace(found, slices=(low, open_)).stiffest is None
         assert replace(found, slices=(none,)).stiffest is None
         below = replace(found, slices=(low, none)).stiffest
@@ -234,8 +234,8 @@ def test_curves_of_a_map_vanish_on_its_boundary() -> None:
         late.curves()
 
 
-def unknown(r: hs.Requirement) -> hs.Requirement:
-    return replace(r, feasible=(), undecided=((None, None),))
+def known(r: hs.Requirement, *, holds: bool | None) -> hs.Requirement:
+    return replace(r, values=hs.ValueSet.all_of(r.domain, holds=holds))
 
 
 @pytest.mark.slow
@@ -256,6 +256,7 @@ def test_no_line_of_the_figure_closes_a_set_between_slices_and_what_lies_between
     unlike = {(float(a.at), float(b.at)) for a, b in pairwise(found.slices) if counts(a) != counts(b)}
     assert unlike
     assert (drawn(found), drawn(bare)) == ((0, set()), (0, unlike))  # a band in which the boundary lies is proven
+    unknown = partial(known, holds=None)
     rows = [(unknown(x.requirement), tuple(map(unknown, x.contours))) for x in found.slices]
     cut = tuple(replace(x, requirement=r, contours=c) for x, (r, c) in zip(found.slices, rows, strict=True))
     upright, hatched = drawn(replace(bare, slices=cut))

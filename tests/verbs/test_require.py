@@ -68,11 +68,12 @@ KNOWN = [
 def test_the_papers_example_needs_these_values(path, part, sense, digits, binds) -> None:  # type: ignore[no-untyped-def]
     found = hs.require(PAPER, path, part=part)
     [span] = found.feasible
-    end = span.low if sense == ">=" else span.high
+    side = 0 if sense == ">=" else 1
+    end = (span.first, span.last)[side]
     [b] = end.bindings
     assert end.value.digits(15) == digits
     assert (b.part, b.kind.value, b.omega.digits(6)) == binds
-    assert (end.closed, found.certified) == (True, True)
+    assert (span.closed[side], found.certified) == (True, True)
     assert not contradictions(PAPER, found, Random(1))
 
 
@@ -298,7 +299,7 @@ def test_of_largest_values_that_are_known_polynomials_the_set_is_known_with_what
         assert not is_contradicted(found, lambda g: all(k.sign(g) <= 0 for k in tops.values()), low, high)
         return
     assert shown(found) == [(*(pytest.approx(x, rel=1e-14) for x in pair), True, True) for pair in known]
-    for end in (x for span in found.feasible for x in {span.low, span.high}):
+    for end in (x for span in found.feasible for x in span.ends):
         x = min(marks, key=lambda y, end=end: abs(y - float(end.value)))
         told = {b.part: (b.kind, float(b.omega)) for b in end.bindings}
         own = {part: (k.kind, pytest.approx(k.place, rel=1e-12)) for part, k in tops.items() if x in k.roots}
@@ -362,10 +363,10 @@ def test_values_that_do_are_those_of_signs_between_zeros_that_are_known(seed: in
     ):
         assert not is_contradicted(found, lambda g: own.holds(Fraction(g) ** power), -2, 2)
         return
-    found = replace(found, feasible=tuple(x for x in found.feasible if x.low != x.high))
-    assert len(found.feasible) == len(known)
-    for span, pair in zip(found.feasible, known, strict=True):
-        for end, u in zip((span.low, span.high), pair, strict=True):
+    wide = [x for x in found.feasible if not x.is_single]
+    assert len(wide) == len(known)
+    for span, pair in zip(wide, known, strict=True):
+        for end, u in zip((span.first, span.last), pair, strict=True):
             low, high = (Fraction(x) ** power for x in end.value.bounds(80))
             assert low <= u <= high
             assert end.bindings or abs(u) == most
@@ -764,13 +765,13 @@ def test_a_document_holds_what_the_answer_says(name: str) -> None:
     assert row["condition"] == [x.name for x in found.criteria]
     assert row["feasible"] == [[*pair] for pair in ends(found)]
     for span, pair in zip(found.feasible, row["ends"], strict=True):
-        for end, told in zip((span.low, span.high), pair, strict=True):
-            assert (end.value is None) is (told is None)
+        for value, closed, told in zip((span.low, span.high), span.closed, pair, strict=True):
+            assert (value is None) is (told is None)
             if told:
                 low, high = map(Fraction, told["enclosure"])
-                assert low <= end.value.bounds(200)[1]
-                assert high >= end.value.bounds(200)[0]
-                assert (told["closed"], told["digits"]) == (end.closed, end.value.digits(found.digits))
+                assert low <= value.bounds(200)[1]
+                assert high >= value.bounds(200)[0]
+                assert (told["closed"], told["digits"]) == (closed, value.digits(found.digits))
     rows = [(float(e.value), b, form) for e, form in zip(found.ends, found.forms, strict=True) for b in e.bindings]
     assert [(x["at"], x["omega"], x["kind"], x["closed_form"]) for x in row["binding"]] == [
         (at, b.omega and float(b.omega), b.kind.value, form and str(form)) for at, b, form in rows

@@ -395,6 +395,7 @@ class Cell:
 
 
 def _nothing_known() -> Iterable[Changes]:
+    """No value is known at which a verdict may change."""
     return [Changes(open=[Open(None, None)])]
 
 

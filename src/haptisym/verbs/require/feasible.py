@@ -315,6 +315,11 @@ def as_set(found: Solved, asked: Domain) -> ValueSet:
     """The same as a set of values."""
     if isinstance(found, ValueSet):
         return found
+    with spared():
+        return _as_set(found, asked)
+
+
+def _as_set(found: Solved, asked: Domain) -> ValueSet:
     ends = [Point(y.value, None, y.bindings) for x in found.feasible for y in (x.low, x.high) if y.value is not None]
     open_ = [Point(y) for x in found.undecided for y in x if y is not None]
     edges = [Point(x) for x in asked.ends if x is not None]
@@ -325,9 +330,10 @@ def as_set(found: Solved, asked: Domain) -> ValueSet:
                 places[-1] = x
         else:
             places.append(x)
-    points = tuple(
-        Point(x.value, asked.holds(x.value) and _answer(found, x.value), x.bindings, found.reason) for x in places
-    )
+    points = list[Point]()
+    for x in places:
+        verdict = asked.holds(x.value) and _answer(found, x.value)
+        points.append(Point(x.value, verdict, x.bindings, found.reason if verdict is None else ""))
     low, high = asked.ends
     edges_ = [None, *[x.value for x in places], None]
     cells = list[Stretch | None]()
@@ -337,7 +343,7 @@ def as_set(found: Solved, asked: Domain) -> ValueSet:
         else:
             holds = _answer(found, ExactNumber(rational_between(a, b)))
             cells.append(Stretch(holds, found.reason if holds is None else ""))
-    return ValueSet(points, tuple(cells), asked)
+    return ValueSet(tuple(points), tuple(cells), asked)
 
 
 def without(spans: Sequence[Span], gone: Sequence[RealNumber]) -> tuple[Span, ...]:
