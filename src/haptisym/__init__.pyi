@@ -12,6 +12,7 @@ from haptisym.kernel.errors import (
 from haptisym.kernel.reals import RealNumber as RealNumber
 from haptisym.kernel.rings import omega as omega, s as s, symbols as symbols
 from haptisym.kernel.roots import Interval as Interval, Point as Point
+from haptisym.kernel.sets import ValueSet as ValueSet
 from haptisym.model.catalogue import Effect as Effect, Environment as Environment, Hand as Hand, hands as hands
 from haptisym.model.devices import devices as devices
 from haptisym.model.distortion import Distortion as Distortion, distort as distort

@@ -55,6 +55,10 @@ from haptisym.kernel.roots import ascending, is_told, ordered
 
 STOPPED = "stopped at the limit"
 """Why something is undecided where the time was over."""
+UNSEARCHED = "not searched"
+"""Why nothing is known of values that nobody looked at: they are no part of what was searched."""
+NOT_NEEDED = "beyond the nearest ends"
+"""The same of a set of which only what lies near to the present value was asked for."""
 
 
 class Verdict(StrEnum):
@@ -213,6 +217,7 @@ class ValueSet(Shown):
             x
             for x in self.pieces
             if x.verdict is Verdict.UNDECIDED
+            and x.reason not in (UNSEARCHED, NOT_NEEDED)
             and not (low is not None and x.high is not None and ordered(x.high, low) >= 0)
             and not (high is not None and x.low is not None and ordered(high, x.low) >= 0)
         )
@@ -225,8 +230,28 @@ class ValueSet(Shown):
     @property
     def ends(self) -> tuple[Point, ...]:
         """The points at which what holds ends and something binds, in order."""
-        listed = (end for piece in self.feasible for end in piece.ends)
-        return tuple(x for x in listed if x.bindings)
+        return tuple(x for piece in self.feasible for x in piece.ends if self._is_end(piece, x))
+
+    def _is_end(self, piece: Piece, x: Point) -> bool:
+        """Whether a piece ends there, and not what is asked about alone: of a single value both ends do."""
+        is_edge = (x is self.points[0] and self.stretches[0] is None) or (
+            x is self.points[-1] and self.stretches[-1] is None
+        )
+        return bool(x.bindings) and (piece.is_single or not is_edge or not x.holds)
+
+    def end(self, value: RealNumber, side: int) -> Point | None:
+        """Where what is so about a value ends on a side; None where it has no end there, or none that is known."""
+        piece = self.about(value)
+        found = piece.last if side > 0 else piece.first
+        return found if found in self.ends else None
+
+    def unknown(self, value: RealNumber, side: int) -> Piece | None:
+        """The first piece on a side of a value of which nothing is known; None where all is, or no more was needed."""
+        home = self.about(value)
+        ahead = self.pieces if side > 0 else self.pieces[::-1]
+        pieces = ahead[ahead.index(home) :]
+        found = next((x for x in pieces if x.verdict is Verdict.UNDECIDED), None)
+        return None if found is None or found.reason == NOT_NEEDED else found
 
     def about(self, value: RealNumber) -> Piece:
         """The piece in which a value lies. UndecidedError where the value is not among those that were asked about."""
@@ -415,19 +440,19 @@ def solve(question: Question, domain: Domain, searched: Domain | None = None, *,
     ``near`` : only as far from the question's own value as it takes to know between which values its verdict holds, and
     where it fails, between which it holds next; the rest is undecided.
     """
-    work = _Solving(question, domain, near=near)
+    work = _Solving(question, domain, searched or domain, near=near)
     with suppress(LimitError):
         work.run()
     with spared():
         work.settle_points()
-    return replace(work.found, searched=searched or domain)
+    return work.found
 
 
 class _Solving:
     """A set that is being found: points and stretches, of which more and more are settled."""
 
-    def __init__(self, question: Question, domain: Domain, *, near: bool) -> None:
-        self.question, self.domain, self.near = question, domain, near
+    def __init__(self, question: Question, domain: Domain, searched: Domain, *, near: bool) -> None:
+        self.question, self.domain, self.searched, self.near = question, domain, searched, near
         self.own = None if question.own is None or not question.own.is_number else ExactNumber(question.own)
         self.asked: dict[Rational, Point] = {}
         whole = ValueSet.all_of(domain, holds=None, reason=STOPPED)
@@ -437,7 +462,7 @@ class _Solving:
     @property
     def found(self) -> ValueSet:
         """The set as it stands."""
-        return ValueSet(tuple(self.points), tuple(self.stretches), self.domain)
+        return ValueSet(tuple(self.points), tuple(self.stretches), self.searched)
 
     def run(self) -> None:
         """Settle what can be settled. LimitError where the time is over."""
@@ -497,12 +522,27 @@ class _Solving:
         for side in (0, 1, -1):
             verdicts: list[bool | None] = [] if not side else self._known_at(home)
             for i in self._on_side(home, side):
-                self.stretches[i] = self._of_stretch(i, open_)
-                verdicts.append(self.stretches[i].holds)
-                if self.near and _is_enough(verdicts):
-                    break
-            is_done = is_done and None not in verdicts
+                if self.near and side and _is_enough(verdicts):
+                    self.stretches[i] = Stretch(None, NOT_NEEDED)
+                    continue
+                found = self._of_stretch(i, open_)
+                self.stretches[i] = found
+                verdicts.append(found.holds)
+                if self.near and side and _is_enough(verdicts):
+                    self._leave_out(i if side > 0 else i - 1)
+                is_done = is_done and (found.holds is not None or self._is_beyond(i))
         return is_done
+
+    def _leave_out(self, i: int) -> None:
+        """Ask nothing of the i-th point, if there is one."""
+        if 0 <= i < len(self.points):
+            self.points[i] = replace(self.points[i], reason=NOT_NEEDED)
+
+    def _is_beyond(self, i: int) -> bool:
+        """Whether the i-th stretch lies outside of what is searched."""
+        (low, high), (first, last) = self._ends(i), self.searched.ends
+        is_below = first is not None and high is not None and ordered(high, first) >= 0
+        return is_below or (last is not None and low is not None and ordered(last, low) >= 0)
 
     def _known_at(self, i: int) -> list[bool | None]:
         stretch = self.stretches[i]
@@ -510,10 +550,10 @@ class _Solving:
 
     def _home(self) -> int:
         """The stretch in which the question's own value lies, or which ends there; the first one where it has none."""
-        if self.own is None:
+        own = self.own
+        if own is None:
             return next(i for i, x in enumerate(self.stretches) if x is not None)
-        values = [x.value for x in self.points]
-        i = bisect_left(values, 0, key=lambda x: -ordered(x, self.own))
+        i = bisect_left(self.points, 0, key=lambda x: -ordered(x.value, own))
         if self.stretches[i] is not None:
             return i
         return i + 1 if i + 1 < len(self.stretches) else i - 1
@@ -553,7 +593,7 @@ class _Solving:
             return
         for i in reversed(range(len(self.stretches))):
             stretch = self.stretches[i]
-            if stretch is not None and stretch.holds is None:
+            if stretch is not None and stretch.holds is None and stretch.reason != NOT_NEEDED:
                 low, high = self._ends(i)
                 cells = list(self.question.cells(low, high))
                 if cells:
@@ -589,7 +629,11 @@ class _Solving:
     def settle_points(self, *, ask: bool = False) -> None:
         """Tell the verdict of points, as far as that needs no more than their neighbours; or by asking it."""
         for i, point in enumerate(self.points):
-            if point.holds is None and (ask or point.value not in self._ends_of_domain):
+            if any(x is not None and x.reason == NOT_NEEDED for x in self.stretches[i : i + 2]):
+                self._leave_out(i)
+            elif (
+                point.holds is None and point.reason != NOT_NEEDED and (ask or point.value not in self._ends_of_domain)
+            ):
                 self.points[i] = self._settled(i, ask=ask)
 
     @cached_property
@@ -599,8 +643,8 @@ class _Solving:
     def _settled(self, i: int, *, ask: bool) -> Point:
         """A point with its verdict: its own where it is rational, else as its neighbours and the question tell."""
         point, near = self.points[i], [x.holds for x in self.stretches[i : i + 2] if x is not None]
-        if not self.domain.holds(point.value):
-            return replace(point, holds=False)
+        if not self.domain.holds(point.value):  # as nothing is asked about there, nothing binds
+            return replace(point, holds=False, bindings=())
         if isinstance(point.value, ExactNumber) and isinstance(point.value.value, Rational):
             if not ask:
                 return replace(point, reason=STOPPED)
@@ -625,7 +669,7 @@ class _Solving:
             i = bisect_left(self.points, 0, key=lambda x: -ordered(x.value, number))
             is_point = i < len(self.points) and not ordered(self.points[i].value, number)
             stretch = self.stretches[i]
-            if not is_point and stretch is not None and stretch.holds is None:
+            if not is_point and stretch is not None and stretch.holds is None and stretch.reason != NOT_NEEDED:
                 found = self._ask(value)
                 if found.holds is not None:
                     self.points[i:i] = [found]

@@ -20,10 +20,10 @@ from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
 from haptisym.kernel.roots import ascending, is_told, ordered
-from haptisym.kernel.sets import Domain
+from haptisym.kernel.sets import Domain, Point, ValueSet
 
 if TYPE_CHECKING:  # only what is asked of a hand has gaps
-    from haptisym.verbs.stability.loops import Gap
+    from haptisym.kernel.sets import Open as Gap
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,7 @@ class Question:
         low, high = (None if x is None else x.value for x in (a, b))
         if self._is_beyond(high):
             return self._failed(low, high, _BEYOND)
-        if (gap := next((x for x in self.gaps if x.holds(low, high)), None)) is not None:
+        if (gap := next((x for x in self.gaps if x.covers(low, high)), None)) is not None:
             return self._failed(low, high, gap.reason or "critical values come as near to one as one likes")
         return self._told(rational_between(low, high, self.own), low, high)
 
@@ -309,3 +309,16 @@ def _answer(x: Solved, value: RealNumber) -> bool | None:
         if (start is None or ordered(start, value) >= 0) and (end is None or ordered(value, end) >= 0):
             return None
     return False
+
+
+def solved(found: ValueSet) -> Solved:
+    """A set of values in the terms of this module."""
+
+    def end(x: Point | None, *, closed: bool) -> End:
+        return End(None) if x is None else End(x.value, closed, x.bindings)
+
+    spans = []
+    for x in found.feasible:
+        low, high = end(x.first, closed=x.closed[0]), end(x.last, closed=x.closed[1])
+        spans.append(Span(low, low if x.is_single else high))
+    return Solved(tuple(spans), tuple((x.low, x.high) for x in found.undecided), found.reason)
