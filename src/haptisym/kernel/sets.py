@@ -55,6 +55,10 @@ from haptisym.kernel.roots import ascending, is_told, ordered
 
 STOPPED = "stopped at the limit"
 """Why something is undecided where the time was over."""
+UNSEARCHED = "not searched"
+"""Why nothing is known of values that nobody looked at: they are no part of what was searched."""
+NOT_NEEDED = "beyond the nearest ends"
+"""The same of a set of which only what lies near to the present value was asked for."""
 
 
 class Verdict(StrEnum):
@@ -145,6 +149,13 @@ class Piece(Shown):
         """Whether it is one value."""
         return self.first is not None and self.first == self.last
 
+    def is_open_beyond(self, end: RealNumber | None, side: int) -> bool:
+        """Whether nothing is known of it, and all of it lies beyond a value on a side, without an end there."""
+        inner, outer = (self.low, self.high)[::side]
+        if self.verdict is not Verdict.UNDECIDED or outer is not None or None in (inner, end):
+            return False
+        return ordered(end, inner) * side >= 0  # type: ignore[arg-type]
+
     def _line(self) -> str:
         return spanned(self)
 
@@ -195,7 +206,10 @@ class ValueSet(Shown):
 
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:
-        """All that was asked about, in order, as few pieces as possible."""
+        """All that was asked about, in order, as few pieces as possible.
+
+        What is open beyond what was searched is no piece: the last one that is then has no end on that side.
+        """
         found: list[Piece] = []
         for stretch, point in zip(self.stretches, (*self.points, None), strict=True):
             before = found[-1].last if found else None
@@ -203,6 +217,12 @@ class ValueSet(Shown):
                 _append(found, Piece(before, point, (False, False), _VERDICTS[stretch.holds], stretch.reason))
             if point is not None:
                 _append(found, Piece(point, point, (True, True), _VERDICTS[point.holds], point.reason))
+        low, high = self.searched.ends
+        first, last = found[0], found[-1]
+        if len(found) > 1 and last.is_open_beyond(high, 1):
+            found[-2:] = [replace(found[-2], last=None, closed=(found[-2].closed[0], False))]
+        if len(found) > 1 and first.is_open_beyond(low, -1):
+            found[:2] = [replace(found[1], first=None, closed=(False, found[1].closed[1]))]
         return tuple(found)
 
     @property
@@ -212,15 +232,9 @@ class ValueSet(Shown):
 
     @property
     def undecided(self) -> tuple[Piece, ...]:
-        """The pieces of which nothing is proven, as far as they were searched."""
-        low, high = self.searched.ends
-        return tuple(
-            x
-            for x in self.pieces
-            if x.verdict is Verdict.UNDECIDED
-            and not (low is not None and x.high is not None and ordered(x.high, low) >= 0)
-            and not (high is not None and x.low is not None and ordered(high, x.low) >= 0)
-        )
+        """The pieces of which nothing is proven, of those that were asked about."""
+        left = (x for x in self.pieces if x.verdict is Verdict.UNDECIDED)
+        return tuple(x for x in left if x.reason not in (UNSEARCHED, NOT_NEEDED))
 
     @property
     def reason(self) -> str:
@@ -232,6 +246,20 @@ class ValueSet(Shown):
         """The points at which what holds ends as something binds, in order; not where the range itself ends."""
         listed = (end for piece in self.feasible for end in piece.ends)
         return tuple(x for x in listed if x.bindings)
+
+    def end(self, value: RealNumber, side: int) -> Point | None:
+        """Where what is so about a value ends on a side; None where it has no end there, or none that is known."""
+        piece = self.about(value)
+        found = piece.last if side > 0 else piece.first
+        return found if found in self.ends else None
+
+    def unknown(self, value: RealNumber, side: int) -> Piece | None:
+        """The first piece on a side of a value of which nothing is known; None where all is, or no more was needed."""
+        home = self.about(value)
+        ahead = self.pieces if side > 0 else self.pieces[::-1]
+        pieces = ahead[ahead.index(home) :]
+        found = next((x for x in pieces if x.verdict is Verdict.UNDECIDED), None)
+        return None if found is None or found.reason == NOT_NEEDED else found
 
     def about(self, value: RealNumber) -> Piece:
         """The piece in which a value lies. UndecidedError where the value is not among those that were asked about."""
@@ -429,19 +457,19 @@ def solve(question: Question, domain: Domain, searched: Domain | None = None, *,
     ``near`` : only as far from the question's own value as it takes to know between which values its verdict holds, and
     where it fails, between which it holds next; the rest is undecided.
     """
-    work = _Solving(question, domain, near=near)
+    work = _Solving(question, domain, searched or domain, near=near)
     with suppress(LimitError):
         work.run()
     with spared():
         work.settle_points()
-    return replace(work.found, searched=searched or domain)
+    return work.found
 
 
 class _Solving:
     """A set that is being found: points and stretches, of which more and more are settled."""
 
-    def __init__(self, question: Question, domain: Domain, *, near: bool) -> None:
-        self.question, self.domain, self.near = question, domain, near
+    def __init__(self, question: Question, domain: Domain, searched: Domain, *, near: bool) -> None:
+        self.question, self.domain, self.searched, self.near = question, domain, searched, near
         self.own = None if question.own is None or not question.own.is_number else ExactNumber(question.own)
         self.asked: dict[Rational, Point] = {}
         whole = ValueSet.all_of(domain, holds=None, reason=STOPPED)
@@ -451,7 +479,7 @@ class _Solving:
     @property
     def found(self) -> ValueSet:
         """The set as it stands."""
-        return ValueSet(tuple(self.points), tuple(self.stretches), self.domain)
+        return ValueSet(tuple(self.points), tuple(self.stretches), self.searched)
 
     def run(self) -> None:
         """Settle what can be settled. LimitError where the time is over."""
@@ -511,12 +539,27 @@ class _Solving:
         for side in (0, 1, -1):
             verdicts: list[bool | None] = [] if not side else self._known_at(home)
             for i in self._on_side(home, side):
-                own = self.stretches[i] = self._of_stretch(i, open_)
-                verdicts.append(own.holds)
-                if self.near and _is_enough(verdicts):
-                    break
-            is_done = is_done and None not in verdicts
+                if self.near and side and _is_enough(verdicts):
+                    self.stretches[i] = Stretch(None, NOT_NEEDED)
+                    continue
+                found = self._of_stretch(i, open_)
+                self.stretches[i] = found
+                verdicts.append(found.holds)
+                if self.near and side and _is_enough(verdicts):
+                    self._leave_out(i if side > 0 else i - 1)
+                is_done = is_done and (found.holds is not None or self._is_beyond(i))
         return is_done
+
+    def _leave_out(self, i: int) -> None:
+        """Ask nothing of the i-th point, if there is one."""
+        if 0 <= i < len(self.points):
+            self.points[i] = replace(self.points[i], reason=NOT_NEEDED)
+
+    def _is_beyond(self, i: int) -> bool:
+        """Whether the i-th stretch lies outside of what is searched."""
+        (low, high), (first, last) = self._ends(i), self.searched.ends
+        is_below = first is not None and high is not None and ordered(high, first) >= 0
+        return is_below or (last is not None and low is not None and ordered(last, low) >= 0)
 
     def _place_of(self, value: RealNumber) -> int:
         """How many points lie below a value."""
@@ -528,9 +571,10 @@ class _Solving:
 
     def _home(self) -> int:
         """The stretch in which the question's own value lies, or which ends there; the first one where it has none."""
-        if self.own is None:
+        own = self.own
+        if own is None:
             return next(i for i, x in enumerate(self.stretches) if x is not None)
-        i = self._place_of(self.own)
+        i = self._place_of(own)
         if self.stretches[i] is not None:
             return i
         return i + 1 if i + 1 < len(self.stretches) else i - 1
@@ -570,7 +614,7 @@ class _Solving:
             return
         for i in reversed(range(len(self.stretches))):
             stretch = self.stretches[i]
-            if stretch is not None and stretch.holds is None:
+            if stretch is not None and stretch.holds is None and stretch.reason != NOT_NEEDED:
                 low, high = self._ends(i)
                 cells = list(self.question.cells(low, high))
                 if cells:
@@ -615,17 +659,20 @@ class _Solving:
     def settle_points(self, *, ask: bool = False) -> None:
         """Tell the verdict of points, as far as that needs no more than their neighbours; or by asking it."""
         for i, point in enumerate(self.points):
-            if point.holds is None:
+            if any(x is not None and x.reason == NOT_NEEDED for x in self.stretches[i : i + 2]):
+                self._leave_out(i)
+            elif point.holds is None and point.reason != NOT_NEEDED:
                 self.points[i] = self._settled(i, ask=ask)
             around = self.stretches[i : i + 2]
-            if None in around and Stretch(holds=True) in around:  # it is the range that ends there
+            is_inside = self.points[i].holds and Stretch(holds=True) in around
+            if None in around and is_inside:  # it is the range that ends there
                 self.points[i] = replace(self.points[i], bindings=())
 
     def _settled(self, i: int, *, ask: bool) -> Point:
         """A point with its verdict: its own where it is rational, else as its neighbours and the question tell."""
         point, near = self.points[i], [x.holds for x in self.stretches[i : i + 2] if x is not None]
-        if not self.domain.holds(point.value):
-            return replace(point, holds=False)
+        if not self.domain.holds(point.value):  # as nothing is asked about there, nothing binds
+            return replace(point, holds=False, bindings=())
         if isinstance(point.value, ExactNumber) and isinstance(point.value.value, Rational):
             if not ask and point.value.value not in self.asked:
                 return replace(point, reason=STOPPED)
@@ -650,7 +697,7 @@ class _Solving:
             i = self._place_of(number)
             is_point = i < len(self.points) and not ordered(self.points[i].value, number)
             stretch = self.stretches[i]
-            if not is_point and stretch is not None and stretch.holds is None:
+            if not is_point and stretch is not None and stretch.holds is None and stretch.reason != NOT_NEEDED:
                 found = self._ask(value)
                 if found.holds is not None:
                     self.points[i:i] = [found]

@@ -17,6 +17,7 @@ from haptisym.kernel import reals
 from haptisym.kernel.reals import Printable, RealNumber, Way, in_unit
 from haptisym.kernel.rings import RationalFunction, omega
 from haptisym.kernel.roots import Interval, Point
+from haptisym.kernel.sets import Piece
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.quantities import Dimension, MotionKind, Unit, unit_text
 from haptisym.model.scene import Knob, Scene
@@ -247,6 +248,24 @@ def value_of(knob: Knob, x: Printable, way: Way) -> doc.Real:
 def bare(x: doc.Real) -> doc.Real:
     """A number without the name of its unit, which follows or stands in the heading."""
     return doc.Real(in_unit(x.value, x.unit.size), x.way)
+
+
+def values_of(pieces: Iterable[Piece], knob: Knob, name: Phrase = "") -> Phrase:
+    """The values of a parameter, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none. Ends are rounded inward."""
+    return listed((_piece(x, knob, name or named(knob.symbol.name)) for x in pieces), "or") or "no value"
+
+
+def _piece(x: Piece, knob: Knob, name: Phrase) -> Phrase:
+    if x.low is None and x.high is None:
+        return "every value of ", name
+    if x.low is not None and x.is_single:
+        return name, " = ", value_of(knob, x.low, Way.NEAREST), " alone"
+    least = None if x.low is None else value_of(knob, x.low, Way.UP)
+    most = None if x.high is None else value_of(knob, x.high, Way.DOWN)
+    signs = [" ≤ " if closed else " < " for closed in x.closed]
+    if least is not None and most is None:
+        return name, " ≥ " if x.closed[0] else " > ", least
+    return (bare(least), signs[0]) if least is not None else (), name, signs[1], most or ""
 
 
 _SYMBOLS = {"|G - 1|": Absolute(Sum(((1, named("G")), (-1, Numeral("1")))))}
