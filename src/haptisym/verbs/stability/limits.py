@@ -84,6 +84,8 @@ def _found(
     scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Criterion, *, near: bool, brief: bool
 ) -> ValueSet:
     """The same. UndecidedError where nothing is known."""
+    if free.parts:  # a threshold moves no root
+        return ValueSet.all_of(asked, holds=_holds_at(scene, hand, criterion))
     bare = unclocked(moved(scene, hand, free, free.symbol)[0])
     if clocks(scene) and not clocks(bare):
         scene = unclocked(scene)
@@ -296,7 +298,7 @@ def _clocked(
             return None
         return count == still or (value in alone and not is_outside and _is_stable_at(scene, hand, free, value))
 
-    return Question(verdict, free.value, lambda: [Changes(values, left)]), Domain(*ends)
+    return Question(verdict, free.value, lambda: [Changes(values, left)], lambda _: False), Domain(*ends)
 
 
 def _is_stable_at(scene: Scene, hand: Hand, free: Knob, value: Expr) -> bool:
