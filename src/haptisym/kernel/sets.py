@@ -523,7 +523,8 @@ class _Solving:
             verdicts: list[bool | None] = [] if not side else self._known_at(home)
             for i in self._on_side(home, side):
                 if self.near and side and _is_enough(verdicts):
-                    self.stretches[i] = Stretch(None, NOT_NEEDED)
+                    is_left = any(x.reason == UNSEARCHED and x.covers(*self._ends(i)) for x in open_)
+                    self.stretches[i] = Stretch(None, UNSEARCHED if is_left else NOT_NEEDED)
                     continue
                 found = self._of_stretch(i, open_)
                 self.stretches[i] = found

@@ -315,7 +315,7 @@ def solved(found: ValueSet) -> Solved:
     """A set of values in the terms of this module."""
 
     def end(x: Point | None, *, closed: bool) -> End:
-        return End(None) if x is None else End(x.value, closed, x.bindings)
+        return End(None) if x is None else End(x.value, closed, x.bindings if x in found.ends else ())
 
     spans = []
     for x in found.feasible:

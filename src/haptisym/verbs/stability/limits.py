@@ -139,7 +139,7 @@ def _why(knob: Knob, found: ValueSet, x: Piece) -> str:
         "" if end is None else f"{printed(in_unit(end, unit.size), 4, way)} {unit.text}".rstrip()
         for end, way in ((x.low, Way.DOWN), (x.high, Way.UP))
     )
-    if len(found.pieces) == 1 or not (low or high):
+    if sum(not y.is_single for y in found.pieces) == 1 or not (low or high):  # that is all there is
         return x.reason
     where = f", from {low} to {high}" if low and high else f", above {low}" if low else f", below {high}"
     return f"{x.reason}{where}"
@@ -294,7 +294,7 @@ def _clocked(
             return None
         return count == still or (value in alone and not is_outside and _is_stable_at(scene, hand, free, value))
 
-    return Question(verdict, free.value, lambda: [Changes(values, left)]), Domain(*ends)
+    return Question(verdict, free.value, lambda: [Changes(values, left)], lambda _: False), Domain(*ends)
 
 
 def _is_stable_at(scene: Scene, hand: Hand, free: Knob, value: Expr) -> bool:
