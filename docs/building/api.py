@@ -27,7 +27,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
         "Results",
         "After this page you can use what the functions return. `print` gives the text output, a notebook typesets it, `to_dict` and `to_json` give the JSON document.",
         (
-            "Evaluation", "Crossing", "CrossingKind", "Percept", "Property", "Change", "Interval", "Point", "RealNumber",
+            "Evaluation", "Crossing", "CrossingKind", "Percept", "Property", "Change", "Interval", "Point", "RealNumber", "ValueSet",
             "FamilyEvaluation", "MeasuredEvaluation", "Derivation", "Relevance", "Requirement", "DesignMap", "Stability", "Sensitivities",
             "Tolerances", "Metrics", "Peaks", "Peak", "Cost", "HardCosts", "Psychometric", "Published", "PublishedThresholds", "Simulation",
             "Release", "Identification", "json_schema",
