@@ -59,6 +59,8 @@ UNSEARCHED = "not searched"
 """Why nothing is known of values that nobody looked at: they are no part of what was searched."""
 NOT_NEEDED = "beyond the nearest ends"
 """The same of a set of which only what lies near to the present value was asked for."""
+_UNASKED = UNSEARCHED, NOT_NEEDED
+_UNASKED = UNSEARCHED, NOT_NEEDED
 
 
 class Verdict(StrEnum):
@@ -234,7 +236,7 @@ class ValueSet(Shown):
     def undecided(self) -> tuple[Piece, ...]:
         """The pieces of which nothing is proven, of those that were asked about."""
         left = (x for x in self.pieces if x.verdict is Verdict.UNDECIDED)
-        return tuple(x for x in left if x.reason not in (UNSEARCHED, NOT_NEEDED))
+        return tuple(x for x in left if x.reason not in _UNASKED)
 
     @property
     def reason(self) -> str:
@@ -318,7 +320,8 @@ class ValueSet(Shown):
 def _append(pieces: list[Piece], piece: Piece) -> None:
     """Put a piece to those before it; as one with the last of them if that has the same verdict."""
     last = pieces[-1] if pieces else None
-    if last is None or last.verdict is not piece.verdict:
+    is_other = last is None or last.verdict is not piece.verdict
+    if is_other or (last.reason in _UNASKED) is not (piece.reason in _UNASKED):
         pieces.append(piece)
         return
     reason = _joined(last.reason, piece.reason)
@@ -540,7 +543,8 @@ class _Solving:
             verdicts: list[bool | None] = [] if not side else self._known_at(home)
             for i in self._on_side(home, side):
                 if self.near and side and _is_enough(verdicts):
-                    self.stretches[i] = Stretch(None, NOT_NEEDED)
+                    is_left = any(x.reason == UNSEARCHED and x.covers(*self._ends(i)) for x in open_)
+                    self.stretches[i] = Stretch(None, UNSEARCHED if is_left else NOT_NEEDED)
                     continue
                 found = self._of_stretch(i, open_)
                 self.stretches[i] = found

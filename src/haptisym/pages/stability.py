@@ -205,8 +205,9 @@ def _limits(found: Stability) -> Iterator[Block]:
     holds = "does not shake for" if any(x.drifts for x in found.held) else "stable for"
     limits = w.table(
         lines, "The values, next to the present ones, for which it is stable, and the frequency of the pole at each end.",
-        w.Field("hand", lambda x: x[0]), w.Field("parameter", lambda x: _is(x[1])),
-        w.Field(holds, lambda x: (_least(*x[1:]), w.values_of(x[2].feasible, x[1], _name(x[1])))),
+        w.Field("hand", lambda x: x[0]), w.Field("parameter", lambda x: _name_and_unit(x[1])),
+        w.Field("is", lambda x: w.bare(w.value_of(x[1], ExactNumber(x[1].value), Way.NEAREST))),
+        w.Field(holds, lambda x: (_least(*x[1:]), w.values_of(x[2].feasible, x[1], _name(x[1]), in_table=True))),
         w.Field(("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: listed(_place(y) for y in x[2].ends)),
     )  # fmt: skip
     if lines or notes:
@@ -244,8 +245,9 @@ def _name(knob: Knob) -> Phrase:
     return f"hand.{knob.key}" if knob.is_of_hand else named(knob.symbol.name)
 
 
-def _is(knob: Knob) -> Phrase:
-    return _name(knob), " = ", w.value_of(knob, ExactNumber(knob.value), Way.NEAREST)
+def _name_and_unit(knob: Knob) -> Phrase:
+    shown = knob.shown_unit(knob.motion).text
+    return _name(knob), f" ({shown})" if shown else ""
 
 
 def _kept(x: Held) -> str:

@@ -250,22 +250,26 @@ def bare(x: doc.Real) -> doc.Real:
     return doc.Real(in_unit(x.value, x.unit.size), x.way)
 
 
-def values_of(pieces: Iterable[Piece], knob: Knob, name: Phrase = "") -> Phrase:
-    """The values of a parameter, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none. Ends are rounded inward."""
-    return listed((_piece(x, knob, name or named(knob.symbol.name)) for x in pieces), "or") or "no value"
+def values_of(pieces: Iterable[Piece], knob: Knob, name: Phrase = "", *, in_table: bool = False) -> Phrase:
+    """The values of a parameter, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none. Ends are rounded inward.
+
+    ``in_table`` : without the unit, which stands in the heading.
+    """
+    shown = bare if in_table else lambda x: x
+    return listed((_piece(x, knob, name or named(knob.symbol.name), shown) for x in pieces), "or") or "no value"
 
 
-def _piece(x: Piece, knob: Knob, name: Phrase) -> Phrase:
+def _piece(x: Piece, knob: Knob, name: Phrase, shown: Callable[[doc.Real], doc.Real]) -> Phrase:
     if x.low is None and x.high is None:
         return "every value of ", name
     if x.low is not None and x.is_single:
-        return name, " = ", value_of(knob, x.low, Way.NEAREST), " alone"
+        return name, " = ", shown(value_of(knob, x.low, Way.NEAREST)), " alone"
     least = None if x.low is None else value_of(knob, x.low, Way.UP)
-    most = None if x.high is None else value_of(knob, x.high, Way.DOWN)
+    most = "" if x.high is None else shown(value_of(knob, x.high, Way.DOWN))
     signs = [" ≤ " if closed else " < " for closed in x.closed]
-    if least is not None and most is None:
-        return name, " ≥ " if x.closed[0] else " > ", least
-    return (bare(least), signs[0]) if least is not None else (), name, signs[1], most or ""
+    if least is not None and x.high is None:
+        return name, " ≥ " if x.closed[0] else " > ", shown(least)
+    return (bare(least), signs[0]) if least is not None else (), name, signs[1], most
 
 
 _SYMBOLS = {"|G - 1|": Absolute(Sum(((1, named("G")), (-1, Numeral("1")))))}

@@ -143,7 +143,7 @@ def _why(knob: Knob, found: ValueSet, x: Piece) -> str:
         "" if end is None else f"{printed(in_unit(end, unit.size), 4, way)} {unit.text}".rstrip()
         for end, way in ((x.low, Way.DOWN), (x.high, Way.UP))
     )
-    if len(found.pieces) == 1 or not (low or high):
+    if sum(not y.is_single for y in found.pieces) == 1 or not (low or high):  # that is all there is
         return x.reason
     where = f", from {low} to {high}" if low and high else f", above {low}" if low else f", below {high}"
     return f"{x.reason}{where}"
