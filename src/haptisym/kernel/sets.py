@@ -324,7 +324,9 @@ def _append(pieces: list[Piece], piece: Piece) -> None:
     if is_other or (last.reason in _UNASKED) is not (piece.reason in _UNASKED):
         pieces.append(piece)
         return
-    reason = last.reason if last.reason in _UNASKED else _joined(last.reason, piece.reason)
+    reason = _joined(last.reason, piece.reason)
+    if piece.reason in _UNASKED:
+        reason = UNSEARCHED if UNSEARCHED in (last.reason, piece.reason) else NOT_NEEDED
     closed = last.closed[0], piece.closed[1]
     pieces[-1] = replace(last, last=piece.last, closed=closed, reason=reason)
 
