@@ -2,7 +2,9 @@
 
 Whatever may take long ticks the limit, and whoever asked is told how far it is. It is scoped: ``limited`` sets it for what is
 called inside and puts back what was there before. Nothing else reads the clock, and a question that is asked without a limit is
-never cut short. The clock is the machine's, unless ``timed_by`` sets another one.
+cut short only by ``Budget.stop``. The clock counts the processor time of this process, all of its threads together, so that an
+answer does not depend on what else the machine does; ``timed_by`` sets another one. In a browser, which does not tell processor
+time, it is the wall clock. What other processes compute for this one, such as the workers of a sweep, is not counted.
 
 Branch and bound: cells are examined until each is settled; what is not is cut, and its pieces wait their turn. Every loop of that
 kind runs on ``Waiting``, so that each has a limit in number and in time, and says what it leaves open.
@@ -19,7 +21,7 @@ from heapq import heappop, heappush
 from importlib import import_module
 from math import isfinite
 from threading import Lock
-from time import monotonic
+from time import monotonic, process_time
 from typing import Any, Generic, TypeAlias, TypeVar
 
 from haptisym.kernel.errors import LimitError, SceneError
@@ -29,14 +31,16 @@ Told: TypeAlias = Callable[[float, float | None, str], None]
 
 SECONDS = 60.0
 """The limit of a question that is asked without one."""
-_PAUSE = 0.1  # s between two words to whoever is told
+_PAUSE = 0.1  # s, on the wall clock, between two words to whoever is told
 
-_clock: ContextVar[Callable[[], float]] = ContextVar("clock", default=monotonic)
+_clock: ContextVar[Callable[[], float]] = ContextVar("clock", default=process_time)
 
 
 @contextmanager
 def timed_by(clock: Callable[[], float]) -> Iterator[None]:
-    """Limits that are set inside are measured by that clock, in s; one that counts its readings is the same on every machine.
+    """Limits that are set inside are measured by that clock, in s, and so is the pause between two words.
+
+    A clock that counts its readings is the same on every machine.
 
     >>> from itertools import count
     >>> with timed_by(count().__next__), limited(3):  # a second passes whenever the clock is read
@@ -52,31 +56,46 @@ def timed_by(clock: Callable[[], float]) -> Iterator[None]:
 
 @dataclass(eq=False)
 class Budget:
-    """What a question may take: ``seconds`` of it, None without a limit, and who is told.
+    """What a question may take: ``seconds`` of processor time, None without a limit, and who is told.
 
-    ``whole`` : the limit that was set, where the seconds are a share of it.
+    ``began``, ``deadline`` : when the limit was set, and when the time is over: for a share of it, before the limit is reached.
     """
 
     seconds: float | None
+    began: float
     deadline: float | None
     told: Told | None = None
     outer: Budget | None = None
-    whole: float | None = None
-    clock: Callable[[], float] = monotonic
+    clock: Callable[[], float] = process_time
     reached: bool = False
     """Whether something was cut short."""
+    stopped: bool = False
     _last: tuple[float, float | None, str] = field(default=(0, None, ""), repr=False)
     _next: float = field(default=0.0, repr=False)
 
+    @property
+    def outermost(self) -> Budget:
+        """The budget around all others."""
+        return self if self.outer is None else self.outer.outermost
+
+    @property
+    def cut(self) -> float | None:
+        """The seconds of the limit that cut something short; None if none did, or if the work was stopped before."""
+        return self.seconds if self.reached and not self.outermost.stopped else None
+
+    def stop(self) -> None:
+        """End the work at its next tick, with what is proven by then, as at a limit; also from a signal or another thread."""
+        self.outermost.stopped = True
+
     def tick(self, done: float | None, total: float | None, what: str) -> None:
-        """LimitError when the time is over; else now and then a word to whoever is told."""
+        """LimitError when the time is over, or the work was stopped; else now and then a word to whoever is told."""
         now = self.clock()
+        if self.outermost.stopped:
+            self.reached = True
+            raise LimitError("interrupted before it was decided")
         if self.deadline is not None and now > self.deadline:
             self.reached = True
-            own = "" if self.whole is None else f"{self.seconds:.2g} s, its share of "
-            raise LimitError(
-                f"stopped at {own}the limit of {self.whole or self.seconds:g} s; a longer limit may decide it"
-            )
+            raise LimitError(f"stopped at the limit of {self.seconds:g} s; a longer limit may decide it")
         if done is not None and (what or not self._last[2]):  # an inner loop without a name leaves the outer one's word
             self._last = done, total, what
         self._tell_now_and_then(now)
@@ -87,6 +106,7 @@ class Budget:
         self._tell_now_and_then(self.clock())
 
     def _tell_now_and_then(self, now: float) -> None:
+        now = monotonic() if self.clock is process_time else now
         if now >= self._next:
             self._next = now + _PAUSE
             self._tell(*self._last)
@@ -103,10 +123,10 @@ _budget: ContextVar[Budget | None] = ContextVar("budget", default=None)
 
 
 @contextmanager
-def limited(seconds: float | None = None, told: Told | None = None, whole: float | None = None) -> Iterator[Budget]:
-    """What is called inside may take that many seconds (None: as long as it likes), and no longer than what is around it may.
+def limited(seconds: float | None = None, told: Told | None = None) -> Iterator[Budget]:
+    """What is called inside may take that many seconds of processor time, and no longer than what is around it may.
 
-    ``whole`` : the limit of which they are a share.
+    ``seconds`` : None for as long as it likes.
 
     >>> with limited(3600) as outer, limited(None) as inner:
     ...     inner.deadline == outer.deadline
@@ -115,23 +135,49 @@ def limited(seconds: float | None = None, told: Told | None = None, whole: float
     if seconds is not None and not (isinstance(seconds, int | float) and isfinite(seconds) and seconds > 0):
         raise SceneError(f"limit: {seconds}: give a number of seconds > 0, or None for no limit")
     outer, clock = _budget.get(), _clock.get()
-    own = None if seconds is None else clock() + seconds
-    if outer is not None and outer.deadline is not None and (own is None or outer.deadline < own):
-        seconds, own, whole = outer.seconds, outer.deadline, outer.whole
-    budget = Budget(seconds, own, told, outer, whole, clock)
+    now = clock()
+    own = None if seconds is None else now + seconds
+    if outer is not None and (own is None or (outer.deadline is not None and outer.deadline < own)):
+        with _under(outer, outer.deadline, told) as budget:
+            yield budget
+        return
+    with _inside(Budget(seconds, now, own, told, outer, clock)) as budget:
+        yield budget
+
+
+@contextmanager
+def _under(outer: Budget, deadline: float | None, told: Told | None) -> Iterator[Budget]:
+    """The same limit, or a share of it: what it cuts short inside is cut short by the limit that was set outside."""
+    budget = Budget(outer.seconds, outer.began, deadline, told, outer, outer.clock)
+    try:
+        with _inside(budget):
+            yield budget
+    finally:
+        outer.reached |= budget.reached
+
+
+@contextmanager
+def _inside(budget: Budget) -> Iterator[Budget]:
     mark = _budget.set(budget)
     try:
         yield budget
     finally:
         _budget.reset(mark)
-        if outer is not None:
-            outer.reached |= budget.reached
 
 
 def left() -> float | None:
     """Seconds until the time is over, None without a limit."""
     budget = _budget.get()
     return None if budget is None or budget.deadline is None else max(budget.deadline - budget.clock(), 0.0)
+
+
+def spent() -> tuple[float, float] | None:
+    """Processor time since the outermost limit was set, and that limit, s; None without one."""
+    found, budget = None, _budget.get()
+    while budget is not None:
+        found = found if budget.seconds is None else (budget.clock() - budget.began, budget.seconds)
+        budget = budget.outer
+    return found
 
 
 def tick(done: float | None = None, total: float | None = None, what: str = "") -> None:
@@ -152,8 +198,8 @@ def afford(terms: int, others: int = 1) -> None:
         if terms * others > _PRODUCTS * (budget.deadline - budget.clock()):
             budget.reached = True
             raise LimitError(
-                f"formulas so long that the limit of {budget.whole or budget.seconds:g} s would probably be exceeded; a longer "
-                "limit may decide it"
+                f"stopped at the limit of {budget.seconds:g} s, which formulas as long as these would probably exceed; "
+                "a longer limit may decide it"
             )
 
 
@@ -197,7 +243,8 @@ def share(part: float) -> Iterator[None]:
     if budget is None or budget.deadline is None:
         yield
         return
-    with limited(max(part * (budget.deadline - budget.clock()), 1e-9), budget.told, budget.whole or budget.seconds):
+    now = budget.clock()
+    with _under(budget, now + part * (budget.deadline - now), budget.told):
         yield
 
 
