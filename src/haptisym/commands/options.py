@@ -28,7 +28,7 @@ from click.core import ParameterSource
 from haptisym.commands.terminal import ends_with_what_is_proven, note, progress, say, say_document, says_help, to_file
 from haptisym.figures.pen import checked, checked_report
 from haptisym.kernel.budget import SECONDS, limited
-from haptisym.kernel.errors import NothingToDrawError, SceneError, meant
+from haptisym.kernel.errors import NothingToDrawError, SceneError, UndecidedError, meant
 from haptisym.model.files import write_whole
 
 if TYPE_CHECKING:
@@ -348,19 +348,24 @@ def keep_pages(found: Answer, ask: Ask) -> Callable[[], Any]:
 def hand_over(found: Answer, ask: Ask) -> None:
     """Write the files that were asked for, print the answer; exit status 3 where something in it is undecided.
 
-    Else 2 where a figure was asked for and could not be drawn.
+    Else 2 where a figure was asked for and could not be drawn. For a certificate there is the limit once more.
     """
-    is_drawn = draw(found, ask)
+    is_drawn, is_proven = draw(found, ask), True
     if getattr(ask, "certificate", None) is not None:
-        keep_text("certificate", ask.certificate, found.certificate)
+        try:
+            with limited(ask.limit):
+                keep_text("certificate", ask.certificate, found.certificate)
+        except UndecidedError as error:
+            note(f"no certificate: {error}")
+            is_proven = False
     page = keep_pages(found, ask)
     if ask.json:
         say_document(found.to_json())
     else:
         say(page(), ask.digits, formulas=bool(ask.formulas))
     end(found)
-    if not is_drawn:
-        sys.exit(2)
+    if not (is_drawn and is_proven):
+        sys.exit(2 if is_proven else 3)
 
 
 def draw(found: Answer, ask: Ask) -> bool:
@@ -368,13 +373,13 @@ def draw(found: Answer, ask: Ask) -> bool:
 
     False where a figure was asked for and is not there.
     """
-    if getattr(ask, "figures", None) is not None:
-        keep("figures", ask.figures, lambda: found.save_figures(ask.figures))
-    if (path := getattr(ask, "figure", None)) is None:
-        return True
+    figures, figure = (getattr(ask, name, None) for name in ("figures", "figure"))
     try:
-        keep("figure", path, lambda: found.save_figure(path))
-    except NothingToDrawError as error:
+        if figures is not None:
+            keep("figures", figures, lambda: found.save_figures(figures))
+        if figure is not None:
+            keep("figure", figure, lambda: found.save_figure(figure))
+    except (NothingToDrawError, UndecidedError) as error:
         note(f"no figure: {error}")
         return False
     return True

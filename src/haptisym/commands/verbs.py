@@ -124,10 +124,6 @@ def evaluate(ask: Ask) -> Answer:
     scene = family[str(ask.environment)] if ask.environments else chosen(family, Path(ask.scene).name, ask.environment)
     own = {"tolerance": ask.tolerance, "movement": ask.movement, "discriminate": ask.discriminate}
     result = of(scene, ask.digits or 15, **own, **same)
-    _ = result.bandwidths  # of a range of thresholds: within the limit
-    proof = result.certificate() if ask.certificate else ""
-    keep_text("certificate", ask.certificate, lambda: proof)
-    ask.certificate = None
     if ask.response is not None:
         from haptisym.model.measuring import write_sampled
 

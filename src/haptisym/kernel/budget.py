@@ -24,7 +24,7 @@ from threading import Lock
 from time import monotonic, process_time
 from typing import Any, Generic, TypeAlias, TypeVar
 
-from haptisym.kernel.errors import LimitError, SceneError
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 
 Told: TypeAlias = Callable[[float, float | None, str], None]
 """Is called with what is done, of how much (None: nobody knows), and with what it is that is done."""
@@ -220,6 +220,27 @@ def room(terms: int) -> None:
 _PRODUCTS = 5e7
 MOST_TERMS = 1_000_000
 """Of one polynomial, some hundred bytes each; a quotient needs several."""
+
+
+T = TypeVar("T")
+Left: TypeAlias = dict[str, str]
+"""Parts of an answer that were not found in time, each with the reason."""
+
+
+def in_time(part: Callable[[], T], name: str, left: Left) -> T | None:
+    """A part of an answer; None, and the reason in ``left``, where it stays undecided.
+
+    >>> left = {}
+    >>> with limited(1e-9):
+    ...     in_time(tick, "the rest", left)
+    >>> left
+    {'the rest': 'stopped at the limit of 1e-09 s; a longer limit may decide it'}
+    """
+    try:
+        return part()
+    except UndecidedError as error:
+        left[name] = str(error)
+        return None
 
 
 @contextmanager

@@ -6,16 +6,16 @@ All are judged by one JND, or by square, disc and diamond of its half widths, wh
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
-from haptisym.judge.answers import Answer
+from haptisym.judge.answers import Answer, left_rows
 from haptisym.judge.crossings import Criterion, Judged, noticed
 from haptisym.judge.evaluation import OWN, Compared, Evaluation, evaluate
-from haptisym.kernel.budget import SECONDS, limited
-from haptisym.kernel.errors import within
+from haptisym.kernel.budget import SECONDS, Left, in_time, limited
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, Key, Signed, Signs, chart
@@ -24,6 +24,7 @@ from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import SceneFamily, as_family
+from haptisym.verbs.family.answers import answer_each
 
 
 @dataclass(frozen=True)
@@ -155,8 +156,9 @@ def compared_all(family: SceneFamily, answers: Mapping[str, Evaluation], own: Wo
 class FamilyEvaluation(Answer):
     """The answers for each environment of a family, and what holds for all of them. All proven.
 
-    ``answers`` : by the names of the environments. ``worst`` : what holds for all of them. ``regions`` : where other JND models
-    were asked about, what each says.
+    ``answers`` : by the names of the environments. ``worst`` : what holds for all of them; None where that is undecided: then
+    ``bandwidth`` and all else that is common raises UndecidedError. ``regions`` : where other JND models were asked about, what
+    each says. ``left`` : what was not found in time, with the reason.
     """
 
     _schema: ClassVar[str] = "haptisym.evaluations/1"
@@ -165,14 +167,17 @@ class FamilyEvaluation(Answer):
 
     family: SceneFamily
     answers: Mapping[str, Evaluation]
-    worst: WorstCase
+    worst: WorstCase | None
     digits: int = 15
     regions: tuple[FamilyCompared, ...] = ()
+    left: Left = field(default_factory=dict)
 
     def _line(self) -> str:
-        width = (
-            "no common bandwidth" if self.bandwidth is None else f"common bandwidth {self.bandwidth.digits(5)} rad/s"
-        )
+        width = "no common bandwidth"
+        if self.worst is None:
+            width = "common bandwidth undecided"
+        elif self.bandwidth is not None:
+            width = f"common bandwidth {self.bandwidth.digits(5)} rad/s"
         return f"{titled(self.family.title)}: {counted(len(self.answers), 'environment')}, {width}"
 
     @property
@@ -180,39 +185,50 @@ class FamilyEvaluation(Answer):
         return self.family
 
     @property
+    def _all(self) -> WorstCase:
+        """The worst case; UndecidedError where it is not known."""
+        if self.worst is None:
+            raise UndecidedError("; ".join(self.left.values()))
+        return self.worst
+
+    @property
     def chart(self) -> Chart:
         """What each environment must not exceed, (name, criterion), on one band."""
-        return self.worst.chart
+        return self._all.chart
 
     @property
     def transparent(self) -> tuple[Interval, ...]:
         """The frequencies at which every environment is transparent: closed intervals, perhaps none."""
-        return self.worst.transparent
+        return self._all.transparent
 
     @property
     def bandwidth(self) -> RealNumber | None:
         """The end of the common transparent interval that starts at the band's low end; None if none does."""
-        return self.worst.bandwidth
+        return self._all.bandwidth
 
     @property
     def binding(self) -> tuple[FamilyBinding, ...]:
         """Who binds at each end of the common transparent set inside the band, in ascending order; see ``WorstCase``."""
-        return self.worst.binding
+        return self._all.binding
 
     @property
     def certified(self) -> bool:
         """Whether nothing was left undecided, in any environment or in the worst case."""
         own = all(x.certified for x in self.answers.values()) and all(x.certified for x in self.regions)
-        return own and not self.chart.undecided
+        return own and not self.left and not self.chart.undecided
+
+    def _left(self) -> dict[str, Any]:
+        return {"undecided": left_rows(self.left)} if self.left else {}
 
     def _body(self) -> dict[str, Any]:
+        transparent, binding, width = (self.transparent, self.binding, self.bandwidth) if self.worst else ((), (), None)
         return {
-            "band": [float(point.omega) for point in (self.chart.points[0], self.chart.points[-1])],
+            "band": [float(x) for x in self.family.band],
             "threshold": self.family.threshold.row(),
             "environments": [{"name": name, **x.to_dict()} for name, x in self.answers.items()],
-            "transparent": [[float(x.low.omega), float(x.high.omega)] for x in self.transparent],
-            "binding": [binding_row(x, self.digits) for x in self.binding],
-            "bandwidth": None if self.bandwidth is None else float(self.bandwidth),
+            "transparent": [[float(x.low.omega), float(x.high.omega)] for x in transparent],
+            "binding": [binding_row(x, self.digits) for x in binding],
+            "bandwidth": None if width is None else float(width),
             "certified": self.certified,
             **({"regions": [x.row(self.digits) for x in self.regions]} if self.regions else {}),
         }
@@ -231,8 +247,8 @@ def evaluate_all(
     ``digits`` : decimal digits of each crossing. ``regions`` : whether ``regions`` is to tell what square, disc and diamond of
     the JND's half widths say. ``proportion`` : of right answers, to which a JND that tells its own is converted. Guaranteed: the
     common transparent set is the intersection of the environments' own; its ends are proven, and which environment they belong
-    to. ``limit`` : seconds after which a LimitError says that it is not decided; None for none. Raises SceneError if a parameter
-    is still a symbol, UndecidedError where two ends could not be told apart.
+    to. ``limit`` : seconds of processor time after which ``left`` names what is not decided; None for none. Raises SceneError if a
+    parameter is still a symbol, LimitError if not even one environment was answered in time.
 
     >>> from haptisym.model.scenefile import load_scenes
     >>> found = evaluate_all(load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]))
@@ -247,12 +263,15 @@ def evaluate_all(
 
 
 def _evaluated(family: SceneFamily, digits: int, *, regions: bool) -> FamilyEvaluation:
-    answers = {}
-    for name, scene in family.scenes.items():
-        with within(f'environment "{name}"'):
-            answers[name] = evaluate(scene, digits)
-    worst = WorstCase.of(family, family.threshold)
-    if not regions:
-        return FamilyEvaluation(family, answers, worst, digits)
-    answers = {name: e.with_regions() for name, e in answers.items()}
-    return FamilyEvaluation(family, answers, worst, digits, compared_all(family, answers, worst))
+    each = answer_each(family, lambda scene: evaluate(scene, digits))
+    answers, left = each.answers, each.left
+    worst = None if left else in_time(lambda: WorstCase.of(family, family.threshold), "all environments", left)
+    found = FamilyEvaluation(family, answers, worst, digits, (), left)
+    if not regions or worst is None:
+        return found
+    return in_time(lambda: _with_regions(found, worst), "regions", left) or found
+
+
+def _with_regions(found: FamilyEvaluation, worst: WorstCase) -> FamilyEvaluation:
+    answers = {name: e.with_regions() for name, e in found.answers.items()}
+    return replace(found, answers=answers, regions=compared_all(found.family, answers, worst))

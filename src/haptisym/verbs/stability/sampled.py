@@ -275,8 +275,8 @@ class Walk:
             return self
         if side < 0 and self.start == 0 and self.rule is not Rule.ANY:
             return None
-        for share in _BESIDE:
-            step = (abs(self.start) or 1) * share
+        for part in _BESIDE:
+            step = (abs(self.start) or 1) * part
             if self._is_alone_at_1(self.start, step):
                 start = self.start + side * step
                 home, _ = self.loop.count(Rational(start.numerator, start.denominator))
