@@ -67,7 +67,9 @@ def progress(unit: str = "", *, kept: Callable[[str], str] = lambda _: "there is
 
 _BAR = "haptisym.progress"  # under which a call of the command line keeps its bar
 _pressed: ContextVar[Sequence[int]] = ContextVar("haptisym.pressed", default=())  # what ``interrupts`` yields
-_stop: ContextVar[Callable[[], None] | None] = ContextVar("haptisym.stop", default=None)  # what Ctrl-C calls, if anything
+_stop: ContextVar[Callable[[], None] | None] = ContextVar(
+    "haptisym.stop", default=None
+)  # what Ctrl-C calls, if anything
 
 
 def quiet() -> None:

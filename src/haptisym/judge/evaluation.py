@@ -42,7 +42,7 @@ from haptisym.judge.percepts import (
     without_friction,
 )
 from haptisym.judge.regions import Cornered
-from haptisym.kernel.budget import Left
+from haptisym.kernel.budget import Left, in_time
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber, whole
@@ -398,7 +398,9 @@ class Evaluation(Answer):
     def certified(self) -> bool:
         """Whether every number here is proven, none estimated, and nothing was left undecided."""
         is_fitted = self.movement is None or not self.movement.undecided
-        return not (self.undecided or self.left) and is_fitted and (self.bandwidths is None or self.bandwidths.certified)
+        return (
+            not (self.undecided or self.left) and is_fitted and (self.bandwidths is None or self.bandwidths.certified)
+        )
 
     def _body(self) -> dict[str, Any]:
         changeovers = {"environment": self.changeovers_environment, "perceived": self.changeovers_perceived}
@@ -459,8 +461,9 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut |
     scene.knobs.need_numbers()
     distortion = scene.distortion()
     table = chart(curves(distortion, noticed(scene.threshold)), *scene.band)
-    stable = force_is_stable(scene, distortion)
-    return Evaluation(scene, distortion, table, stable, digits, left_out)
+    left = Left()
+    stable = in_time(lambda: force_is_stable(scene, distortion), "stability under prescribed motion", left)
+    return Evaluation(scene, distortion, table, stable, digits, left_out, left=left)
 
 
 def _interval(x: Interval) -> list[float]:

@@ -8,7 +8,8 @@ kept scene at these two levels encloses all its crossings. Of a region of anothe
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations, groupby
 from math import comb, inf, nextafter
@@ -17,13 +18,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from sympy import Expr, Rational
 
-from haptisym.judge.answers import Answer
+from haptisym.judge.answers import Answer, left_rows
 from haptisym.judge.crossings import Criterion, Judged, noticed
 from haptisym.kernel.arrays import np
-from haptisym.kernel.budget import SECONDS, Waiting, limited
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.budget import SECONDS, Left, Waiting, in_time, limited, share, spared, tick
+from haptisym.kernel.errors import LimitError, SceneError
 from haptisym.kernel.objects import titled
-from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import Chart, Interval, Signed, chart, sign_of_number
 from haptisym.model.catalogue import Effect
@@ -103,7 +104,14 @@ class SubsetSearch:
         return Selection(kept, bound, smallest)
 
     def _verdict(self, kept: Kept) -> bool | None:
-        """Whether a set does; None where that stayed undecided."""
+        """Whether a set does; None where that stayed undecided, or the time is over."""
+        try:
+            tick()
+            return self._decided(kept)
+        except LimitError:
+            return None
+
+    def _decided(self, kept: Kept) -> bool | None:
         change, part, piece = self._sampled(kept)
         if change > self._limit and self._at(kept, part, piece) > self._limit:
             return False
@@ -216,7 +224,7 @@ class Relevance(Answer):
     ``bound`` : of each part the largest change of its ratio on the band that leaving out all others makes together, 1; proven.
     ``smallest`` : whether it is proven that no smaller set of effects is within the tolerance
     (``docs/reference-tolerances.md``).
-    ``dropped``, ``effects`` : the names left out, and a row for each effect.
+    ``dropped``, ``effects`` : the names left out, and a row for each effect. ``left`` : what a limit in time left undecided.
 
     >>> import haptisym as hs
     >>> found = hs.relevance("sidestick", "0.01")
@@ -234,6 +242,7 @@ class Relevance(Answer):
     bound: Mapping[Part, Supremum]
     smallest: bool
     balls: BallChain
+    left: Left = field(default_factory=dict)
 
     def _line(self) -> str:
         kept = f"{len(self.pruned.effects)} of {len(self.scene.effects)} effects"
@@ -241,7 +250,15 @@ class Relevance(Answer):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy puts the scene into ball arithmetic again: balls cannot be pickled."""
-        return _again, (self.scene, self.tolerance, self.pruned, self.bound, self.smallest)
+        return _again, (self.scene, self.tolerance, self.pruned, self.bound, self.smallest, self.left)
+
+    @property
+    def certified(self) -> bool:
+        """Whether no limit in time left bounds wider or a smaller set undecided."""
+        return not self.left
+
+    def _left(self) -> dict[str, Any]:
+        return {"undecided": left_rows(self.left)} if self.left else {}
 
     @property
     def dropped(self) -> tuple[Effect, ...]:
@@ -264,10 +281,15 @@ class Relevance(Answer):
     def crossings(self) -> tuple[CrossingEnclosure, ...]:
         """Where the full scene's crossings lie: in these intervals, in ascending order, and nowhere else on the band."""
         found = [enclosure for x in noticed(self.pruned.threshold) for enclosure in self._enclosures(x)]
-        return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
+        with spared():  # the digits of a certified zero take no time
+            return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
 
     def _enclosures(self, criterion: Criterion) -> Iterator[CrossingEnclosure]:
-        table = chart(self._levels(criterion), *self.pruned.band)
+        try:
+            table = chart(self._levels(criterion), *self.pruned.band)
+        except LimitError:
+            yield CrossingEnclosure(criterion, *map(ExactNumber, self.pruned.band), certain=False)
+            return
         for x in table.where(lambda signs: signs.get("low", 1) >= 0 >= signs.get("high", -1)):
             yield CrossingEnclosure(criterion, x.low.omega, x.high.omega, _passes(table, x))
         for point in table.undecided:
@@ -297,8 +319,9 @@ class Relevance(Answer):
     @cached_property
     def dominance(self) -> tuple[Dominance, ...]:
         """Which effect changes the ratios most, along the band; in the gaps two are alike, or nothing is told to 1/1000 of it."""
-        with series_arithmetic():
-            pieces = list(self._dominated())
+        pieces = list[tuple[int | None, BandPiece]]()
+        with series_arithmetic(), suppress(LimitError):
+            pieces.extend(self._dominated())
         found = []
         for index, run in groupby(pieces, key=lambda pair: pair[0]):
             if index is not None:
@@ -357,8 +380,15 @@ def _upper(change: Mapping[Part, Supremum]) -> dict[str, float | None]:
     return {part.value: change[part].most if change[part].is_finite else None for part in Part}
 
 
-def _again(scene: Scene, tolerance: Expr, pruned: Scene, bound: Mapping[Part, Supremum], smallest: bool) -> Relevance:  # noqa: FBT001
-    return Relevance(scene, tolerance, pruned, bound, smallest, BallChain(scene))
+def _again(
+    scene: Scene,
+    tolerance: Expr,
+    pruned: Scene,
+    bound: Mapping[Part, Supremum],
+    smallest: bool,  # noqa: FBT001
+    left: Left,
+) -> Relevance:
+    return Relevance(scene, tolerance, pruned, bound, smallest, BallChain(scene), left)
 
 
 def _passes(table: Chart, interval: Interval) -> bool:
@@ -378,9 +408,9 @@ def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE, *, limit
     """Find which effects of a scene matter: the fewest with which r_r and r_i stay within a tolerance of the full scene's.
 
     ``tolerance`` : a number >= 0, of the ratios. Guaranteed: the bound holds at every frequency of the band for both
-    ratios and all left-out effects together; of 12 effects or fewer no smaller set does. ``limit`` : seconds after which a
-    LimitError says that it is not decided; None for none. Raises SceneError for a scene with symbols for numbers, and for a
-    tolerance that is none.
+    ratios and all left-out effects together; of 12 effects or fewer no smaller set does. ``limit`` : seconds of processor time
+    after which the search ends: bounds are then wider than they need be, and a smaller set may exist; None for none. Raises
+    SceneError for a scene with symbols for numbers, and for a tolerance that is none.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.model.jnd import Part
@@ -389,14 +419,26 @@ def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE, *, limit
     >>> [e.name for e in found.pruned.effects], found.bound[Part.REAL].most < 1e-5
     (['first-order-lag'], True)
     """
-    scene = as_scene(scene)
+    with limited(limit) as budget:
+        found = chosen(as_scene(scene), tolerance)
+        _ = found.crossings, found.effects, found.dominance  # all that takes long
+        if budget.reached:
+            in_time(tick, "narrower bounds, and whether a smaller set of effects is within the tolerance", found.left)
+    return found
+
+
+def chosen(scene: Scene, tolerance: Number) -> Relevance:
+    """The fewest effects of a scene that matter, as far as some of the time that is left allows; all else is found when asked."""
     most = _tolerance(tolerance)
     scene.knobs.need_numbers()
     balls = BallChain(scene)
-    with limited(limit):
+    with share(_FOR_CHOICE):
         choice = SubsetSearch(scene, balls, most).choose()
     kept = tuple(effect for i, effect in enumerate(scene.effects) if i in choice.kept)
     return Relevance(scene, most, replace(scene, effects=kept), choice.bound, choice.smallest, balls)
+
+
+_FOR_CHOICE = 0.6  # of the time
 
 
 def _tolerance(given: Number) -> Expr:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from haptisym.judge import evaluation
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.budget import SECONDS, Left, in_time, limited
+from haptisym.kernel.budget import SECONDS, in_time, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.quantities import Number
@@ -93,7 +93,8 @@ def evaluate(
     if proportion is not None:
         given = as_scene(given).at_proportion(proportion)
     with limited(limit):
-        found, left = _evaluated(given, digits, tolerance), Left()
+        found = _evaluated(given, digits, tolerance)
+        left = found.left
         if regions or discriminate:
             found = in_time(found.with_regions, "regions", left) or found
         if discriminate:
@@ -105,7 +106,6 @@ def evaluate(
             from haptisym.verbs.evaluate.movement import movement as fitted  # loaded where it is asked for
 
             found = replace(found, movement=in_time(partial(fitted, found.scene, movement), "movement", left))
-        found = replace(found, left=left) if left else found
         _ = found.bandwidths  # of a range of thresholds, which tell themselves where the time for them is over
     return found
 
@@ -113,9 +113,9 @@ def evaluate(
 def _evaluated(scene: Scene, digits: int, tolerance: Number | None) -> Evaluation:
     if tolerance is None:
         return evaluation.evaluate(scene, digits)
-    from haptisym.verbs.effects.relevance import relevance
+    from haptisym.verbs.effects.relevance import chosen as relevant
 
-    found = relevance(scene, tolerance, limit=None)
+    found = relevant(scene, tolerance)
     return evaluation.evaluate(found.pruned, digits, left_out=found)
 
 

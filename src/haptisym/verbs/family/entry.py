@@ -247,7 +247,7 @@ def evaluate_all(
     ``digits`` : decimal digits of each crossing. ``regions`` : whether ``regions`` is to tell what square, disc and diamond of
     the JND's half widths say. ``proportion`` : of right answers, to which a JND that tells its own is converted. Guaranteed: the
     common transparent set is the intersection of the environments' own; its ends are proven, and which environment they belong
-    to. ``limit`` : seconds of processor time after which ``left`` names what is not decided; None for none. Raises SceneError if a
+    to. ``limit`` : seconds of processor time after which ``left`` names what is undecided; None for none. Raises SceneError if a
     parameter is still a symbol, LimitError if not even one environment was answered in time.
 
     >>> from haptisym.model.scenefile import load_scenes
