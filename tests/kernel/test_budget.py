@@ -157,7 +157,7 @@ def test_work_that_is_stopped_ends_at_its_next_tick_in_whatever_limits_it_is_and
     with limited(None) as outer, limited(60) as own, share(1 / 2):
         assert not over(tick)
         own.stop()
-        with limited(5), pytest.raises(LimitError, match="^interrupted"):
+        with limited(5), pytest.raises(LimitError, match=r"^stopped at the limit \(interrupted\)$"):
             tick()
         with spared():
             assert not over(tick)

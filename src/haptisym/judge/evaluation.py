@@ -425,8 +425,10 @@ class Evaluation(Answer):
         }
 
     def _left(self) -> dict[str, Any]:
-        rows = [{"part": x.name, "enclosure": list(p.omega.enclosure(self.digits))} for x, p in self.undecided]
-        rows += left_rows(self.left)
+        rows: list[Any] = [
+            {"part": x.name, "enclosure": list(p.omega.enclosure(self.digits))} for x, p in self.undecided
+        ]
+        rows = [*rows, *left_rows(self.left)]
         found: dict[str, Any] = {"undecided": rows} if rows else {}
         found |= {"regions": [x.row(self.digits) for x in self.regions]} if self.regions else {}
         found |= {} if self.movement is None else {"movement": self.movement.row()}

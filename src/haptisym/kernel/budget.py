@@ -79,6 +79,15 @@ class Budget:
         return self if self.outer is None else self.outer.outermost
 
     @property
+    def why(self) -> str:
+        """Why something was cut short; empty where nothing was."""
+        if not self.reached:
+            return ""
+        if self.outermost.stopped:
+            return "stopped at the limit (interrupted)"
+        return f"stopped at the limit of {self.seconds:g} s; a longer limit may decide it"
+
+    @property
     def cut(self) -> float | None:
         """The seconds of the limit that cut something short; None if none did, or if the work was stopped before."""
         return self.seconds if self.reached and not self.outermost.stopped else None
@@ -90,12 +99,9 @@ class Budget:
     def tick(self, done: float | None, total: float | None, what: str) -> None:
         """LimitError when the time is over, or the work was stopped; else now and then a word to whoever is told."""
         now = self.clock()
-        if self.outermost.stopped:
+        if self.outermost.stopped or (self.deadline is not None and now > self.deadline):
             self.reached = True
-            raise LimitError("interrupted before it was decided")
-        if self.deadline is not None and now > self.deadline:
-            self.reached = True
-            raise LimitError(f"stopped at the limit of {self.seconds:g} s; a longer limit may decide it")
+            raise LimitError(self.why)
         if done is not None and (what or not self._last[2]):  # an inner loop without a name leaves the outer one's word
             self._last = done, total, what
         self._tell_now_and_then(now)

@@ -288,7 +288,8 @@ class Relevance(Answer):
         try:
             table = chart(self._levels(criterion), *self.pruned.band)
         except LimitError:
-            yield CrossingEnclosure(criterion, *map(ExactNumber, self.pruned.band), certain=False)
+            low, high = map(ExactNumber, self.pruned.band)
+            yield CrossingEnclosure(criterion, low, high, certain=False)
             return
         for x in table.where(lambda signs: signs.get("low", 1) >= 0 >= signs.get("high", -1)):
             yield CrossingEnclosure(criterion, x.low.omega, x.high.omega, _passes(table, x))

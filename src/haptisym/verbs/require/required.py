@@ -432,9 +432,8 @@ def require(
     criteria = (*judged, *further(scene, wanted))
     with limited(limit, told) as budget:
         found = solve_all(scene, free, asked, criteria)
-    cut = budget.seconds if budget.reached else None
     return Requirement(
-        scene, free, asked, found.feasible, found.undecided, criteria, digits, cut, tuple(wanted), found.reason
+        scene, free, asked, found.feasible, found.undecided, criteria, digits, budget.cut, tuple(wanted), found.reason
     )
 
 
