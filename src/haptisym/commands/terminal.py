@@ -110,9 +110,9 @@ class ProgressBar:
             return
         if self.bar is None:
             self.bar = _bar()
-            self.bar.add_task(what, count="", limit="")
+            self.bar.add_task(what, count="")
             self.bar.start()
-        self.bar.update(self.bar.task_ids[0], description=what, count=self.reached, limit=_limit())
+        self.bar.update(self.bar.task_ids[0], description=what, count=f"{self.reached}{_limit()}")
         self.bar.tasks[0].total = total  # ``update`` takes None for "as before"
         self.bar.update(self.bar.task_ids[0], completed=done)
 
@@ -131,7 +131,7 @@ def _figure(x: float) -> str:
 def _limit() -> str:
     """How much of the limit is used; the clock beside it goes on while other programs have the processor."""
     used = spent()
-    return "" if used is None else f"processor {used[0]:.0f} of {used[1]:g} s"
+    return "" if used is None else f", {used[0]:.0f} of {used[1]:g} s of processor time"
 
 
 def _bar() -> Progress:
@@ -141,11 +141,11 @@ def _bar() -> Progress:
 
     console = Console(stderr=True)
     roomy = console.width >= 60
-    count, limit, what = (
+    count, what = (
         TextColumn(x, markup=False, table_column=Column(no_wrap=True, overflow="crop"))
-        for x in ("{task.fields[count]}", "{task.fields[limit]}", "{task.description}")
+        for x in ("{task.fields[count]}", "{task.description}")
     )
-    times = (TimeElapsedColumn(), TimeRemainingColumn(), limit) if roomy else ()
+    times = (TimeElapsedColumn(), TimeRemainingColumn()) if roomy else ()
     # Pages ask standard output for its encoding while the bar is there: Rich must not stand in front of it.
     return Progress(
         BarColumn(30 if roomy else 8), count, *times, what, console=console, transient=True, redirect_stdout=False

@@ -249,7 +249,9 @@ def effects(ask: Ask) -> Answer:
     """
     from haptisym.verbs.effects.relevance import relevance
 
-    return relevance(ask.scene, ask.tolerance, limit=None)
+    found = relevance(ask.scene, ask.tolerance, limit=None)
+    _ = found.effects, found.crossings, found.dominance  # within the limit
+    return found
 
 
 @verb(

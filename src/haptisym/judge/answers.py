@@ -10,7 +10,6 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, ClassVar, Protocol
 
-from haptisym.kernel.budget import Left
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import Shown, copied
 
@@ -42,11 +41,6 @@ class NoScene:
     def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
         """Nothing."""
         return {}
-
-
-def left_rows(left: Left) -> list[dict[str, str]]:
-    """What was not found in time, as documents have it."""
-    return [{"name": name, "reason": why} for name, why in left.items()]
 
 
 class Answer(Shown):

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Protocol, TypeVar
 
 from sympy import Expr, S
 
-from haptisym.judge.answers import Answer, left_rows
+from haptisym.judge.answers import Answer
 from haptisym.judge.bandwidths import Bandwidths, bandwidths
 from haptisym.judge.bounds import AnyEnvironment, any_environment
 from haptisym.judge.crossings import (
@@ -428,7 +428,7 @@ class Evaluation(Answer):
         rows: list[Any] = [
             {"part": x.name, "enclosure": list(p.omega.enclosure(self.digits))} for x, p in self.undecided
         ]
-        rows = [*rows, *left_rows(self.left)]
+        rows += [{"name": name, "reason": why} for name, why in self.left.items()]
         found: dict[str, Any] = {"undecided": rows} if rows else {}
         found |= {"regions": [x.row(self.digits) for x in self.regions]} if self.regions else {}
         found |= {} if self.movement is None else {"movement": self.movement.row()}

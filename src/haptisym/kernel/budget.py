@@ -22,7 +22,7 @@ from importlib import import_module
 from math import isfinite
 from threading import Lock
 from time import monotonic, process_time
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, Generic, NoReturn, TypeAlias, TypeVar
 
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 
@@ -67,9 +67,11 @@ class Budget:
     told: Told | None = None
     outer: Budget | None = None
     clock: Callable[[], float] = process_time
-    reached: bool = False
-    """Whether something was cut short."""
     stopped: bool = False
+    why: str = ""
+    """Why something was cut short; empty where nothing was."""
+    cut: float | None = None
+    """The seconds of the limit that cut something short."""
     _last: tuple[float, float | None, str] = field(default=(0, None, ""), repr=False)
     _next: float = field(default=0.0, repr=False)
 
@@ -79,18 +81,9 @@ class Budget:
         return self if self.outer is None else self.outer.outermost
 
     @property
-    def why(self) -> str:
-        """Why something was cut short; empty where nothing was."""
-        if not self.reached:
-            return ""
-        if self.outermost.stopped:
-            return "stopped at the limit (interrupted)"
-        return f"stopped at the limit of {self.seconds:g} s; a longer limit may decide it"
-
-    @property
-    def cut(self) -> float | None:
-        """The seconds of the limit that cut something short; None if none did, or if the work was stopped before."""
-        return self.seconds if self.reached and not self.outermost.stopped else None
+    def reached(self) -> bool:
+        """Whether something was cut short."""
+        return bool(self.why)
 
     def stop(self) -> None:
         """End the work at its next tick, with what is proven by then, as at a limit; also from a signal or another thread."""
@@ -99,12 +92,18 @@ class Budget:
     def tick(self, done: float | None, total: float | None, what: str) -> None:
         """LimitError when the time is over, or the work was stopped; else now and then a word to whoever is told."""
         now = self.clock()
-        if self.outermost.stopped or (self.deadline is not None and now > self.deadline):
-            self.reached = True
-            raise LimitError(self.why)
+        if self.outermost.stopped:
+            self.end("stopped at the limit (interrupted)")
+        if self.deadline is not None and now > self.deadline:
+            self.end(f"stopped at the limit of {self.seconds:g} s; a longer limit may decide it", self.seconds)
         if done is not None and (what or not self._last[2]):  # an inner loop without a name leaves the outer one's word
             self._last = done, total, what
         self._tell_now_and_then(now)
+
+    def end(self, why: str, cut: float | None = None) -> NoReturn:
+        """LimitError, which is remembered."""
+        self.why, self.cut = why, cut
+        raise LimitError(why)
 
     def say(self, done: float, total: float | None, what: str) -> None:
         """How far the work is; never a LimitError."""
@@ -143,32 +142,22 @@ def limited(seconds: float | None = None, told: Told | None = None) -> Iterator[
     outer, clock = _budget.get(), _clock.get()
     now = clock()
     own = None if seconds is None else now + seconds
-    if outer is not None and (own is None or (outer.deadline is not None and outer.deadline < own)):
-        with _under(outer, outer.deadline, told) as budget:
-            yield budget
-        return
-    with _inside(Budget(seconds, now, own, told, outer, clock)) as budget:
+    same = outer if own is None or (outer and outer.deadline is not None and outer.deadline < own) else None
+    limit = (same.seconds, same.began, same.deadline) if same else (seconds, now, own)
+    with _inside(Budget(*limit, told, outer, clock), same) as budget:
         yield budget
 
 
 @contextmanager
-def _under(outer: Budget, deadline: float | None, told: Told | None) -> Iterator[Budget]:
-    """The same limit, or a share of it: what it cuts short inside is cut short by the limit that was set outside."""
-    budget = Budget(outer.seconds, outer.began, deadline, told, outer, outer.clock)
-    try:
-        with _inside(budget):
-            yield budget
-    finally:
-        outer.reached |= budget.reached
-
-
-@contextmanager
-def _inside(budget: Budget) -> Iterator[Budget]:
+def _inside(budget: Budget, same: Budget | None = None) -> Iterator[Budget]:
+    """``same`` : of which it is the limit, or a share: it is cut short by what cuts this one short."""
     mark = _budget.set(budget)
     try:
         yield budget
     finally:
         _budget.reset(mark)
+        if same is not None and budget.why:
+            same.why, same.cut = budget.why, budget.cut
 
 
 def left() -> float | None:
@@ -179,11 +168,9 @@ def left() -> float | None:
 
 def spent() -> tuple[float, float] | None:
     """Processor time since the outermost limit was set, and that limit, s; None without one."""
-    found, budget = None, _budget.get()
-    while budget is not None:
-        found = found if budget.seconds is None else (budget.clock() - budget.began, budget.seconds)
-        budget = budget.outer
-    return found
+    budget = _budget.get()
+    outer = None if budget is None else budget.outermost
+    return None if outer is None or outer.seconds is None else (outer.clock() - outer.began, outer.seconds)
 
 
 def tick(done: float | None = None, total: float | None = None, what: str = "") -> None:
@@ -202,11 +189,8 @@ def afford(terms: int, others: int = 1) -> None:
     if budget is not None and budget.deadline is not None:
         budget.tick(None, None, "")
         if terms * others > _PRODUCTS * (budget.deadline - budget.clock()):
-            budget.reached = True
-            raise LimitError(
-                f"stopped at the limit of {budget.seconds:g} s, which formulas as long as these would probably exceed; "
-                "a longer limit may decide it"
-            )
+            why = "which formulas as long as these would probably exceed; a longer limit may decide it"
+            budget.end(f"stopped at the limit of {budget.seconds:g} s, {why}", budget.seconds)
 
 
 def room(terms: int) -> None:
@@ -215,12 +199,8 @@ def room(terms: int) -> None:
     Memory is bounded without a limit in time, too.
     """
     if terms > MOST_TERMS:
-        budget = _budget.get()
-        if budget is not None:
-            budget.reached = True
-        raise LimitError(
-            f"formulas of {terms:,} terms, which memory would not hold: at most {MOST_TERMS:,} are computed with"
-        )
+        why = f"formulas of {terms:,} terms, which memory would not hold: at most {MOST_TERMS:,} are computed with"
+        (_budget.get() or Budget(None, 0, None)).end(why)
 
 
 _PRODUCTS = 5e7
@@ -271,7 +251,8 @@ def share(part: float) -> Iterator[None]:
         yield
         return
     now = budget.clock()
-    with _under(budget, now + part * (budget.deadline - now), budget.told):
+    own = now + part * (budget.deadline - now)
+    with _inside(Budget(budget.seconds, budget.began, own, budget.told, budget, budget.clock), budget):
         yield
 
 

@@ -8,7 +8,6 @@ from haptisym.kernel.objects import counted
 from haptisym.kernel.reals import Way
 from haptisym.model.jnd import Part
 from haptisym.pages import words as w
-from haptisym.verbs.effects.differences import Supremum
 from haptisym.verbs.effects.relevance import CrossingEnclosure, Relevance
 from haptisym.writing.document import Block, Document, Figure, Notes, Paragraph, Phrase, Section, listed
 
@@ -21,14 +20,7 @@ def page(r: Relevance) -> Document:
 
 def _answer(r: Relevance) -> Iterator[tuple[Phrase, Phrase]]:
     kept, dropped = ([e.name for e in effects] for effects in (r.pruned.effects, r.dropped))
-    yield (
-        "Matter",
-        (
-            "at most " if r.left and kept else "",
-            listed(kept) if kept else "none",
-            f" ({len(kept)} of {counted(len(r.scene.effects), 'effect')})",
-        ),
-    )
+    yield "Matter", (listed(kept) if kept else "none", f" ({len(kept)} of {counted(len(r.scene.effects), 'effect')})")
     if dropped:
         full, few = r.operations
         changes = w.phrased("changes {} on the band (tolerance {})", w.bounds(r.bound), w.near(float(r.tolerance)))
@@ -41,21 +33,16 @@ def _effects(r: Relevance) -> Iterator[Block]:
         yield Paragraph("The scene has no effects.")
         return
     ranked = sorted(r.effects, key=lambda x: -max(change.most for change in x.change.values()))
-    changes = (w.number(w.RATIOS[part], lambda x, part=part: _most(x.change[part], r)) for part in Part)  # type: ignore[misc]
+    changes = (w.number(w.RATIOS[part], lambda x, part=part: w.at_most(x.change[part].most)) for part in Part)  # type: ignore[misc]
     names = w.Field("effect", lambda x: x.effect.name), w.Field("model", lambda x: x.effect.model)
     kept = w.Field("", lambda x: "kept" if x.kept and r.dropped else "")
     blocks: list[Block] = [w.table(ranked, "Upper bounds, proven.", *names, *changes, kept)]
-    if not r.left and any(not change.is_finite for x in r.effects for change in x.change.values()):
+    if any(not change.is_finite for x in r.effects for change in x.change.values()):
         why = "Unbounded: near a frequency where {} or a dynamics is infinite, no bound exists."
         blocks.append(Notes((w.phrased(why, w.compared(w.H_ENV, "=")),)))
     shown = "Change of both ratios without each effect; in the strip above, the effect that changes them most."
     figure = Figure("influences", shown, r.figure, wide=True)
     yield Section("Largest change of each ratio on the band without that effect", (*blocks, figure))
-
-
-def _most(change: Supremum, r: Relevance) -> Phrase:
-    """An upper bound; undecided where there was no time to find one."""
-    return w.at_most(change.most) if change.is_finite or not r.left else "undecided"
 
 
 def _dominance(r: Relevance) -> Iterator[Block]:
@@ -88,6 +75,5 @@ def _proven(r: Relevance) -> Iterator[Phrase]:
     if r.dropped:
         what += ", for all effects left out together; no crossing of the full scene elsewhere"
     yield w.proof(r.scene, what + "; no smaller set of effects stays within the tolerance" * r.smallest)
-    yield from w.left_open(r.left)
-    if not (r.smallest or r.left):
+    if not r.smallest:
         yield "Not proven: that no smaller set of effects exists."

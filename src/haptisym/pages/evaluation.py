@@ -28,9 +28,7 @@ from haptisym.model.jnd import Part, Threshold, like
 from haptisym.model.parameters import ExactRange
 from haptisym.model.quantities import Dimension, Unit
 from haptisym.model.scene import caveats as cautions
-from haptisym.pages import familyanswers
 from haptisym.pages import words as w
-from haptisym.verbs.family.answers import FamilyAnswers
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Operator, Prefixed, Titled
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
@@ -690,20 +688,19 @@ def _energy(e: Evaluation) -> Iterator[Phrase]:
 
 
 def _proven(e: Evaluation) -> Iterator[Phrase]:
+    yield from w.left_open(e.left)
     if e.undecided:
         where = listed((w.both(point.omega), f" ({x.name})") for x, point in e.undecided)
         yield w.undecided(
             ("whether a ratio is tangent to its threshold, crosses it twice or stays clear of it near ", where)
         )
         yield "Proven: everything else."
-        yield from w.left_open(e.left)
         return
     if e.movement is not None and e.movement.undecided:
         yield w.undecided("what a fit to this movement reports, where no number stands")
     passive = ", passivity" if e.passivity is not None and e.passivity.holds is not None else ""
     but = ", except computed ones" if e.discrimination or (e.movement and e.movement.computed) else ""
     yield w.proof(e.scene, f"all crossings on the band{passive}, and all digits printed{but}")
-    yield from w.left_open(e.left)
     if e.bandwidths is not None and e.bandwidths.undecided:
         yield w.undecided(e.bandwidths.undecided)
 
@@ -712,9 +709,7 @@ def _proven(e: Evaluation) -> Iterator[Phrase]:
 
 
 def page_family(many: FamilyEvaluation) -> Document:
-    """The page of several environments: one row each, and the worst case; that of each alone where there is no worst case."""
-    if many.worst is None:
-        return familyanswers.page(FamilyAnswers(many.family, many.answers, many.left))
+    """The page of several environments: one row each, and the worst case."""
     blocks = _each(many), *_worst(many), *family_regions(many), *w.caveats(cautions(many.family.first))
     further = ("haptisym evaluate SCENE --environment NAME",)
     return w.page_about(
@@ -819,8 +814,7 @@ def _worst(many: FamilyEvaluation) -> Iterator[Block]:
 
 
 def _proven_family(many: FamilyEvaluation) -> Iterator[Phrase]:
-    yield from w.left_open(many.left)
-    if many.chart.undecided or not all(x.certified for x in many.answers.values()):
+    if not many.certified:
         yield w.undecided("a crossing of some environment, at the precision limit: evaluate each alone")
     else:
         yield w.proof(many.family, "all crossings of every environment, their order, and all digits printed")

@@ -179,8 +179,7 @@ def undecided(what: Phrase) -> Phrase:
 
 def left_open(left: Mapping[str, str]) -> Iterator[Phrase]:
     """Parts of an answer that were not found in time."""
-    for reason in dict.fromkeys(left.values()):
-        yield undecided((listed(name for name, why in left.items() if why == reason), ": ", reason))
+    return (undecided((name, ": ", why)) for name, why in left.items())
 
 
 def near(x: Printable, *, unit: Unit | None = None, most: int = 1000) -> doc.Real:

@@ -13,7 +13,6 @@ remembered, as subsets of effects share their beginnings.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf, nextafter
@@ -26,7 +25,7 @@ from haptisym.judge.crossings import level
 from haptisym.judge.peaks import largest
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction, on_axis
-from haptisym.kernel.errors import LimitError, UndecidedError
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.objects import Shown, counted
 from haptisym.kernel.reals import Ball, SquareRoot, expression_ball
 from haptisym.kernel.roots import chart
@@ -182,32 +181,22 @@ class Difference:
     part: Part
 
     def supremum(self, limit: float | None = None) -> Supremum:
-        """Its least upper bound on the band; with a limit only as narrow as it takes to say on which side of it that lies.
-
-        Wider where the time for it is over.
-        """
+        """Its least upper bound on the band; with a limit only as narrow as it takes to say on which side of it that lies."""
         if self.kept == self.balls.everything:
             return Supremum(0.0, 0.0)
-        try:
-            return self._searched(limit)
-        except LimitError:
-            return Supremum(0.0, inf)
-
-    def _searched(self, limit: float | None) -> Supremum:
         with series_arithmetic():
             looks_zero = all(min(map(_up, self._middle(BandPiece(3, i)))) < _ZERO for i in range(8))
             if looks_zero and any(f.is_zero for f in self._functions):
                 return Supremum(0.0, 0.0)
             least, most = self._bounds(BandPiece())
             waiting = Waiting([(most, BandPiece())], lambda x: -x[0], most=_MOST_CELLS)
-            with suppress(LimitError):
-                for most, piece in waiting:
-                    known = least >= most or (limit is not None and (most <= limit or least > limit))
-                    if known or most - least <= max(WIDTH * least, _NOTHING):
-                        break
-                    halves = [(*self._bounds(half), half) for half in piece.halves()]
-                    least = max(least, *(reached for reached, _, _ in halves))
-                    waiting.add(*((bound, half) for _, bound, half in halves))
+            for most, piece in waiting:
+                known = least >= most or (limit is not None and (most <= limit or least > limit))
+                if known or most - least <= max(WIDTH * least, _NOTHING):
+                    break
+                halves = [(*self._bounds(half), half) for half in piece.halves()]
+                least = max(least, *(reached for reached, _, _ in halves))
+                waiting.add(*((bound, half) for _, bound, half in halves))
             return Supremum(least, max([least, *(most for most, _ in waiting.rest)]))
 
     def _middle(self, piece: BandPiece) -> list[Ball]:

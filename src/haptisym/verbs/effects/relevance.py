@@ -8,8 +8,7 @@ kept scene at these two levels encloses all its crossings. Of a region of anothe
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, groupby
 from math import comb, inf, nextafter
@@ -18,13 +17,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from sympy import Expr, Rational
 
-from haptisym.judge.answers import Answer, left_rows
+from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, noticed
 from haptisym.kernel.arrays import np
-from haptisym.kernel.budget import SECONDS, Left, Waiting, in_time, limited, share, spared, tick
-from haptisym.kernel.errors import LimitError, SceneError
+from haptisym.kernel.budget import SECONDS, Waiting, limited
+from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import titled
-from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import Chart, Interval, Signed, chart, sign_of_number
 from haptisym.model.catalogue import Effect
@@ -104,14 +103,7 @@ class SubsetSearch:
         return Selection(kept, bound, smallest)
 
     def _verdict(self, kept: Kept) -> bool | None:
-        """Whether a set does; None where that stayed undecided, or the time is over."""
-        try:
-            tick()
-            return self._decided(kept)
-        except LimitError:
-            return None
-
-    def _decided(self, kept: Kept) -> bool | None:
+        """Whether a set does; None where that stayed undecided."""
         change, part, piece = self._sampled(kept)
         if change > self._limit and self._at(kept, part, piece) > self._limit:
             return False
@@ -224,7 +216,7 @@ class Relevance(Answer):
     ``bound`` : of each part the largest change of its ratio on the band that leaving out all others makes together, 1; proven.
     ``smallest`` : whether it is proven that no smaller set of effects is within the tolerance
     (``docs/reference-tolerances.md``).
-    ``dropped``, ``effects`` : the names left out, and a row for each effect. ``left`` : what a limit in time left undecided.
+    ``dropped``, ``effects`` : the names left out, and a row for each effect.
 
     >>> import haptisym as hs
     >>> found = hs.relevance("sidestick", "0.01")
@@ -242,7 +234,6 @@ class Relevance(Answer):
     bound: Mapping[Part, Supremum]
     smallest: bool
     balls: BallChain
-    left: Left = field(default_factory=dict)
 
     def _line(self) -> str:
         kept = f"{len(self.pruned.effects)} of {len(self.scene.effects)} effects"
@@ -250,15 +241,7 @@ class Relevance(Answer):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy puts the scene into ball arithmetic again: balls cannot be pickled."""
-        return _again, (self.scene, self.tolerance, self.pruned, self.bound, self.smallest, self.left)
-
-    @property
-    def certified(self) -> bool:
-        """Whether no limit in time left bounds wider or a smaller set undecided."""
-        return not self.left
-
-    def _left(self) -> dict[str, Any]:
-        return {"undecided": left_rows(self.left)} if self.left else {}
+        return _again, (self.scene, self.tolerance, self.pruned, self.bound, self.smallest)
 
     @property
     def dropped(self) -> tuple[Effect, ...]:
@@ -281,16 +264,10 @@ class Relevance(Answer):
     def crossings(self) -> tuple[CrossingEnclosure, ...]:
         """Where the full scene's crossings lie: in these intervals, in ascending order, and nowhere else on the band."""
         found = [enclosure for x in noticed(self.pruned.threshold) for enclosure in self._enclosures(x)]
-        with spared():  # the digits of a certified zero take no time
-            return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
+        return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
 
     def _enclosures(self, criterion: Criterion) -> Iterator[CrossingEnclosure]:
-        try:
-            table = chart(self._levels(criterion), *self.pruned.band)
-        except LimitError:
-            low, high = map(ExactNumber, self.pruned.band)
-            yield CrossingEnclosure(criterion, low, high, certain=False)
-            return
+        table = chart(self._levels(criterion), *self.pruned.band)
         for x in table.where(lambda signs: signs.get("low", 1) >= 0 >= signs.get("high", -1)):
             yield CrossingEnclosure(criterion, x.low.omega, x.high.omega, _passes(table, x))
         for point in table.undecided:
@@ -320,9 +297,8 @@ class Relevance(Answer):
     @cached_property
     def dominance(self) -> tuple[Dominance, ...]:
         """Which effect changes the ratios most, along the band; in the gaps two are alike, or nothing is told to 1/1000 of it."""
-        pieces = list[tuple[int | None, BandPiece]]()
-        with series_arithmetic(), suppress(LimitError):
-            pieces.extend(self._dominated())
+        with series_arithmetic():
+            pieces = list(self._dominated())
         found = []
         for index, run in groupby(pieces, key=lambda pair: pair[0]):
             if index is not None:
@@ -381,15 +357,8 @@ def _upper(change: Mapping[Part, Supremum]) -> dict[str, float | None]:
     return {part.value: change[part].most if change[part].is_finite else None for part in Part}
 
 
-def _again(
-    scene: Scene,
-    tolerance: Expr,
-    pruned: Scene,
-    bound: Mapping[Part, Supremum],
-    smallest: bool,  # noqa: FBT001
-    left: Left,
-) -> Relevance:
-    return Relevance(scene, tolerance, pruned, bound, smallest, BallChain(scene), left)
+def _again(scene: Scene, tolerance: Expr, pruned: Scene, bound: Mapping[Part, Supremum], smallest: bool) -> Relevance:  # noqa: FBT001
+    return Relevance(scene, tolerance, pruned, bound, smallest, BallChain(scene))
 
 
 def _passes(table: Chart, interval: Interval) -> bool:
@@ -409,9 +378,9 @@ def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE, *, limit
     """Find which effects of a scene matter: the fewest with which r_r and r_i stay within a tolerance of the full scene's.
 
     ``tolerance`` : a number >= 0, of the ratios. Guaranteed: the bound holds at every frequency of the band for both
-    ratios and all left-out effects together; of 12 effects or fewer no smaller set does. ``limit`` : seconds of processor time
-    after which the search ends: bounds are then wider than they need be, and a smaller set may exist; None for none. Raises
-    SceneError for a scene with symbols for numbers, and for a tolerance that is none.
+    ratios and all left-out effects together; of 12 effects or fewer no smaller set does. ``limit`` : seconds after which a
+    LimitError says that it is not decided; None for none. Raises SceneError for a scene with symbols for numbers, and for a
+    tolerance that is none.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.model.jnd import Part
@@ -420,26 +389,14 @@ def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE, *, limit
     >>> [e.name for e in found.pruned.effects], found.bound[Part.REAL].most < 1e-5
     (['first-order-lag'], True)
     """
-    with limited(limit) as budget:
-        found = chosen(as_scene(scene), tolerance)
-        _ = found.crossings, found.effects, found.dominance  # all that takes long
-        if budget.reached:
-            in_time(tick, "narrower bounds, and whether a smaller set of effects is within the tolerance", found.left)
-    return found
-
-
-def chosen(scene: Scene, tolerance: Number) -> Relevance:
-    """The fewest effects of a scene that matter, as far as some of the time that is left allows; all else is found when asked."""
+    scene = as_scene(scene)
     most = _tolerance(tolerance)
     scene.knobs.need_numbers()
     balls = BallChain(scene)
-    with share(_FOR_CHOICE):
+    with limited(limit):
         choice = SubsetSearch(scene, balls, most).choose()
     kept = tuple(effect for i, effect in enumerate(scene.effects) if i in choice.kept)
     return Relevance(scene, most, replace(scene, effects=kept), choice.bound, choice.smallest, balls)
-
-
-_FOR_CHOICE = 0.6  # of the time
 
 
 def _tolerance(given: Number) -> Expr:

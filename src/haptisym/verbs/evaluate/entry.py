@@ -113,9 +113,9 @@ def evaluate(
 def _evaluated(scene: Scene, digits: int, tolerance: Number | None) -> Evaluation:
     if tolerance is None:
         return evaluation.evaluate(scene, digits)
-    from haptisym.verbs.effects.relevance import chosen as relevant
+    from haptisym.verbs.effects.relevance import relevance
 
-    found = relevant(scene, tolerance)
+    found = relevance(scene, tolerance, limit=None)
     return evaluation.evaluate(found.pruned, digits, left_out=found)
 
 

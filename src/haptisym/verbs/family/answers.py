@@ -12,7 +12,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
-from haptisym.judge.answers import Answer, left_rows
+from haptisym.judge.answers import Answer
 from haptisym.kernel.budget import Left, share
 from haptisym.kernel.errors import UndecidedError, within
 from haptisym.kernel.objects import counted, titled
@@ -60,12 +60,11 @@ class FamilyAnswers(Answer):
         """The values that do for all environments, as ``feasible`` and ``undecided`` of a ``Requirement``; or None."""
         found = list(self.answers.values())
         domains: set[Any] = {getattr(x, "domain", None) for x in found}
-        if len(domains) > 1 or None in domains or not all(hasattr(x, "feasible") for x in found):
+        if self.left or len(domains) > 1 or None in domains or not all(hasattr(x, "feasible") for x in found):
             return None  # no sets of values, or of different ranges: a parameter of the environments themselves
-        from haptisym.verbs.require.feasible import Solved, all_open, together
+        from haptisym.verbs.require.feasible import Solved, together
 
-        asked, sets = domains.pop(), [Solved(x.feasible, x.undecided, x.reason) for x in found]
-        return together(asked, [*sets, *(all_open(asked, why) for why in self.left.values())])
+        return together(domains.pop(), [Solved(x.feasible, x.undecided, x.reason) for x in found])
 
     @property
     def binding(self) -> tuple[tuple[float, str, str], ...]:
@@ -92,7 +91,8 @@ class FamilyAnswers(Answer):
         }
 
     def _left(self) -> dict[str, Any]:
-        return {"undecided": left_rows(self.left)} if self.left else {}
+        rows = [{"name": name, "reason": why} for name, why in self.left.items()]
+        return {"undecided": rows} if rows else {}
 
     def _common(self) -> dict[str, Any]:
         def pair(low: Any, high: Any) -> list[float | None]:

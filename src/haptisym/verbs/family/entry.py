@@ -6,16 +6,15 @@ All are judged by one JND, or by square, disc and diamond of its half widths, wh
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
-from haptisym.judge.answers import Answer, left_rows
+from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, noticed
 from haptisym.judge.evaluation import OWN, Compared, Evaluation, evaluate
-from haptisym.kernel.budget import SECONDS, Left, in_time, limited
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.budget import SECONDS, in_time, limited
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, Key, Signed, Signs, chart
@@ -24,7 +23,7 @@ from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import SceneFamily, as_family
-from haptisym.verbs.family.answers import answer_each
+from haptisym.verbs.family.answers import FamilyAnswers, answer_each
 
 
 @dataclass(frozen=True)
@@ -156,9 +155,8 @@ def compared_all(family: SceneFamily, answers: Mapping[str, Evaluation], own: Wo
 class FamilyEvaluation(Answer):
     """The answers for each environment of a family, and what holds for all of them. All proven.
 
-    ``answers`` : by the names of the environments. ``worst`` : what holds for all of them; None where that is undecided: then
-    ``bandwidth`` and all else that is common raises UndecidedError. ``regions`` : where other JND models were asked about, what
-    each says. ``left`` : what was not found in time, with the reason.
+    ``answers`` : by the names of the environments. ``worst`` : what holds for all of them. ``regions`` : where other JND models
+    were asked about, what each says.
     """
 
     _schema: ClassVar[str] = "haptisym.evaluations/1"
@@ -167,17 +165,14 @@ class FamilyEvaluation(Answer):
 
     family: SceneFamily
     answers: Mapping[str, Evaluation]
-    worst: WorstCase | None
+    worst: WorstCase
     digits: int = 15
     regions: tuple[FamilyCompared, ...] = ()
-    left: Left = field(default_factory=dict)
 
     def _line(self) -> str:
-        width = "no common bandwidth"
-        if self.worst is None:
-            width = "common bandwidth undecided"
-        elif self.bandwidth is not None:
-            width = f"common bandwidth {self.bandwidth.digits(5)} rad/s"
+        width = (
+            "no common bandwidth" if self.bandwidth is None else f"common bandwidth {self.bandwidth.digits(5)} rad/s"
+        )
         return f"{titled(self.family.title)}: {counted(len(self.answers), 'environment')}, {width}"
 
     @property
@@ -185,50 +180,39 @@ class FamilyEvaluation(Answer):
         return self.family
 
     @property
-    def _all(self) -> WorstCase:
-        """The worst case; UndecidedError where it is not known."""
-        if self.worst is None:
-            raise UndecidedError("; ".join(self.left.values()))
-        return self.worst
-
-    @property
     def chart(self) -> Chart:
         """What each environment must not exceed, (name, criterion), on one band."""
-        return self._all.chart
+        return self.worst.chart
 
     @property
     def transparent(self) -> tuple[Interval, ...]:
         """The frequencies at which every environment is transparent: closed intervals, perhaps none."""
-        return self._all.transparent
+        return self.worst.transparent
 
     @property
     def bandwidth(self) -> RealNumber | None:
         """The end of the common transparent interval that starts at the band's low end; None if none does."""
-        return self._all.bandwidth
+        return self.worst.bandwidth
 
     @property
     def binding(self) -> tuple[FamilyBinding, ...]:
         """Who binds at each end of the common transparent set inside the band, in ascending order; see ``WorstCase``."""
-        return self._all.binding
+        return self.worst.binding
 
     @property
     def certified(self) -> bool:
         """Whether nothing was left undecided, in any environment or in the worst case."""
         own = all(x.certified for x in self.answers.values()) and all(x.certified for x in self.regions)
-        return own and not self.left and not self.chart.undecided
-
-    def _left(self) -> dict[str, Any]:
-        return {"undecided": left_rows(self.left)} if self.left else {}
+        return own and not self.chart.undecided
 
     def _body(self) -> dict[str, Any]:
-        transparent, binding, width = (self.transparent, self.binding, self.bandwidth) if self.worst else ((), (), None)
         return {
-            "band": [float(x) for x in self.family.band],
+            "band": [float(point.omega) for point in (self.chart.points[0], self.chart.points[-1])],
             "threshold": self.family.threshold.row(),
             "environments": [{"name": name, **x.to_dict()} for name, x in self.answers.items()],
-            "transparent": [[float(x.low.omega), float(x.high.omega)] for x in transparent],
-            "binding": [binding_row(x, self.digits) for x in binding],
-            "bandwidth": None if width is None else float(width),
+            "transparent": [[float(x.low.omega), float(x.high.omega)] for x in self.transparent],
+            "binding": [binding_row(x, self.digits) for x in self.binding],
+            "bandwidth": None if self.bandwidth is None else float(self.bandwidth),
             "certified": self.certified,
             **({"regions": [x.row(self.digits) for x in self.regions]} if self.regions else {}),
         }
@@ -241,14 +225,15 @@ def evaluate_all(
     regions: bool = False,
     proportion: Number | None = None,
     limit: float | None = SECONDS,
-) -> FamilyEvaluation:
+) -> FamilyEvaluation | Any:
     """Evaluate one display with several environments: each, the band on which all are transparent, and who binds there.
 
     ``digits`` : decimal digits of each crossing. ``regions`` : whether ``regions`` is to tell what square, disc and diamond of
     the JND's half widths say. ``proportion`` : of right answers, to which a JND that tells its own is converted. Guaranteed: the
     common transparent set is the intersection of the environments' own; its ends are proven, and which environment they belong
-    to. ``limit`` : seconds of processor time after which ``left`` names what is undecided; None for none. Raises SceneError if a
-    parameter is still a symbol, LimitError if not even one environment was answered in time.
+    to. ``limit`` : seconds of processor time, None for none. Where they are over before that, or two ends cannot be told apart,
+    the answers of single environments are returned, as of ``answer_each``; LimitError where there is not even one. Raises
+    SceneError if a parameter is still a symbol.
 
     >>> from haptisym.model.scenefile import load_scenes
     >>> found = evaluate_all(load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]))
@@ -262,16 +247,19 @@ def evaluate_all(
         return _evaluated(family, digits, regions=regions)
 
 
-def _evaluated(family: SceneFamily, digits: int, *, regions: bool) -> FamilyEvaluation:
+def _evaluated(family: SceneFamily, digits: int, *, regions: bool) -> FamilyEvaluation | FamilyAnswers:
     each = answer_each(family, lambda scene: evaluate(scene, digits))
-    answers, left = each.answers, each.left
-    worst = None if left else in_time(lambda: WorstCase.of(family, family.threshold), "all environments", left)
-    found = FamilyEvaluation(family, answers, worst, digits, (), left)
-    if not regions or worst is None:
-        return found
-    return in_time(lambda: _with_regions(found, worst), "regions", left) or found
+    found = None if each.left else in_time(lambda: _together(each, digits, regions=regions), _ALL, each.left)
+    return each if found is None else found
 
 
-def _with_regions(found: FamilyEvaluation, worst: WorstCase) -> FamilyEvaluation:
-    answers = {name: e.with_regions() for name, e in found.answers.items()}
-    return replace(found, answers=answers, regions=compared_all(found.family, answers, worst))
+_ALL = "what all environments have in common"
+
+
+def _together(each: FamilyAnswers, digits: int, *, regions: bool) -> FamilyEvaluation:
+    family, answers = each.family, each.answers
+    worst = WorstCase.of(family, family.threshold)
+    if not regions:
+        return FamilyEvaluation(family, answers, worst, digits)
+    answers = {name: e.with_regions() for name, e in answers.items()}
+    return FamilyEvaluation(family, answers, worst, digits, compared_all(family, answers, worst))

@@ -6,15 +6,14 @@ Each with its closed form, proven numbers, its source and how well that is known
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from haptisym.judge.crossings import Criterion, kept
 from haptisym.judge.evaluation import evaluate
 from haptisym.judge.peaks import largest
-from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.budget import SECONDS, Left, in_time, limited
 from haptisym.kernel.dynamics import RealFunction, squared_modulus
-from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import RealNumber, SquareRoot, short
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Point, chart
@@ -86,17 +85,13 @@ def metrics(scene: Scene | str | Path, *, absolute_stability: bool = False, limi
     scene = as_scene(scene)
     with limited(limit):
         m = Measured(evaluate(scene))
-        found = tuple(_in_time(name, measure, m) for name, measure in _MEASURES.items())
-        told = Metrics(m.evaluation, found, (), m, absolute_stability)
-        return replace(told, notes=tuple(disagreements(m))) if told.decided else told
-
-
-def _in_time(name: str, measure: Callable[[Measured], Metric], m: Measured) -> Metric:
-    """A measure; undecided where the time is over before it is found."""
-    try:
-        return measure(m)
-    except LimitError as error:
-        return Metric(name, (), (), "", "", f"undecided: {error}")
+        left = Left()
+        found = tuple(
+            in_time(partial(measure, m), name, left) or Metric(name, (), (), "", "", f"undecided: {left[name]}")
+            for name, measure in _MEASURES.items()
+        )
+        notes = in_time(lambda: tuple(disagreements(m)), "notes", left) or ()
+        return Metrics(m.evaluation, found, notes, m, absolute_stability)
 
 
 def _modulus_at_ends(function: RationalFunction, m: Measured, what: str) -> list[Value]:
@@ -210,14 +205,6 @@ def _effective(m: Measured) -> Metric:
     )  # fmt: skip
 
 
-def _free_of_an_aeroplane(m: Measured) -> Metric:
-    return _free(m.free, m, "aeroplanes", "A, attachment 2, table A2A, 2.b")
-
-
-def _free_of_a_helicopter(m: Measured) -> Metric:
-    return _free(m.free_of_a_helicopter, m, "helicopters", "C, attachment 2, table C2A, 2.a.5")
-
-
 def _free(found: FreeResponse, m: Measured, of: str, table: str) -> Metric:
     values = [
         Value(x.name, "none" if x.perceived is None else x.perceived, x.unit, x.environment, x.tolerance, x.passes)
@@ -240,6 +227,8 @@ _MEASURES: Mapping[str, Callable[[Measured], Metric]] = {
     "passivity": passivity_measure,
     "absolute stability": absolute_stability_measure,
     "effective impedance": _effective,
-    "free response, aeroplanes": _free_of_an_aeroplane,
-    "free response, helicopters": _free_of_a_helicopter,
+    "free response, aeroplanes": lambda m: _free(m.free, m, "aeroplanes", "A, attachment 2, table A2A, 2.b"),
+    "free response, helicopters": lambda m: _free(
+        m.free_of_a_helicopter, m, "helicopters", "C, attachment 2, table C2A, 2.a.5"
+    ),
 }

@@ -203,8 +203,7 @@ def at(
     factors: Factors,
     where: RealNumber,
     known: dict[Symbol, RealNumber],
-    flat: str = "",
-    *,
+    flat: str,
     multiplicity: int,
 ) -> Sensitivity:
     """The sensitivity of a frequency at which one or more of these factors vanish.
@@ -229,18 +228,10 @@ def at(
     return _one_sided(p, slope, where)
 
 
-def _in_time(
-    p: VariedParameter,
-    of: Criterion | Piece | str,
-    where: RealNumber,
-    known: dict[Symbol, RealNumber],
-    flat: str = "",
-    *,
-    multiplicity: int,
-) -> Sensitivity:
+def _in_time(p: VariedParameter, of: Criterion | Piece | str, *where: Any) -> Sensitivity:
     """The sensitivity of a frequency; undecided where the time is over before it is found."""
     try:
-        return at(p, p.factors(of), where, known, flat, multiplicity=multiplicity)
+        return at(p, p.factors(of), *where)
     except LimitError as error:
         return Sensitivity(p.knob, None, None, f"undecided: {error}")
 
@@ -364,7 +355,7 @@ class Sensitivities(Answer):
         of = self._deciding(x)
         if of is None:
             return Sensitive(x.omega, none(places, flat or _SEVERAL), x.criterion, x.kind)
-        rows = (_in_time(p, of, x.omega, known, flat, multiplicity=x.multiplicity) for p in places)
+        rows = (_in_time(p, of, x.omega, known, flat, x.multiplicity) for p in places)
         return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.criterion, x.kind)
 
     def _deciding(self, x: Crossing) -> Criterion | Piece | None:
@@ -392,7 +383,7 @@ class Sensitivities(Answer):
 
     def _changeover(self, system: str, curve: Curve, x: Point) -> Sensitive:
         multiplicity = abs(x.orders[curve, Part.REAL])
-        rows = (_in_time(p, system, x.omega, {}, multiplicity=multiplicity) for p in self._parameters)
+        rows = (_in_time(p, system, x.omega, {}, "", multiplicity) for p in self._parameters)
         return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows))
 
     def _in_band(self, row: Sensitivity, where: RealNumber) -> Sensitivity:
