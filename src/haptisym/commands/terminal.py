@@ -112,7 +112,7 @@ class ProgressBar:
             self.bar = _bar()
             self.bar.add_task(what, count="")
             self.bar.start()
-        self.bar.update(self.bar.task_ids[0], description=what, count=f"{self.reached}{_limit()}")
+        self.bar.update(self.bar.task_ids[0], description=what, count=", ".join(filter(None, (self.reached, _limit()))))
         self.bar.tasks[0].total = total  # ``update`` takes None for "as before"
         self.bar.update(self.bar.task_ids[0], completed=done)
 
@@ -131,7 +131,7 @@ def _figure(x: float) -> str:
 def _limit() -> str:
     """How much of the limit is used; the clock beside it goes on while other programs have the processor."""
     used = spent()
-    return "" if used is None else f", {used[0]:.0f} of {used[1]:g} s of processor time"
+    return "" if used is None else f"processor {used[0]:.0f} of {used[1]:g} s"
 
 
 def _bar() -> Progress:

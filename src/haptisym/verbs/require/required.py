@@ -408,7 +408,8 @@ def require(
     package ships; in all hands of the scene if not given), "steady" (so but for a drift, as in free air),
     "passive" (stable with any passive operator).
 
-    ``limit`` : seconds after which what is proven so far is answered, all other values being undecided; None for no limit.
+    ``limit`` : seconds of processor time after which what is proven so far is answered, all other values being undecided; None
+    for no limit.
     ``told`` : is called now and then with how much is done, of how much, and what it is.
 
     The answer is certified, by floats with bounds and by balls; values at which a ratio only touches its threshold, and what
