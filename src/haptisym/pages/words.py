@@ -178,6 +178,11 @@ def undecided(what: Phrase) -> Phrase:
     return Strong("Undecided"), ": ", what, "."
 
 
+def left_open(left: Mapping[str, str]) -> Iterator[Phrase]:
+    """Parts of an answer that were not found in time."""
+    return (undecided((name, ": ", why)) for name, why in left.items())
+
+
 def near(x: Printable, *, unit: Unit | None = None, most: int = 1000) -> doc.Real:
     """A number to the nearest: of a place, a value, an estimate with so many digits at most."""
     return doc.Real(x, Way.NEAREST, unit=unit or Unit(""), most=most)

@@ -178,8 +178,8 @@ def stability(
     those of the scene if not given. ``free`` : numbers by path or symbol; for each, and for the hand's own, it is
     found where what is stable ends next to the present value; if none is given, all numbers of the display, with a clock
     in a shorter search. ``digits`` : of each number in the document.
-    ``limit`` : seconds after which what is not decided stays open; None for none. Verdicts come first, then limits, then
-    margins; LimitError where not even one verdict is there by then.
+    ``limit`` : seconds of processor time after which what is not decided stays open; None for none. Verdicts come first, then
+    limits, then margins; LimitError where not even one verdict is there by then.
 
     What stays open is None, and the answer is then not certified. SceneError where a hand is not known, is given twice or turns
     about an axis where the scene moves along a line.
