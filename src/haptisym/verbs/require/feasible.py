@@ -20,7 +20,7 @@ from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
 from haptisym.kernel.roots import ascending, is_told, ordered
-from haptisym.kernel.sets import Domain
+from haptisym.kernel.sets import Domain, Point, ValueSet
 
 if TYPE_CHECKING:  # only what is asked of a hand has gaps
     from haptisym.verbs.stability.loops import Gap
@@ -53,6 +53,20 @@ class Solved:
     feasible: tuple[Span, ...]
     undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()
     reason: str = ""
+
+
+def as_solved(found: ValueSet) -> Solved:
+    """A set of values with its ends."""
+
+    def end(point: Point | None, closed: bool) -> End:  # noqa: FBT001
+        return End(None) if point is None else End(point.value, closed, point.bindings)
+
+    spans = [(end(x.first, x.closed[0]), end(x.last, x.closed[1])) for x in found.feasible]
+    return Solved(
+        tuple(Span(a, a if x.is_single else b) for x, (a, b) in zip(found.feasible, spans, strict=True)),
+        tuple((x.low, x.high) for x in found.undecided),
+        found.reason,
+    )
 
 
 def bound_ends(spans: Iterable[Span]) -> tuple[End, ...]:

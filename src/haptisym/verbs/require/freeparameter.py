@@ -11,10 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from itertools import combinations, product
 from math import prod
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import flint
 from flint import fmpq
@@ -29,13 +30,15 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.factors import PolynomialFactor
 from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega
-from haptisym.kernel.roots import Lattice, ordered, sign_of_number
+from haptisym.kernel.roots import Lattice, sign_of_number
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import values
 from haptisym.model.scene import THRESHOLD, Knob, Scene
-from haptisym.verbs.require.feasible import End, Span
+
+if TYPE_CHECKING:
+    from haptisym.kernel.where import Cells
 
 
 def asked_of(scene: Scene, free: Sequence[Knob], part: Part | None, *, any_environment: bool) -> tuple[Criterion, ...]:
@@ -49,6 +52,30 @@ def asked_of(scene: Scene, free: Sequence[Knob], part: Part | None, *, any_envir
     if any(len(x.parts) == 1 for x in free):
         raise SceneError(f"for any environment the thresholds are one: leave {THRESHOLD} free")
     return (for_any_environment(scene.threshold),)
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """Values between two: ``kept`` with all conditions on all of the band, or not; None where that is not told.
+
+    ``slant`` : of values between some that keep the conditions and some that do not, where it is proven that there is one end:
+    what is broken at a frequency for one of them is so for all beyond it, there or so fast away from there, rad/s for one unit;
+    None where that is not proven. ``open`` : the cells that are left in there.
+    """
+
+    low: Fraction
+    high: Fraction
+    kept: bool | None
+    slant: float | None = None
+    open: Cells | None = None
+
+    @property
+    def is_narrow(self) -> bool:
+        """Whether it is as narrow as cells are that are cut no further, or nearly so."""
+        return self.high - self.low <= _NARROW * max(-self.low, self.high)
+
+
+_NARROW = Fraction(1, 10**9)
 
 
 Condition: TypeAlias = RealFunction | Lattice
@@ -384,26 +411,6 @@ def allowed(scene: Scene, free: Knob, value: Expr, *, in_air: bool = False) -> b
     except SceneError:
         return False
     return True
-
-
-def without(spans: Sequence[Span], gone: Sequence[RealNumber]) -> tuple[Span, ...]:
-    """Intervals of values without some."""
-    found = tuple(spans)
-    for x in gone:
-        found = tuple(y for span in found for y in _cut(span, x))
-    return found
-
-
-def _cut(span: Span, x: RealNumber) -> Iterator[Span]:
-    low, high = span.low, span.high
-    after = 1 if low.value is None else ordered(low.value, x)
-    before = 1 if high.value is None else ordered(x, high.value)
-    if after > 0 and before > 0:
-        yield from (Span(low, End(x)), Span(End(x), high))
-    elif after < 0 or before < 0:
-        yield span
-    elif after or before:  # x is one of two ends
-        yield Span(replace(low, closed=low.closed and after > 0), replace(high, closed=high.closed and before > 0))
 
 
 def _vanishing(chain: Chain, ring: Ring) -> Iterator[Polynomial]:

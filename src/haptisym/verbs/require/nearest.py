@@ -191,7 +191,7 @@ def _bounded(r: Question, best: Nearest) -> float | Expr | None:
         larger = [replace(x, threshold=(x.threshold * times).expand()) for x in r.criteria]
         found = solve(r.scene, r.free, r.domain, larger)
         if found.feasible:
-            low, high = found.feasible[0].low.value, found.feasible[0].high.value
+            low, high = found.feasible[0].low, found.feasible[0].high
             return None if low is high and low is not None else rational_between(low, high)
         if not found.undecided:
             return float(times) * (1 - 1e-15)

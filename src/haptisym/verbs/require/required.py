@@ -37,7 +37,17 @@ from haptisym.model.quantities import Number
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.model.valueranges import domain, searched
-from haptisym.verbs.require.feasible import End, Solved, Span, all_open, bound_ends, spanned, together, within
+from haptisym.verbs.require.feasible import (
+    End,
+    Solved,
+    Span,
+    all_open,
+    as_solved,
+    bound_ends,
+    spanned,
+    together,
+    within,
+)
 from haptisym.verbs.require.freeparameter import asked_of
 from haptisym.verbs.require.solving import solve
 
@@ -142,7 +152,7 @@ def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
     """All values with which every criterion is kept."""
     found, judged = list[Solved](), [x for x in criteria if x.name not in (*IN_HANDS, SUITS_ALL)]
     if judged:
-        found.append(solve(scene, free, asked, judged))
+        found.append(as_solved(solve(scene, free, asked, judged)))
     if len(judged) < len(criteria):
         from haptisym.verbs.require.hands import of_hands  # which much else is loaded for
 
