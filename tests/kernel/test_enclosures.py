@@ -29,7 +29,7 @@ from haptisym.kernel.delayterms import (
     taylor_coefficients,
 )
 from haptisym.kernel.delayterms import power_series as power_coefficients
-from haptisym.kernel.enclosures import Sheet, Stretch, over_circle, range_of
+from haptisym.kernel.enclosures import Stretch, over_circle, range_of
 from haptisym.kernel.factors import AnalyticFactor
 from haptisym.kernel.reals import bounds, dyadic, expression_ball
 
@@ -569,36 +569,3 @@ def test_sine_and_exponential_on_a_circle_are_nearly_straight() -> None:
         assert float(found.at.lower()) <= -5e-7 + 1e-4 / 2
         assert found.ball.contains(((arb("0.01")).exp() - 1).sin() - arb("0.01"))
         assert found.ball.rad() < 3e-5
-
-
-@given(
-    st.lists(st.lists(small, min_size=1, max_size=4), min_size=1, max_size=5),
-    st.tuples(st.sampled_from([-2, 0, "1/8", 1]), st.sampled_from(["1/16", 1, 4096])),
-    st.tuples(st.sampled_from([0, "3/4", 2]), st.sampled_from(["1/32", 1, 3])),
-)
-def test_a_sheet_holds_value_slope_and_curvature_everywhere_and_is_exact_at_the_corners(
-    powers: list[list[int]], over_t: tuple[object, object], over_x: tuple[object, object]
-) -> None:
-    """Of sum_k powers[k](t) x^k, in fractions; above 0 a wide cell loses no digit: its corners are Bernstein coefficients."""
-    (t0, wide), (x0, long) = ((Fraction(str(a)), Fraction(str(b))) for a, b in (over_t, over_x))
-
-    def exact(t: Fraction, x: Fraction, order: int) -> Fraction:
-        columns = (comb(k, order) * x ** (k - order) * sum(c * t**i for i, c in enumerate(row)) for k, row in
-                   enumerate(powers) if k >= order)  # fmt: skip
-        return sum(columns, Fraction(0))
-
-    def ball(q: Fraction) -> Any:
-        return arb(fmpq(q.numerator, q.denominator))
-
-    with flint.ctx.workprec(128):
-        sheet = Sheet.of([arb_poly(row) for row in powers], ball(t0), ball(t0 + wide))
-        found = sheet.over(ball(x0), ball(x0 + long))
-        shares = [Fraction(i, 6) for i in range(7)]
-        for t, x in ((t0 + a * wide, x0 + b * long) for a in shares for b in shares):
-            for order, own in enumerate(found):
-                assert own.overlaps(ball(exact(t, x, order))) or found[0] < 0
-                assert sheet.at(ball(x), order).overlaps(ball(exact(t, x, order)))
-        corners = [exact(t, x, 0) for t in (t0, t0 + wide) for x in (x0, x0 + long)]
-        if len(powers) == 1 and len(powers[0]) < 3 and min(corners) * max(corners) > 0:  # it is monotone
-            lost = 2**-28 * float(max(map(abs, corners)))  # a ball's radius has 30 bits
-            assert float(found[0].lower()) == pytest.approx(float(min(corners)), abs=lost)

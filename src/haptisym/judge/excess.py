@@ -154,6 +154,10 @@ class Excess:
             minus = -(c * c)
             return minus + square if isinstance(square, Model) else minus.plus(square)
 
+    def terms(self, cells: Array, *, slopes: int | None = None) -> Terms:
+        """The functions of which the excess is the largest of the smallest, as of ``model``."""
+        return [[self.model(cells, slopes=slopes)]]
+
     def curve(self, cells: Array) -> Curve:
         """The excess over each cell as a judge of the one search."""
         found = Curve.of(*(x[:, 0] for x in self.model(cells, slopes=0).arrays))
@@ -296,6 +300,11 @@ class RegionalExcess(Excess):
 
     def model(self, cells: Array, *, slopes: int | None = None) -> Model:
         """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole may lie in the cell."""
+        with np.errstate(all="ignore"):
+            return joined(self.terms(cells, slopes=slopes))
+
+    def terms(self, cells: Array, *, slopes: int | None = None) -> Terms:
+        """The functions of which the excess is the largest of the smallest, as of ``model``."""
         slopes = self.order if slopes is None else slopes
         with np.errstate(all="ignore"):  # what is not finite is unknown, which every caller asks about
             at = self._variable(0, cells, slopes=slopes)
@@ -303,7 +312,7 @@ class RegionalExcess(Excess):
             known: dict[Expr, Model] = {omega: at}
             if self._limit is not None:
                 known[c] = self._variable(self._limit, cells, slopes=slopes)
-            return joined(Changes(relative, plain, known, self._turns, self._from_rest).terms(self._criterion))
+            return Changes(relative, plain, known, self._turns, self._from_rest).terms(self._criterion)
 
     def _run(self, program: Program, cells: Array, at: Model, *, slopes: int) -> dict[str, Model]:
         found = Modelled(program).run([self._variable(i, cells, slopes=slopes) for i in self._places(program)])

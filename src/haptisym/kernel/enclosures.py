@@ -4,7 +4,7 @@ A ball grows with each number that occurs twice in a formula; two forms stay as 
 
 *Bernstein.* A polynomial of degree n on [-r, r] lies between its least and its greatest coefficient in the basis of Bernstein's
 polynomials. A ``Stretch`` is a function between two frequencies as such a polynomial: by Taylor's theorem its last coefficient
-is one over the whole piece. A ``Sheet`` is a polynomial in two variables, for all values of one of them.
+is one over the whole piece.
 
 *Circles.* A function f that is analytic for |q - m| <= R, and there differs by at most M from some number, has Taylor
 coefficients of at most M/R^k (Cauchy). The polynomial of degree < N that has its values at N points all around |q - m| = r
@@ -22,7 +22,7 @@ from math import comb
 from typing import NamedTuple, TypeAlias
 
 import flint
-from flint import acb, acb_mat, arb, arb_mat, arb_poly, fmpq
+from flint import acb, acb_mat, arb, arb_mat, fmpq
 
 from haptisym.kernel.reals import Ball
 
@@ -66,79 +66,6 @@ def _weight(degree: int, j: int, k: int) -> fmpq:
     """The part of u^k = (t - (1 - t))^k (t + (1 - t))^(degree - k), t = (1 + u)/2, in the j-th Bernstein polynomial."""
     ways = sum((-1) ** (k - i) * comb(k, i) * comb(degree - k, j - i) for i in range(min(j, k) + 1))
     return fmpq(ways, comb(degree, j))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Sheet:
-    """A polynomial in x and t for all t between two numbers: what stands before each power of x by Bernstein coefficients in t.
-
-    >>> sheet = Sheet.of([arb_poly([0, 0, 1]), arb_poly([0, -3])], arb(1), arb(2))  # t^2 - 3 t x, 1 <= t <= 2
-    >>> value, slope, _ = sheet.over(arb(0), arb(1))  # for 0 <= x <= 1 it has both signs, and falls by 3 t
-    >>> value.is_finite(), slope < 0, slope < -3
-    (False, True, False)
-    """
-
-    rows: arb_mat
-
-    @classmethod
-    def of(cls, powers: Sequence[arb_poly], low: Ball, high: Ball) -> Sheet:
-        """That of the sum of ``powers[k](t) x^k``."""
-        degree = max(0, *(p.degree() for p in powers))
-        each = [[p[i] for p in powers] for i in range(degree + 1)]
-        return cls(_bernstein(low, high, degree, flint.ctx.prec).transpose() * arb_mat(each))
-
-    def at(self, x: Ball, order: int = 0) -> Ball:
-        """The values of a Taylor coefficient in x at a number."""
-        powers, weights = [arb(1)], range(order, self.rows.ncols())
-        for _ in weights:
-            powers.append(powers[-1] * x)
-        column = [arb(0)] * order + [comb(k, order) * p for k, p in zip(weights, powers, strict=False)]
-        return reduce(arb.union, (self.rows * arb_mat(self.rows.ncols(), 1, column[: self.rows.ncols()])).entries())
-
-    def over(self, low: Ball, high: Ball) -> tuple[Ball, Ball, Ball]:
-        """Value, slope and half curvature in x between two numbers, where they have one sign; a negative value comes alone."""
-        degree = self.rows.ncols() - 1
-        rows = (self.rows * _bernstein(low, high, degree, flint.ctx.prec)).tolist()
-        value = _around(rows)
-        if value < 0:
-            return value, _ANYTHING, _ANYTHING
-        steps = [[b - a for a, b in pairwise(row)] for row in rows]
-        bends = [[b - a for a, b in pairwise(row)] for row in steps]
-        share = degree / (high - low)
-        return value, _around(steps) * share, _around(bends) * share * (degree - 1) / (high - low) / 2
-
-    def divided(self, n: int) -> Sheet:
-        """Over x^n, which is a factor."""
-        return Sheet(arb_mat([row[n:] for row in self.rows.tolist()]))
-
-    @property
-    def steepness(self) -> Sheet:
-        """The slope in x over x, of a polynomial in x^2."""
-        return Sheet(arb_mat([[k * c for k, c in enumerate(row)][2:] or [arb(0)] for row in self.rows.tolist()]))
-
-
-_ANYTHING = arb(0, "inf")
-
-
-def _around(rows: Sequence[Sequence[Ball]]) -> Ball:
-    """A ball around numbers of one sign; anything where they are of both; 0 where there are none."""
-    found = [x for row in rows for x in row]
-    if not found:
-        return arb(0)
-    has_one_sign = all(x > 0 for x in found) if found[0] > 0 else all(x < 0 for x in found)
-    return reduce(arb.union, found) if has_one_sign else _ANYTHING
-
-
-@lru_cache(maxsize=4096)
-def _bernstein(low: Ball, high: Ball, degree: int, bits: int) -> arb_mat:
-    """The Bernstein coefficients of 1, x, ..., x^degree between two numbers, of each in a row.
-
-    Those of z^k in (1 + high z)^j (1 + low z)^(degree - j), over a binomial coefficient: between numbers >= 0 nothing cancels.
-    """
-    with flint.ctx.workprec(bits):
-        below, above = ([arb_poly([1, end]) ** j for j in range(degree + 1)] for end in (low, high))
-        columns = [above[j] * below[degree - j] for j in range(degree + 1)]
-        return arb_mat([[p[k] / comb(degree, k) for p in columns] for k in range(degree + 1)])
 
 
 Series: TypeAlias = Callable[[Ball, int, int], Sequence[Ball]]

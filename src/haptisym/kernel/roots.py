@@ -51,9 +51,9 @@ def ordered(x: RealNumber, y: RealNumber) -> int:
     """1 where y is beyond x, -1 where it is before it, 0 where they are alike as far as bits go."""
     if x is y:
         return 0
-    for bits in _BITS:
-        with flint.ctx.workprec(bits):
-            change = y.ball(bits) - x.ball(bits)
+    for bits in (0, *_BITS):
+        with flint.ctx.workprec(bits or _BITS[0]):
+            change = y.ball(bits) - x.ball(bits) if bits else y.rough() - x.rough()
             if not change.contains(0):
                 return int(change > 0) - int(change < 0)
     return 0

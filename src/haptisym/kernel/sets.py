@@ -50,7 +50,7 @@ from sympy import Expr, Integer, Rational
 from haptisym.kernel.budget import spared, tick
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, dyadic, rational_between
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, bounds, dyadic, rational_between
 from haptisym.kernel.roots import ascending, is_told, ordered
 
 STOPPED = "stopped at the limit"
@@ -734,32 +734,85 @@ def _answered(question: Question, value: Rational) -> Point:
 class Bisected(RealNumber):
     """The one value between two at which a verdict changes, closed in on by asking it: ``low_holds`` : of the lower one.
 
-    ``verdict`` : of a rational number, exact. Guaranteed of each ball: the verdict of its ends differs.
+    ``verdict`` : of a rational number, exact. ``excess`` : how far a number fails, if it does, at the working precision: where
+    that, or its root, is about linear, its zero tells where to ask.
+    Guaranteed of each ball: the verdict of its ends differs.
     """
 
     verdict: Callable[[Rational], bool | None]
     low: Fraction
     high: Fraction
     low_holds: bool
-    _known: dict[str, tuple[Fraction, Fraction]] = field(default_factory=dict, compare=False)
+    excess: Callable[[Rational], Ball] | None = None
+    _known: dict[str, Any] = field(default_factory=dict, compare=False)
+
+    @property
+    def known(self) -> tuple[Fraction, Fraction]:
+        """Two values between which it lies, as far as that is known."""
+        low, high = self._known.get("", (self.low, self.high))
+        return low, high
 
     def between(self, bits: int) -> tuple[Fraction, Fraction]:
         """Two values between which it lies, of about that relative accuracy."""
-        low, high = self._known.get("", (self.low, self.high))
-        while (high - low) * 2**bits > max(abs(low), abs(high)):
-            tick()
-            middle = Fraction(*_short(low, high))
-            holds = self.verdict(Rational(middle.numerator, middle.denominator))
-            if holds is None:
-                break
-            low, high = (middle, high) if holds == self.low_holds else (low, middle)
-            self._known[""] = low, high
+        low, high = self.known
+        sharp, is_root = 2, False
+        with flint.ctx.workprec(2 * bits + 64):
+            while (high - low) * 2**bits > max(abs(low), abs(high)):
+                tick()
+                width, near = high - low, self._guess(is_root=is_root)
+                off = width / 2**sharp
+                for x in [(low + high) / 2] if near is None else [near - off, near + off]:
+                    if low < x < high and not self._ask(Fraction(*_short(x - off / 2, x + off / 2))):
+                        return self.known
+                    low, high = self.known
+                is_near = near is not None and (high - low) * 2 ** (sharp - 2) < width
+                sharp, is_root = (2 * sharp, is_root) if is_near else (2, is_root is (near is None))
         return low, high
+
+    def _ask(self, value: Fraction) -> bool:
+        """Narrow it down by the verdict on one value; whether there is one."""
+        low, high = self.known
+        try:
+            holds = self.verdict(_rational(value))
+        except UndecidedError:
+            holds = None
+        if holds is not None:
+            self._known[""] = (value, high) if holds == self.low_holds else (low, value)
+        return holds is not None
+
+    @property
+    def beyond(self) -> Fraction:
+        """The nearest value that is known to fail."""
+        return self.known[self.low_holds]
+
+    def _guess(self, *, is_root: bool) -> Fraction | None:
+        """Where it lies if the excess, or its root, is linear beyond it, by the last two values that fail; None if not known."""
+        if self.excess is None:
+            return None
+        last = self._known.get("last")
+        if last is None or last[0] != self.beyond:
+            self._known["before"], last = last, (self.beyond, self.excess(_rational(self.beyond)))
+            self._known["last"] = last
+        before = self._known.get("before")
+        if before is None:
+            return None
+        (x, f), (y, g) = ((dyadic(a), b.sqrt() if is_root else b) for a, b in (last, before))
+        at = (x - (y - x) * f / (g - f)).mid()
+        near = bounds(at)[0] if at.is_finite() else self.low
+        return near if self.known[0] < near < self.known[1] else None
+
+    def rough(self) -> Ball:
+        low, high = self.known
+        return dyadic(low).union(dyadic(high))
 
     def ball(self, bits: int) -> Ball:
         low, high = self.between(bits)
         with flint.ctx.workprec(bits + 32):
             return dyadic(low).union(dyadic(high))
+
+
+def _rational(x: Fraction) -> Rational:
+    return Rational(x.numerator, x.denominator)
 
 
 def _short(low: Fraction, high: Fraction) -> tuple[int, int]:

@@ -12,7 +12,8 @@ to omega = 0; beyond a reach its highest power outweighs the others whatever the
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cache, cached_property, partial
 from itertools import groupby, product
 from math import inf, nextafter, prod
@@ -29,18 +30,25 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError, UndecidedError
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega
-from haptisym.kernel.where import Array, Batches, Curve, halves, search
+from haptisym.kernel.where import Array, Batches, Cells, Curve, Search, halves, joined, search
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import Model, between, floated, valued, variable
-from haptisym.verbs.require.freeparameter import ExactSign
-from haptisym.verbs.require.limitingpoints import Told
+from haptisym.verbs.require.freeparameter import ExactSign, Told
 
 _FIRST_PIECES = 16
 """Pieces of the band to begin with."""
 _HARD = 2000
 """After how many cells the larger excess is asked too."""
-_NARROW = 1e-3
-"""Of values that are cut no further, relative to them."""
+_COARSE, _FINE = 1e-3, 2e-10
+"""Of values that are cut no further, relative to them: of all, and of those around what stays open."""
+_LAST = 3
+"""How often the pieces of the band of cells that cannot be cut are."""
+_MOST_FINE = 20_000
+"""Pieces that are looked at to cut values more finely, each time."""
+_WIDENED = 1e-6
+"""Relative width of values up to which slopes are bounded: of less roundings would be a large part."""
+_HALVINGS, _MOST_SLOPES = 6, 1000
+"""How often pieces of the band are halved until their slopes show a sign, and how many there may be."""
 
 _THRESHOLDS = ("c", "c_real", "c_imag")
 
@@ -58,28 +66,31 @@ class _OneFree(Box):
 
 @dataclass(frozen=True)
 class FloatCells:
-    """Criteria of a scene in which one parameter is free; ``scale``: a usual size of it."""
+    """Criteria of a scene in which one parameter is free; ``scale`` : a usual size of it.
+
+    ``is_broken`` : whether another way shows that values about 0 are broken, where an excess may be infinite.
+    """
 
     scene: Scene
     free: Knob
     criteria: Sequence[Criterion]
     scale: float
+    is_broken: Callable[[Told], bool] = lambda _: False
 
     def told(self, low: float, high: float) -> list[Told]:
         """What is known of the values from one to another, in order."""
-        if self._excesses is None:
-            return [Told(low, high, None)]
-        least = 0.0 if low * high > 0 else self.scale * _NARROW  # a size below which widths are no longer relative
-
-        def wide(cells: Array) -> Array:
-            return cells[..., 1] - cells[..., 0] >= _NARROW * np.maximum(np.abs(cells).max(-1), least)
-
+        least = 0.0 if low * high > 0 else self.scale * _COARSE  # a size below which widths are no longer relative
         marks, steps = np.array(ladder(low, high, self.scale)), np.arange(_FIRST_PIECES + 1) / _FIRST_PIECES
         outer, inner = (np.stack([x[:-1], x[1:]], -1)[:, None] for x in (marks, steps))
-        judges = [_Judge(*x) for x in self._excesses]
-        found = search(judges, outer, inner, wide=wide, what="cells of band and values")
-        rows = ((x.outer[:, 0].tolist(), kept) for x, kept in zip(found.parts, (True, False, None), strict=True))
-        return _merged(sorted((Told(a, b, kept) for cells, kept in rows for a, b in cells), key=lambda x: x.low))
+        found = search(
+            self._judges, outer, inner, wide=_wider(_COARSE, least), last=_LAST, what="cells of band and values"
+        )
+        return self._finer(_runs(found.kept, found.broken, found.left))
+
+    @property
+    def are_known(self) -> bool:
+        """Whether all criteria are to be had in floats."""
+        return self._excesses is not None
 
     @cached_property
     def _excesses(self) -> list[tuple[Excess, Callable[[], Excess] | None]] | None:
@@ -94,6 +105,142 @@ class FloatCells:
             return [x for x in listed if not x[0].is_zero]
         except HaptisymError:
             return None
+
+    @property
+    def _judges(self) -> list[_Judge]:
+        return [_Judge(*x) for x in self._excesses or ()]
+
+    def _finer(self, runs: Sequence[Told]) -> list[Told]:
+        """The same with what is open cut more finely, where it is not shown to hold one end; the likely ends first."""
+        places = [i for i, x in enumerate(runs) if x.open is not None]
+        found = {i: [x] for i, x in enumerate(runs)}
+        for i in sorted(places, key=lambda i: not _is_between(runs, i)):
+            own = runs[i]
+            if own.low <= 0 <= own.high and self.is_broken(own):
+                found[i] = [replace(own, kept=False, open=None)]
+            elif own.open is not None and (turned := self._turned(runs, i)).slant is None:
+                cut = Search(
+                    self._judges,
+                    own.open,
+                    wide=_wider(_FINE, self.scale * _COARSE),
+                    last=_LAST,
+                    most=_MOST_FINE,
+                    what="ends of values",
+                )
+                settled = joined([own.open[:0], *cut])
+                broken = settled.ceiling < np.inf
+                around = [
+                    *runs[max(i - 1, 0) : i],
+                    *_runs(settled[~broken], settled[broken], cut.left),
+                    *runs[i + 1 : i + 2],
+                ]
+                found[i] = [self._turned(around, k) for k in range(len(around)) if around[k] not in runs]
+            else:
+                found[i] = [turned]
+        return _merged(x for own in found.values() for x in own)
+
+    def _turned(self, runs: Sequence[Told], i: int) -> Told:
+        """What is open with whether it holds one end for certain."""
+        own = runs[i]
+        if own.open is None or not _is_between(runs, i):
+            return own
+        return replace(own, slant=self._slant(own.open, 1.0 if runs[i - 1].kept else -1.0))
+
+    def _slant(self, cells: Cells, sense: float) -> float | None:
+        """How steep lines are along which each excess that may be 0 grows as the values do, or fall for ``sense`` < 0.
+
+        None where there are none.
+        """
+        steepest = 0.0
+        outer = cells.outer.copy()
+        middle, radius = outer.mean(-1), np.ptp(outer, -1) / 2
+        radius = np.maximum(radius, np.abs(middle) * _WIDENED / 2)
+        outer = np.stack([middle - radius, middle + radius], -1)
+        for (excess, _), pieces in zip(self._excesses or (), cells.pieces, strict=True):
+            boxes = pieces.cells(outer)
+            for _ in range(_HALVINGS):
+                if not 0 < len(boxes) <= _MOST_SLOPES:
+                    break
+                grows, slant = _grows(excess, boxes, sense)
+                steepest = max(steepest, slant)
+                boxes = boxes[~grows]
+                boxes = halves(boxes, np.zeros(len(boxes), int))
+            if len(boxes):
+                return None
+        low, high = self.scene.band
+        return steepest * floated(high - low)
+
+
+def _grows(excess: Excess, boxes: Array, sense: float) -> tuple[Array, float]:
+    """In which boxes what is positive stays so as the values grow, or fall: each function grows along one line through the box.
+
+    And how steep the steepest line is, as a share of the band for one unit.
+
+    The line may be slanted, q + t, omega + v t, where the box is inside of the band: around it nothing is positive, so that no
+    line leaves it so. That is how two functions which must not both be positive bind at a corner, one over the zero of the other.
+    """
+    is_inside = (boxes[:, 0, 0] > 0) & (boxes[:, 0, 1] < 1)
+    found, steepest = np.ones(len(boxes), bool), 0.0
+    for term in excess.terms(boxes):
+        negative, straight, slanted = np.zeros(len(boxes), bool), ~np.zeros(len(boxes), bool), is_inside.copy()
+        ends = [f.bounds() for f in term]
+        signs = [(low[:, 0] > 0, high[:, 0] < 0) for low, high in ends]
+        along = [np.sort(sense * np.stack([low[:, 2], high[:, 2]]), 0) for low, high in ends]
+        across = [np.stack([low[:, 1], high[:, 1]]) for low, high in ends]
+        v = _slant(along, across, [~positive for positive, _ in signs])
+        for (positive, none), q, w in zip(signs, along, across, strict=True):
+            negative |= none
+            straight &= positive | (q[0] > 0)
+            slanted &= positive | (q[0] + np.minimum(v * w[0], v * w[1]) > 0)
+        found &= negative | straight | slanted
+        turned = slanted & ~negative & ~straight
+        steepest = max(
+            steepest, float((np.abs(v) * np.ptp(boxes[:, 0], -1) / np.ptp(boxes[:, 1], -1))[turned].max(initial=0.0))
+        )
+    return found, steepest
+
+
+def _slant(along: Sequence[Array], across: Sequence[Array], counts: Sequence[Array]) -> Array:
+    """By how much to go along omega so that functions with these slopes all grow, about: between what each allows."""
+    low, high = np.full(along[0].shape[1], -np.inf), np.full(along[0].shape[1], np.inf)
+    with np.errstate(all="ignore"):
+        for q, w, own in zip(along, across, counts, strict=True):
+            bound = -q.mean(0) / w.mean(0)
+            low = np.where(own & (w[0] > 0), np.maximum(low, bound), low)
+            high = np.where(own & (w[1] < 0), np.minimum(high, bound), high)
+        return np.nan_to_num((low + high) / 2, nan=0.0, posinf=0.0, neginf=0.0)
+
+
+def _is_between(runs: Sequence[Told], i: int) -> bool:
+    """Whether the values below keep the conditions and those above do not, or the other way round."""
+    return 0 < i < len(runs) - 1 and {runs[i - 1].kept, runs[i + 1].kept} == {True, False}
+
+
+def _wider(share: float, least: float) -> Callable[[Array], Array]:
+    """Of cells whether they are wider than a share of their values."""
+    return lambda cells: cells[..., 1] - cells[..., 0] >= share * np.maximum(np.abs(cells).max(-1), least)
+
+
+def _runs(*parts: Cells) -> list[Told]:
+    """Cells that are kept, broken and left as they follow each other, those of which the same is known as one."""
+    listed = sorted((*x.outer[i, 0].tolist(), n, i) for n, x in enumerate(parts) for i in range(len(x)))
+    found = list[Told]()
+    for n, group in groupby(listed, key=lambda row: row[2]):
+        rows = [*group]
+        cells = parts[n][[row[3] for row in rows]] if n == 2 else None
+        found.append(Told(Fraction(rows[0][0]), Fraction(rows[-1][1]), (True, False, None)[n], open=cells))
+    return found
+
+
+def _merged(told: Iterable[Told]) -> list[Told]:
+    """Neighbours of which the same is known as one."""
+    found = list[Told]()
+    for x in told:
+        if found and x.kept is not None and found[-1].kept is x.kept:
+            found[-1] = replace(found[-1], high=x.high)
+        else:
+            found.append(x)
+    return found
 
 
 def _larger(box: Box, x: Criterion) -> Callable[[], Excess] | None:
@@ -116,12 +263,6 @@ class _Judge:
             if len(rest):
                 return found.known_negative(rest[self.larger().curve(cells[rest]).negative])
         return found
-
-
-def _merged(told: Sequence[Told]) -> list[Told]:
-    """Neighbours of which the same is known as one."""
-    rows = (list(own) for _, own in groupby(told, lambda x: x.kept))
-    return [Told(own[0].low, own[-1].high, own[0].kept) for own in rows]
 
 
 def ladder(low: float, high: float, scale: float) -> list[float]:

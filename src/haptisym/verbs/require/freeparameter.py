@@ -11,10 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from itertools import combinations, product
 from math import prod
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import flint
 from flint import fmpq
@@ -37,6 +38,9 @@ from haptisym.model.jnd import Part
 from haptisym.model.parameters import values
 from haptisym.model.scene import THRESHOLD, Knob, Scene
 
+if TYPE_CHECKING:
+    from haptisym.kernel.where import Cells
+
 
 def asked_of(scene: Scene, free: Sequence[Knob], part: Part | None, *, any_environment: bool) -> tuple[Criterion, ...]:
     """What is to hold on the whole band: what is judged of one part, or of both, or |G - 1| <= c."""
@@ -49,6 +53,30 @@ def asked_of(scene: Scene, free: Sequence[Knob], part: Part | None, *, any_envir
     if any(len(x.parts) == 1 for x in free):
         raise SceneError(f"for any environment the thresholds are one: leave {THRESHOLD} free")
     return (for_any_environment(scene.threshold),)
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """Values between two: ``kept`` with all conditions on all of the band, or not; None where that is not told.
+
+    ``slant`` : of values between some that keep the conditions and some that do not, where it is proven that there is one end:
+    what is broken at a frequency for one of them is so for all beyond it, there or so fast away from there, rad/s for one unit;
+    None where that is not proven. ``open`` : the cells that are left in there.
+    """
+
+    low: Fraction
+    high: Fraction
+    kept: bool | None
+    slant: float | None = None
+    open: Cells | None = None
+
+    @property
+    def is_narrow(self) -> bool:
+        """Whether it is as narrow as cells are that are cut no further, or nearly so."""
+        return self.high - self.low <= _NARROW * max(-self.low, self.high)
+
+
+_NARROW = Fraction(1, 10**9)
 
 
 Condition: TypeAlias = RealFunction | Lattice

@@ -30,7 +30,6 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import values
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.values import Array, Compiled
-from haptisym.verbs.require.feasible import as_set
 from haptisym.verbs.require.freeparameter import allowed
 from haptisym.verbs.require.solving import solve
 
@@ -190,7 +189,7 @@ def _bounded(r: Question, best: Nearest) -> float | Expr | None:
         if not 1 < float(times) < best.times:
             return 1.0
         larger = [replace(x, threshold=(x.threshold * times).expand()) for x in r.criteria]
-        found = as_set(solve(r.scene, r.free, r.domain, larger), r.domain)
+        found = solve(r.scene, r.free, r.domain, larger)
         if found.feasible:
             first = found.feasible[0]
             return None if first.is_single else rational_between(first.low, first.high)

@@ -37,7 +37,6 @@ from haptisym.model.quantities import Number
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.model.valueranges import domain, searched
-from haptisym.verbs.require.feasible import as_set
 from haptisym.verbs.require.freeparameter import asked_of
 from haptisym.verbs.require.solving import solve
 
@@ -143,7 +142,7 @@ def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
     found = list[ValueSet]()
     judged = [x for x in criteria if x.name not in (*IN_HANDS, SUITS_ALL)]
     if judged:
-        found.append(_or_open(lambda: as_set(solve(scene, free, asked, judged), asked), asked))
+        found.append(_or_open(lambda: solve(scene, free, asked, judged), asked))
     if len(judged) < len(criteria):
         from haptisym.verbs.require.hands import of_hands  # which much else is loaded for
 
