@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
-from math import inf
 from random import Random
 from typing import Any
 
@@ -18,21 +17,19 @@ from plainshapes import exact, function_of, q, rational
 from sympy import Expr, Integer, Poly, Rational, discriminant, exp, lambdify, pi, real_roots, resultant
 
 import haptisym as hs
-from haptisym.judge.bindings import Binding, Kind
+from haptisym.judge.bindings import Kind
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
-from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, SquareRoot
+from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import omega as w
 from haptisym.kernel.rings import s
 from haptisym.kernel.roots import Lattice
-from haptisym.kernel.sets import Domain
-from haptisym.verbs.require.feasible import End, Question, Solved, Span, Turn, runs, together
+from haptisym.verbs.require.feasible import runs
 from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import allowed, critical, edge_polynomial, missing, touch_polynomial
 from haptisym.verbs.require.freeparameter import real_roots as roots_in_parameter
 from haptisym.verbs.require.limitingpoints import CellVerdict
 from haptisym.verbs.require.solving import Leaf, ValueSearch
-from haptisym.verbs.stability.loops import Gap
 
 E, F = hs.environments, hs.effects
 REAL, IMAG = noticed(hs.Threshold())
@@ -590,116 +587,7 @@ def test_stability_is_asked_of_a_display_in_a_hand() -> None:
         hs.require(hs.Scene(E.mass_spring_damper(k=100), ()), "environment.k", that="stable")
 
 
-# --- sets from single verdicts, and what several sets have in common ------------------------------------------------------
-
-BINDINGS = [Binding(x, None, kind) for x in (REAL, IMAG) for kind in (Kind.EDGE, Kind.TOUCH, Kind.FAR)]
-NUMBERS: dict[float, RealNumber] = {n / 2: ExactNumber(Rational(n, 2)) for n in range(-12, 13)}
-NUMBERS |= {n**0.5: SquareRoot(ExactNumber(Integer(n))) for n in (2, 3, 5, 7, 11, 13, 19, 23, 29)}
-NUMBERS |= {-(n**0.5): Negative(NUMBERS[n**0.5]) for n in (2, 3, 5, 7, 11, 13, 19, 23, 29)} | {np.pi: ExactNumber(pi)}
-"""Fractions, roots and pi by their sizes, -6 to 6."""
-
-
-def said(found: Solved, x: float) -> bool | None:
-    """What a set says of a number; None where it is open."""
-    for span in found.feasible:
-        low, high = (None if end.value is None else float(end.value) for end in (span.low, span.high))
-        above = low is None or low < x or (low == x and span.closed[0])
-        if above and (high is None or x < high or (x == high and span.closed[1])):
-            return True
-    for pair in ((p.low, p.high) for p in found.undecided):
-        a, b = (y if z is None else float(z) for y, z in zip((-inf, inf), pair, strict=True))
-        if a <= x <= b:
-            return None
-    return False
-
-
-@pytest.mark.parametrize(("beside", "alone"), [(None, 0), (False, 1)])
-def test_a_value_alone_at_the_end_of_what_is_open_is_the_end_of_that(beside: Any, alone: int) -> None:
-    found = Question([], lambda x: x == 1 or beside, Domain(Rational(1), Rational(5)), closed=False).solve()
-    assert (said(found, 1), said(found, 3), len(found.feasible)) == (True if alone else None, beside, alone)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_a_set_is_told_by_one_verdict_between_each_two_values_at_which_it_may_change(seed: int) -> None:
-    """On lines of fractions, roots and pi, with a gap, values without a scene, and verdicts that stay open."""
-    pick = Random(seed)
-    fractions = [x for x in NUMBERS if (2 * x).is_integer()]
-    low, high = (x if pick.random() < 0.7 else None for x in sorted(pick.sample(fractions, 2)))
-    has_low, has_high, closed = (pick.random() < 0.5 for _ in range(3))
-    turns = {x: tuple(pick.sample(BINDINGS, pick.choice([0, 1, 2]))) for x in pick.sample([*NUMBERS], 7)}
-    gone, absent = pick.sample([*NUMBERS], pick.choice([0, 1, 2])), {x for x in fractions if pick.random() < 0.2}
-    first, last = pick.choice([(None, None), (None, None), (-5.0, None), (None, 5.0), (-5.0, 5.0)])
-    gap = sorted(pick.sample([*NUMBERS], 2)) if pick.random() < 0.4 else []
-    spared = {x for x in NUMBERS if pick.random() < 0.5}
-    inner = {*turns, *gone, *gap, low, high, first, last} - {None}
-    places = sorted(x for x in inner if (low is None or low <= x) and (high is None or x <= high))
-    edges = [-inf if low is None else low, *places, inf if high is None else high]
-    cells = {(a, b): pick.choice([True, True, False, None]) for a, b in pairwise(sorted({*edges}))}
-    at = {x: pick.choice([True, True, False, None]) for x in places}
-
-    def verdict(value: Expr) -> bool | None:
-        x = float(value)
-        return at[x] if x in at else next(told for (a, b), told in cells.items() if a < x < b)
-
-    found = Question(
-        [Turn(NUMBERS[x], own) for x, own in turns.items()], verdict,
-        Domain(*(None if x is None else Rational(x) for x in (low, high)), has_low, has_high), closed=closed,
-        beyond=(first and Rational(first), last and Rational(last)), spares=lambda turn: float(turn.value) in spared,
-        exists=lambda x: float(x) not in absent, gone=[NUMBERS[x] for x in gone],
-        gaps=[Gap(NUMBERS[gap[0]], NUMBERS[gap[1]], "")] if gap else [],
-    ).solve()  # fmt: skip
-    known = {
-        (a, b): None if (first is not None and b <= first) or (last is not None and a >= last)
-        or (gap and gap[0] <= a and b <= gap[1]) else told for (a, b), told in cells.items()
-    }  # fmt: skip
-    for (a, b), told in known.items():
-        assert said(found, (max(a, b - 1) + min(b, a + 1)) / 2 if inf in (b, -a) else (a + b) / 2) is told
-    for x in places:
-        near = [told for ends, told in known.items() if x in ends]
-        wanted = True if True in near else None if None in near else False
-        if x in gone or (x == low and not has_low) or (x == high and not has_high):
-            wanted = False
-        elif x in fractions:
-            wanted = False if x in absent else at[x]
-        elif wanted:
-            wanted = closed or not turns.get(x) or x in spared
-        assert said(found, x) is wanted or (None in near and said(found, x) is None)
-    for end in (y for span in found.feasible for y in (span.low, span.high) if y.value is not None):
-        x = float(end.value)  # type: ignore[arg-type]
-        assert set(end.bindings) == (set() if x in (low, high) else {*turns.get(x, ())})
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_what_several_sets_have_in_common_is_in_each_and_open_where_one_is_and_none_denies(seed: int) -> None:
-    pick = Random(seed)
-
-    def some() -> Solved:
-        marks = sorted(pick.sample(range(1, 18), 6))
-        spans, left = list[Span](), list[Any]()
-        for i, j in zip(marks[::2], marks[1::2], strict=True):
-            low, high = (ExactNumber(Rational(n, 2)) for n in (i, j))
-            own = [End(x, pick.random() < 0.5, tuple(pick.sample(BINDINGS, 1))) for x in (low, high)]
-            own[0] = End(None) if i == marks[0] and pick.random() < 0.3 else own[0]
-            if pick.random() < 0.7:
-                spans.append(Span(*own))
-            else:
-                left.append((own[0].value, high))
-        return Solved(tuple(spans), tuple(left))
-
-    drawn = [some() for _ in range(pick.choice([2, 2, 3]))]
-    low, high = pick.choice([(None, None), (0, None), (None, 9), (1, 8)])
-    both = together(Domain(*(None if x is None else Integer(x) for x in (low, high))), drawn)
-    for x in (n / 4 for n in range(-2, 42)):
-        if (low is None or x >= low) and (high is None or x <= high):
-            answers = [said(y, x) for y in drawn]
-            told = False if False in answers else None if None in answers else True
-            open_ends = {float(y) for pair in ((p.low, p.high) for p in both.undecided) for y in pair if y is not None}
-            assert said(both, x) is told or (x in open_ends and said(both, x) is None)
-    known = {
-        (float(e.value), b) for x in drawn for y in x.feasible for e in (y.low, y.high) if e.value for b in e.bindings
-    }
-    for e in (e for y in both.feasible for e in (y.low, y.high) if e.value and float(e.value) not in (low, high)):
-        assert set(e.bindings) == {b for x, b in known if e.value and x == float(e.value)}
+# --- runs of a set along a line ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(2))
