@@ -74,6 +74,11 @@ class Verdict(StrEnum):
 _VERDICTS = {True: Verdict.HOLDS, False: Verdict.FAILS, None: Verdict.UNDECIDED}
 
 
+def _is_up_to(high: RealNumber | None, low: RealNumber | None) -> bool:
+    """Whether values that end at ``high`` lie below those that begin at ``low``; None: they have no end there."""
+    return high is not None and low is not None and ordered(high, low) >= 0
+
+
 @dataclass(frozen=True)
 class Domain:
     """The values that are asked about: an interval, None where it has no end, and whether its ends belong to it."""
@@ -98,8 +103,7 @@ class Domain:
     def misses(self, low: RealNumber | None, high: RealNumber | None) -> bool:
         """Whether no value strictly between two others is asked about."""
         first, last = self.ends
-        is_below = first is not None and high is not None and ordered(high, first) >= 0
-        return is_below or (last is not None and low is not None and ordered(last, low) >= 0)
+        return _is_up_to(high, first) or _is_up_to(last, low)
 
     @staticmethod
     def common(domains: Sequence[Domain]) -> Domain:
@@ -182,11 +186,22 @@ def spanned(piece: Piece) -> str:
 class ValueSet(Shown):
     """For which values of a number a verdict holds: an ordered cover of what was searched.
 
-    ``points`` : in ascending order; ``stretches`` : one more, of the values below the first point, between each two, and
-    above the last one; None where nothing is asked about beyond that point. ``searched`` : beyond which values nothing is
+    ``pieces`` : runs of values that hold, fail or are undecided, in order; ``feasible`` and ``undecided`` : those of one
+    kind. ``value in found`` is true, false, or an UndecidedError that says why it is not known; ``&`` and ``|`` are the
+    values for which two sets hold, or one of them does; ``about`` is the piece in which a value lies.
+
+    ``points`` : single values, in ascending order; ``stretches`` : one more, of the values below the first point, between
+    each two, and above the last one; None where nothing is asked about. ``searched`` : beyond which values nothing is
     claimed.
 
-    Guaranteed: as the module says, for each piece on its own.
+    Guaranteed of each piece on its own, also where a limit cut the work short: its verdict is proven for all its values.
+
+    >>> import haptisym as hs
+    >>> low, high = (hs.require("fu2019", path).values for path in ("omega_n", "zeta"))
+    >>> low, [(x.verdict.value, x.closed) for x in low.pieces], 150 in low
+    (<ValueSet from 122.356 on>, [('fails', (True, False)), ('holds', (True, False))], True)
+    >>> high.ends[0].value.digits(12), high.ends[0].bindings[0].kind.value
+    ('0.264345145449', 'band-edge')
     """
 
     points: tuple[Point, ...]
@@ -449,7 +464,7 @@ class Question:
     ``changes`` : gives critical values, again and again with fewer that are open; those that are given last count.
     ``at`` : the verdict at a critical value that is not rational and lies beside values that hold; None: like them.
     ``lone`` : the verdict at one between values that fail; None: not known. If not given it fails like them, which is so
-    for conditions that are strict.
+    for strict conditions.
     ``cells`` : covers the values between two, in order. ``end`` : of a cell between values of which one side holds and the
     other fails, and whether the lower one holds, the one value at which that changes; None where that is not proven to be
     one. ``alone`` : further values that are asked by themselves.
@@ -574,10 +589,9 @@ class _Solving:
         around = next((x for x in open_ if x.covers(low, high)), None)
         if around is not None:
             return Stretch(None, around.reason)
-        for point in self.asked.values():
-            is_above = low is None or ordered(low, point.value) > 0
-            if point.holds is not None and is_above and (high is None or ordered(point.value, high) > 0):
-                return Stretch(point.holds)
+        for x in self.asked.values():
+            if x.holds is not None and not _is_up_to(x.value, low) and not _is_up_to(high, x.value):
+                return Stretch(x.holds)
         return _UNASKED
 
     def _ask_between(self) -> None:
@@ -597,9 +611,8 @@ class _Solving:
         own, i = self.question.own, 0
         if own is not None and own.is_number:
             i, _ = _place(self.points, ExactNumber(own))
-        if self.stretches[i] is not None:
-            return i
-        return i + 1 if i + 1 < len(self.stretches) else i - 1
+        beside = (i, i + 1, i - 1)
+        return next(j for j in beside if j < len(self.stretches) and self.stretches[j] is not None)
 
     def _asked(self, i: int) -> Stretch:
         """What is known of a stretch, by a verdict on one of its values where that tells all."""
