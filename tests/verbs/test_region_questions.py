@@ -24,8 +24,8 @@ from haptisym.figures import requirement as requirement_charts
 from haptisym.figures.layers import draw
 from haptisym.judge.bindings import Kind
 from haptisym.kernel.rings import omega
+from haptisym.kernel.sets import Point
 from haptisym.pages.derive import when_of_region
-from haptisym.verbs.require.feasible import End
 from haptisym.writing.boxes import Name
 from haptisym.writing.code import Language, scene_code
 from haptisym.writing.document import Equations
@@ -455,9 +455,7 @@ def _extreme(rows: list[tuple[Fraction, Fraction, Fraction]], band: tuple[int, i
     return (None, set()) if least is None else (sign * least, {w for w, y in values.items() if y == least})
 
 
-def _is(end: End, value: Fraction, places: set[Fraction], band: tuple[int, int]) -> None:
-    assert end.closed
-    assert end.value is not None
+def _is(end: Point, value: Fraction, places: set[Fraction], band: tuple[int, int]) -> None:
     low, high = end.value.bounds(80)
     assert low <= value <= high
     assert end.bindings
@@ -492,8 +490,9 @@ def _hold(pick: Random) -> bool:
     [span] = found.feasible
     if low == high:  # one value alone, at which both bind
         lowest = highest = lowest | highest
-    _is(span.low, low, lowest, band)
-    _is(span.high, high, highest, band)
+    assert span.closed == (True, True)
+    _is(span.first, low, lowest, band)
+    _is(span.last, high, highest, band)
     return True
 
 

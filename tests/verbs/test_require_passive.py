@@ -137,6 +137,18 @@ def test_what_the_display_does_not_depend_on_leaves_one_verdict_for_all() -> Non
     assert ends(hs.require(stiff, "hand.b", that="passive")) == []
 
 
+@pytest.mark.parametrize(
+    ("damping", "alone", "left"), [("-(q - 1)^2", [(1, 1)], []), ("-(q^2 - 2)^2", [], [-(2**0.5), 2**0.5])]
+)
+def test_a_value_at_which_alone_no_damping_lacks_is_told_where_it_is_a_fraction_and_else_left_open(
+    damping: str, alone: list[Any], left: list[float]
+) -> None:
+    r = passive(f"5 + ({damping})*s", "q", (-9, 9))
+    assert ends(r) == [near(x) for x in alone]
+    assert [float(x.low) for x in r.undecided] == pytest.approx(left)
+    assert all(x.is_single for x in r.undecided)
+
+
 # --- delays and powers of s -----------------------------------------------------------------------------------------------
 
 

@@ -35,13 +35,13 @@ catches once: what is not settled by then is undecided for that reason.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Any
 
 import flint
@@ -59,8 +59,9 @@ UNSEARCHED = "not searched"
 """Why nothing is known of values that nobody looked at: they are no part of what was searched."""
 NOT_NEEDED = "beyond the nearest ends"
 """The same of a set of which only what lies near to the present value was asked for."""
-_UNASKED = UNSEARCHED, NOT_NEEDED
-_UNASKED = UNSEARCHED, NOT_NEEDED
+_UNASKED_REASONS = UNSEARCHED, NOT_NEEDED
+_UNTOLD = "where a verdict changes is not known closely enough"
+_ALONE = "whether it holds at this one value is not known"
 
 
 class Verdict(StrEnum):
@@ -74,6 +75,11 @@ class Verdict(StrEnum):
 _VERDICTS = {True: Verdict.HOLDS, False: Verdict.FAILS, None: Verdict.UNDECIDED}
 
 
+def _is_up_to(high: RealNumber | None, low: RealNumber | None) -> bool:
+    """Whether values that end at ``high`` lie below those that begin at ``low``; None: they have no end there."""
+    return high is not None and low is not None and ordered(high, low) >= 0
+
+
 @dataclass(frozen=True)
 class Domain:
     """The values that are asked about: an interval, None where it has no end, and whether its ends belong to it."""
@@ -84,7 +90,7 @@ class Domain:
     holds_high: bool = True
 
     @property
-    def ends(self) -> tuple[RealNumber | None, RealNumber | None]:
+    def ends(self) -> tuple[ExactNumber | None, ExactNumber | None]:
         """Both as numbers."""
         low, high = (None if x is None else ExactNumber(x) for x in (self.low, self.high))
         return low, high
@@ -94,6 +100,20 @@ class Domain:
         low, high = (None if x is None else ordered(x, value) for x in self.ends)
         above = low is None or low > 0 or (low == 0 and self.holds_low)
         return above and (high is None or high < 0 or (high == 0 and self.holds_high))
+
+    def misses(self, low: RealNumber | None, high: RealNumber | None) -> bool:
+        """Whether no value strictly between two others is asked about."""
+        first, last = self.ends
+        return _is_up_to(high, first) or _is_up_to(last, low)
+
+    @staticmethod
+    def common(domains: Sequence[Domain]) -> Domain:
+        """The values of all of some domains."""
+        lows, highs = ([x for own in domains if (x := own.ends[i]) is not None] for i in (0, 1))
+        low = ascending(lows, lambda x: x)[-1] if lows else None
+        high = ascending(highs, lambda x: x)[0] if highs else None
+        belongs = (x is None or all(own.holds(x) for own in domains) for x in (low, high))
+        return Domain(low and low.value, high and high.value, *belongs)
 
 
 @dataclass(frozen=True)
@@ -174,11 +194,22 @@ def spanned(piece: Piece) -> str:
 class ValueSet(Shown):
     """For which values of a number a verdict holds: an ordered cover of what was searched.
 
-    ``points`` : in ascending order; ``stretches`` : one more, of the values below the first point, between each two, and
-    above the last one; None where nothing is asked about beyond that point. ``searched`` : beyond which values nothing is
+    ``pieces`` : runs of values that hold, fail or are undecided, in order; ``feasible`` and ``undecided`` : those of one
+    kind. ``value in found`` is true, false, or an UndecidedError that says why it is not known; ``&`` and ``|`` are the
+    values for which two sets hold, or one of them does; ``about`` is the piece in which a value lies.
+
+    ``points`` : single values, in ascending order; ``stretches`` : one more, of the values below the first point, between
+    each two, and above the last one; None where nothing is asked about. ``searched`` : beyond which values nothing is
     claimed.
 
-    Guaranteed: as the module says, for each piece on its own.
+    Guaranteed of each piece on its own, also where a limit cut the work short: its verdict is proven for all its values.
+
+    >>> import haptisym as hs
+    >>> low, high = (hs.require("fu2019", path).values for path in ("omega_n", "zeta"))
+    >>> low, [(x.verdict.value, x.closed) for x in low.pieces], 150 in low
+    (<ValueSet from 122.356 on>, [('fails', (True, False)), ('holds', (True, False))], True)
+    >>> high.ends[0].value.digits(12), high.ends[0].bindings[0].kind.value
+    ('0.264345145449', 'band-edge')
     """
 
     points: tuple[Point, ...]
@@ -188,15 +219,13 @@ class ValueSet(Shown):
     @classmethod
     def all_of(cls, domain: Domain, *, holds: bool | None, reason: str = "") -> ValueSet:
         """All values of a domain with one verdict; ends that do not belong to it fail."""
-        ends = zip(domain.ends, (domain.holds_low, domain.holds_high), strict=True)
         points = tuple(
-            Point(x, holds if belongs else False, reason=reason if belongs else "") for x, belongs in ends if x
+            Point(x, holds, reason=reason) if domain.holds(x) else Point(x, holds=False)
+            for x in domain.ends
+            if x is not None
         )
-        inside = Stretch(holds, reason)
-        outer = (None if x is not None else inside for x in (domain.low, domain.high))
-        low, high = outer
-        stretches = (low, inside, high) if len(points) == 2 else (low, high) if points else (inside,)
-        return cls(points, stretches, domain)
+        stretches = [Stretch(holds, reason)] * (len(points) + 1)
+        return cls(points, _bounded(domain, stretches), domain)
 
     @property
     def said(self) -> str:
@@ -220,10 +249,9 @@ class ValueSet(Shown):
             if point is not None:
                 _append(found, Piece(point, point, (True, True), _VERDICTS[point.holds], point.reason))
         low, high = self.searched.ends
-        first, last = found[0], found[-1]
-        if len(found) > 1 and last.is_open_beyond(high, 1):
+        if len(found) > 1 and found[-1].is_open_beyond(high, 1):
             found[-2:] = [replace(found[-2], last=None, closed=(found[-2].closed[0], False))]
-        if len(found) > 1 and first.is_open_beyond(low, -1):
+        if len(found) > 1 and found[0].is_open_beyond(low, -1):
             found[:2] = [replace(found[1], first=None, closed=(False, found[1].closed[1]))]
         return tuple(found)
 
@@ -234,14 +262,22 @@ class ValueSet(Shown):
 
     @property
     def undecided(self) -> tuple[Piece, ...]:
-        """The pieces of which nothing is proven, of those that were asked about."""
-        left = (x for x in self.pieces if x.verdict is Verdict.UNDECIDED)
-        return tuple(x for x in left if x.reason not in _UNASKED)
+        """The pieces of which nothing is proven, as far as they were searched."""
+        return tuple(
+            x
+            for x in self.pieces
+            if x.verdict is Verdict.UNDECIDED and x.reason not in _UNASKED_REASONS and self._is_searched(x)
+        )
+
+    def _is_searched(self, x: Piece) -> bool:
+        """Whether one of its values was, if only an end of what was."""
+        own = replace(self.searched, holds_low=True, holds_high=True)
+        return own.holds(x.first.value) if x.is_single and x.first else not own.misses(x.low, x.high)
 
     @property
     def reason(self) -> str:
         """Why something is undecided, each reason once."""
-        return _joined(*(x.reason for x in self.undecided))
+        return _joined(x.reason for x in self.undecided)
 
     @property
     def ends(self) -> tuple[Point, ...]:
@@ -257,10 +293,9 @@ class ValueSet(Shown):
 
     def unknown(self, value: RealNumber, side: int) -> Piece | None:
         """The first piece on a side of a value of which nothing is known; None where all is, or no more was needed."""
-        home = self.about(value)
         ahead = self.pieces if side > 0 else self.pieces[::-1]
-        pieces = ahead[ahead.index(home) :]
-        found = next((x for x in pieces if x.verdict is Verdict.UNDECIDED), None)
+        onward = ahead[ahead.index(self.about(value)) :]
+        found = next((x for x in onward if x.verdict is Verdict.UNDECIDED), None)
         return None if found is None or found.reason == NOT_NEEDED else found
 
     def about(self, value: RealNumber) -> Piece:
@@ -271,15 +306,16 @@ class ValueSet(Shown):
             inside = below < 0 or (below == 0 and piece.closed[0])
             if inside and (above < 0 or (above == 0 and piece.closed[1])):
                 return piece
-        raise UndecidedError(f"the value {value!r}: it is not among those that were searched")
+        raise UndecidedError(f"the value {value!r}: it is not among those that were asked about")
 
     def __contains__(self, value: object) -> bool:
         """Whether the verdict on a value is yes. UndecidedError where that is not known, or was not searched."""
-        number = value if isinstance(value, RealNumber) else ExactNumber(Rational(str(value)))
-        found = self.about(number) if self.searched.holds(number) else None
-        if found is None or found.verdict is Verdict.UNDECIDED:
-            why = "it was not searched" if found is None else found.reason or "nothing is proven there"
-            raise UndecidedError(f"the value {number!r}: {why}")
+        number = _as_number(value)
+        found = self.about(number)
+        if found.verdict is Verdict.UNDECIDED:
+            raise UndecidedError(f"the value {number!r}: {found.reason or 'nothing is proven there'}")
+        if not self.searched.holds(number) and not isinstance(self.at(number), Point):
+            raise UndecidedError(f"the value {number!r}: it was not searched")
         return found.verdict is Verdict.HOLDS
 
     def __and__(self, other: ValueSet) -> ValueSet:
@@ -292,49 +328,72 @@ class ValueSet(Shown):
 
     def without(self, values: Sequence[RealNumber]) -> ValueSet:
         """The same with the verdict no at some values, at which there is nothing to ask about."""
-        if not values:
-            return self
-        return self & ValueSet(
-            tuple(Point(x, holds=False) for x in ascending(values, lambda x: x)),
-            tuple(Stretch(holds=True) for _ in range(len(values) + 1)),
-            self.searched,
-        )
+        gone = _each_once(Point(x, holds=False) for x in values)
+        return self & ValueSet(tuple(gone), (Stretch(holds=True),) * (len(gone) + 1))
 
     def below(self, value: RealNumber | None) -> Stretch | None:
         """What is known of the values just below one; with None, of those beyond the last point."""
-        if value is None:
-            return self.stretches[-1]
-        return self.stretches[self._place(value)]
+        return self.stretches[-1 if value is None else _place(self.points, value)[0]]
 
     def at(self, value: RealNumber) -> Point | Stretch | None:
         """What is known of one value: its point, or the stretch in which it lies."""
-        i = self._place(value)
-        is_point = i < len(self.points) and not ordered(self.points[i].value, value)
+        i, is_point = _place(self.points, value)
         return self.points[i] if is_point else self.stretches[i]
 
-    def _place(self, value: RealNumber) -> int:
-        """How many points lie below a value."""
-        return bisect_left(self.points, 0, key=lambda x: -ordered(x.value, value))
+
+def _as_number(value: object) -> RealNumber:
+    if isinstance(value, RealNumber):
+        return value
+    return ExactNumber(value if isinstance(value, Expr) else Rational(str(value)))
+
+
+def _place(points: Sequence[Point], value: RealNumber) -> tuple[int, bool]:
+    """How many points lie below a value, and whether the next one is that value."""
+    i = bisect_left(points, 0, key=lambda x: -ordered(x.value, value))
+    return i, i < len(points) and not ordered(points[i].value, value)
+
+
+def _each_once(points: Iterable[Point]) -> list[Point]:
+    """Points in ascending order; those at one value as one, with all that binds there, told exactly where one of them is."""
+    found = list[Point]()
+    for x in ascending(points, lambda x: x.value):
+        if found and not ordered(found[-1].value, x.value):
+            last = found[-1]
+            value = x.value if isinstance(x.value, ExactNumber) else last.value
+            found[-1] = replace(last, value=value, bindings=tuple(dict.fromkeys((*last.bindings, *x.bindings))))
+        else:
+            found.append(x)
+    return found
+
+
+def _bounded(domain: Domain, stretches: Sequence[Stretch]) -> tuple[Stretch | None, ...]:
+    """The same but for those beyond the ends of a domain."""
+    found = list[Stretch | None](stretches)
+    if domain.low is not None:
+        found[0] = None
+    if domain.high is not None:
+        found[-1] = None
+    return tuple(found)
 
 
 def _append(pieces: list[Piece], piece: Piece) -> None:
     """Put a piece to those before it; as one with the last of them if that has the same verdict."""
     last = pieces[-1] if pieces else None
-    is_other = last is None or last.verdict is not piece.verdict
-    if is_other or (last.reason in _UNASKED) is not (piece.reason in _UNASKED):
+    is_asked = [x is not None and x.reason not in _UNASKED_REASONS for x in (last, piece)]
+    if last is None or last.verdict is not piece.verdict or is_asked[0] is not is_asked[1]:
         pieces.append(piece)
         return
-    reason = _joined(last.reason, piece.reason)
-    if piece.reason in _UNASKED:
+    if is_asked[1]:
+        reason = _joined([*last.reason.split("; "), piece.reason])
+    else:
         reason = UNSEARCHED if UNSEARCHED in (last.reason, piece.reason) else NOT_NEEDED
     closed = last.closed[0], piece.closed[1]
     pieces[-1] = replace(last, last=piece.last, closed=closed, reason=reason)
 
 
-def _joined(*reasons: str) -> str:
+def _joined(reasons: Iterable[str]) -> str:
     """Each reason once."""
-    every = (x for reason in reasons for x in reason.split("; "))
-    return "; ".join(dict.fromkeys(x for x in every if x))
+    return "; ".join(dict.fromkeys(x for x in reasons if x))
 
 
 Rule = Callable[[Sequence[bool | None]], bool | None]
@@ -349,42 +408,31 @@ def _any(verdicts: Sequence[bool | None]) -> bool | None:
 
 
 def combined(sets: Sequence[ValueSet], rule: Rule = _all) -> ValueSet:
-    """Sets of values of one number as one: by default the values for which all of them hold.
+    """Sets of values of one number as one, of the values that all of them ask about: by default, those for which all hold.
 
     It asks no verdicts, and puts known ends in order even where the time is over.
     """
     if len(sets) == 1:
         return sets[0]
     with spared():
-        values: list[RealNumber] = []
-        for x in ascending((p.value for own in sets for p in own.points), lambda x: x):
-            if not values or ordered(values[-1], x):
-                values.append(x)
-        cells = [_between(sets, rule, x) for x in (*values, None)]
-        points = tuple(_here(sets, rule, x) for x in values)
-    searched = next((x.searched for x in sets), Domain(None, None))
-    return ValueSet(points, tuple(cells), searched)
+        points, stretches = list[Point](), list[Stretch | None]()
+        for x in _each_once(p for own in sets for p in own.points):
+            here = _together([own.at(x.value) for own in sets], rule)
+            if here is not None:
+                points.append(replace(x, holds=here.holds, reason=here.reason))
+                stretches.append(_together([own.below(x.value) for own in sets], rule))
+        stretches.append(_together([own.below(None) for own in sets], rule))
+        searched = Domain.common([own.searched for own in sets])
+    return ValueSet(tuple(points), tuple(stretches), searched)
 
 
-def _between(sets: Sequence[ValueSet], rule: Rule, high: RealNumber | None) -> Stretch | None:
-    """What is known of the values just below one, by a rule; None where a set does not ask about them."""
-    found = [own for x in sets if (own := x.below(high)) is not None]
-    if len(found) < len(sets):
+def _together(found: Sequence[Point | Stretch | None], rule: Rule) -> Stretch | None:
+    """What is known of values by what is known of them in several sets; None where one of these does not ask about them."""
+    known = [x for x in found if x is not None]
+    if len(known) < len(found):
         return None
-    holds = rule([x.holds for x in found])
-    return Stretch(holds, _reasons(found) if holds is None else "")
-
-
-def _here(sets: Sequence[ValueSet], rule: Rule, value: RealNumber) -> Point:
-    """What is known of one value, by a rule."""
-    found = [x.at(value) or Stretch(holds=False) for x in sets]
-    holds = rule([x.holds for x in found])
-    bindings = (b for x in found if isinstance(x, Point) for b in x.bindings)
-    return Point(value, holds, tuple(dict.fromkeys(bindings)), _reasons(found) if holds is None else "")
-
-
-def _reasons(found: Iterable[Point | Stretch]) -> str:
-    return _joined(*(x.reason for x in found if x.holds is None))
+    holds = rule([x.holds for x in known])
+    return Stretch(holds, _joined(x.reason for x in known if x.holds is None) if holds is None else "")
 
 
 @dataclass(frozen=True)
@@ -437,13 +485,16 @@ class Question:
     """A verdict on values of a number, and what is known of it beyond single values.
 
     ``verdict`` : of a rational number, exact; None, or an UndecidedError with the reason: undecided. ``own`` : the value
-    that the number has now: what lies near to it is asked first.
+    that the number has now: it is asked first, and what lies near to it before what is far.
     ``changes`` : gives critical values, again and again with fewer that are open; those that are given last count.
-    UndecidedError: the rest stays open for that reason.
     ``at`` : the verdict at a critical value that is not rational and lies beside values that hold; None: like them.
-    ``cells`` : covers the values between two, in order. ``end`` : of a cell between values of which one side holds and the other
-    fails, and whether the lower one holds, the one value at which that changes; None where that is not proven to be one.
-    ``alone`` : further values that are asked by themselves.
+    ``lone`` : the verdict at one between values that fail; None: not known. If not given it fails like them, which is so
+    for strict conditions.
+    ``cells`` : covers the values between two, in order. ``end`` : of a cell between values of which one side holds and the
+    other fails, and whether the lower one holds, the one value at which that changes; None where that is not proven to be
+    one. ``alone`` : further values that are asked by themselves.
+
+    An UndecidedError in any of them leaves open what it was asked for, for that reason.
     """
 
     verdict: Callable[[Rational], bool | None]
@@ -453,6 +504,7 @@ class Question:
     cells: Callable[[RealNumber | None, RealNumber | None], Iterable[Cell]] | None = None
     end: Callable[[RealNumber, RealNumber, bool], Point | None] | None = None
     alone: Sequence[Expr] = ()
+    lone: Callable[[Change], bool | None] | None = None
 
 
 def solve(question: Question, domain: Domain, searched: Domain | None = None, *, near: bool = False) -> ValueSet:
@@ -466,248 +518,245 @@ def solve(question: Question, domain: Domain, searched: Domain | None = None, *,
     with suppress(LimitError):
         work.run()
     with spared():
-        work.settle_points()
-    return work.found
+        return work.found()
+
+
+_UNASKED = Stretch(None, STOPPED)
+"""A stretch of which one verdict tells all, before that is asked for: it is told from what is open by its identity."""
 
 
 class _Solving:
-    """A set that is being found: points and stretches, of which more and more are settled."""
+    """A set that is being found: points and stretches, of which more and more are settled.
+
+    At any moment what is known of each is proven, so that work that is broken off leaves a set as well.
+    """
 
     def __init__(self, question: Question, domain: Domain, searched: Domain, *, near: bool) -> None:
         self.question, self.domain, self.searched, self.near = question, domain, searched, near
-        self.own = None if question.own is None or not question.own.is_number else ExactNumber(question.own)
         self.asked: dict[Rational, Point] = {}
-        whole = ValueSet.all_of(domain, holds=None, reason=STOPPED)
-        self.points: list[Point] = [replace(x, holds=None, reason="") for x in whole.points]
-        self.stretches: list[Stretch | None] = [*whole.stretches]
+        self.points = list[Point]()
+        self.stretches = list[Stretch | None]()
+        self._cut(Changes(open=[Open(None, None, STOPPED)]))
 
-    @property
     def found(self) -> ValueSet:
-        """The set as it stands."""
+        """The set as it stands, with what was asked of single values; nothing more is asked."""
+        for value, point in self.asked.items():
+            if point.holds is not None and self._is_left_open(value):
+                i, _ = _place(self.points, point.value)
+                self.points.insert(i, point)
+                self.stretches.insert(i, self.stretches[i])
+        self._settle_points(ask=False)
         return ValueSet(tuple(self.points), tuple(self.stretches), self.searched)
 
     def run(self) -> None:
         """Settle what can be settled. LimitError where the time is over."""
+        own = self.question.own
+        if isinstance(own, Rational) and self.domain.holds(ExactNumber(own)):
+            self._ask(own)
         self._use_changes()
         self._use_cells()
         self._use_ends()
-        self.settle_points(ask=True)
-        self._ask_alone()
+        self._settle_points(ask=True)
+        for value in (Integer(0), *self.question.alone):
+            if isinstance(value, Rational) and self._is_left_open(value):
+                self._ask(value)
 
-    # Critical values
+    def _ask(self, value: Rational) -> Point:
+        """The verdict on one value, or why it is not known. LimitError where the time is over."""
+        if value not in self.asked:
+            tick()
+            holds, reason = None, ""
+            try:
+                holds = self.question.verdict(value)
+            except UndecidedError as error:
+                reason = _reason(error)
+            self.asked[value] = Point(ExactNumber(value), holds, reason=reason)
+        return self.asked[value]
 
-    def _use_changes(self) -> None:
-        try:
-            for changes in self.question.changes():
-                self._place(changes)
-                if self._ask_between(changes.open):
-                    break
-        except LimitError:
-            raise
-        except UndecidedError as error:
-            self.stretches = [
-                replace(x, reason=str(error)) if x is not None and x.holds is None else x for x in self.stretches
-            ]
-
-    def _place(self, changes: Changes) -> None:
-        """Cut the domain at critical values, and at the ends of what is open, anew."""
-        edges = [Change(x) for own in changes.open for x in (own.low, own.high) if x is not None]
-        inside = [x for x in (*changes.values, *edges) if is_told(x.value) and self._is_inside(x.value)]
-        ends = [Change(x) for x in self.domain.ends if x is not None]
-        self.points = []
-        for x in ascending([*ends, *inside], lambda x: x.value):
-            if self.points and not ordered(self.points[-1].value, x.value):
-                last = self.points[-1]
-                self.points[-1] = replace(last, bindings=tuple(dict.fromkeys((*last.bindings, *x.bindings))))
-            else:
-                self.points.append(Point(x.value, bindings=x.bindings))
-        unknown = Stretch(None, STOPPED)
-        self.stretches = [
-            None if self.domain.low is not None else unknown,
-            *[unknown] * (len(self.points) - 1),
-            *([] if not self.points else [None if self.domain.high is not None else unknown]),
-        ]
-
-    def _is_inside(self, value: RealNumber) -> bool:
-        """Whether a value lies in the domain, or at an end of it."""
-        return replace(self.domain, holds_low=True, holds_high=True).holds(value)
+    def _is_left_open(self, value: Rational) -> bool:
+        """Whether a value lies in what is asked about, searched and open."""
+        i, is_point = _place(self.points, ExactNumber(value))
+        return not is_point and _is_open(self.stretches[i])
 
     def _ends(self, i: int) -> tuple[RealNumber | None, RealNumber | None]:
         """Between which values the i-th stretch lies."""
         low = self.points[i - 1].value if i else None
         return low, self.points[i].value if i < len(self.points) else None
 
-    def _ask_between(self, open_: Sequence[Open]) -> bool:
-        """Ask a value of each stretch that is not open, the nearest first; whether nothing is left to be found."""
-        home = self._home()
-        is_done = True
-        for side in (0, 1, -1):
-            verdicts: list[bool | None] = [] if not side else self._known_at(home)
-            for i in self._on_side(home, side):
-                if self.near and side and _is_enough(verdicts):
-                    is_left = any(x.reason == UNSEARCHED and x.covers(*self._ends(i)) for x in open_)
-                    self.stretches[i] = Stretch(None, UNSEARCHED if is_left else NOT_NEEDED)
-                    continue
-                found = self._of_stretch(i, open_)
-                self.stretches[i] = found
-                verdicts.append(found.holds)
-                if self.near and side and _is_enough(verdicts):
-                    self._leave_out(i if side > 0 else i - 1)
-                is_done = is_done and (found.holds is not None or self._is_beyond(i))
-        return is_done
+    # Critical values
 
-    def _leave_out(self, i: int) -> None:
-        """Ask nothing of the i-th point, if there is one."""
-        if 0 <= i < len(self.points):
-            self.points[i] = replace(self.points[i], reason=NOT_NEEDED)
+    def _use_changes(self) -> None:
+        try:
+            for changes in self.question.changes():
+                self._cut(changes)
+                self._ask_between()
+                if not any(map(self._is_left, range(len(self.stretches)))):
+                    break
+        except UndecidedError as error:
+            open_ = Stretch(None, _reason(error))
+            self.stretches = [open_ if _is_open(x) else x for x in self.stretches]
 
-    def _is_beyond(self, i: int) -> bool:
-        """Whether the i-th stretch lies outside of what is searched."""
-        (low, high), (first, last) = self._ends(i), self.searched.ends
-        is_below = first is not None and high is not None and ordered(high, first) >= 0
-        return is_below or (last is not None and low is not None and ordered(last, low) >= 0)
+    def _cut(self, changes: Changes) -> None:
+        """Cut the domain at critical values, and at the ends of what is open, anew; what was asked tells of stretches."""
+        edges = [x for own in changes.open for x in (own.low, own.high) if x is not None]
+        listed = [*(Point(x.value, bindings=x.bindings) for x in changes.values), *map(Point, edges)]
+        told = [x for x in listed if is_told(x.value)]
+        open_ = changes.open if len(told) == len(listed) else [*changes.open, Open(None, None, _UNTOLD)]
+        whole = replace(self.domain, holds_low=True, holds_high=True)
+        points = _each_once(
+            [*(Point(x) for x in self.domain.ends if x is not None), *(x for x in told if whole.holds(x.value))]
+        )
+        places = [None, *(x.value for x in points), None]
+        stretches = [self._known(low, high, open_) for low, high in pairwise(places)]
+        self.points, self.stretches = points, [*_bounded(self.domain, stretches)]
 
-    def _place_of(self, value: RealNumber) -> int:
-        """How many points lie below a value."""
-        return bisect_left(self.points, 0, key=lambda x: -ordered(x.value, value))
-
-    def _known_at(self, i: int) -> list[bool | None]:
-        stretch = self.stretches[i]
-        return [] if stretch is None else [stretch.holds]
-
-    def _home(self) -> int:
-        """The stretch in which the question's own value lies, or which ends there; the first one where it has none."""
-        own = self.own
-        if own is None:
-            return next(i for i, x in enumerate(self.stretches) if x is not None)
-        i = self._place_of(own)
-        if self.stretches[i] is not None:
-            return i
-        return i + 1 if i + 1 < len(self.stretches) else i - 1
-
-    def _on_side(self, home: int, side: int) -> Iterator[int]:
-        """The stretches on a side of the home, from there on; of no side the home itself."""
-        every = range(home + 1, len(self.stretches)) if side > 0 else range(home - 1, -1, -1)
-        yield from (i for i in ([home] if not side else every) if self.stretches[i] is not None)
-
-    def _of_stretch(self, i: int, open_: Sequence[Open]) -> Stretch:
-        low, high = self._ends(i)
+    def _known(self, low: RealNumber | None, high: RealNumber | None, open_: Sequence[Open]) -> Stretch:
         around = next((x for x in open_ if x.covers(low, high)), None)
         if around is not None:
             return Stretch(None, around.reason)
-        for value, point in self.asked.items():
-            if self._is_strictly_between(low, ExactNumber(value), high):
-                return Stretch(point.holds, point.reason)
-        found = self._ask(rational_between(low, high, self.question.own))
-        return Stretch(found.holds, found.reason)
+        for x in self.asked.values():
+            if x.holds is not None and not _is_up_to(x.value, low) and not _is_up_to(high, x.value):
+                return Stretch(x.holds)
+        return _UNASKED
 
-    @staticmethod
-    def _is_strictly_between(low: RealNumber | None, x: RealNumber, high: RealNumber | None) -> bool:
-        return (low is None or ordered(low, x) > 0) and (high is None or ordered(x, high) > 0)
+    def _ask_between(self) -> None:
+        """Ask a value of each stretch that is not open, the nearest first; of a near set no more than it takes."""
+        home = self._home()
+        own = self._asked(home)
+        for ahead in (range(home + 1, len(self.stretches)), range(home - 1, -1, -1)):
+            verdicts = [own.holds]
+            for i in ahead:
+                if self.near and _is_enough(verdicts):
+                    self._leave_out(i, i - (ahead.step > 0))
+                elif self.stretches[i] is not None:
+                    verdicts.append(self._asked(i).holds)
 
-    def _ask(self, value: Rational) -> Point:
-        """The verdict on one value. LimitError where the time is over before it."""
-        if value not in self.asked:
-            tick()
-            self.asked[value] = _answered(self.question, value)
-        return self.asked[value]
+    def _home(self) -> int:
+        """The stretch in which the question's own value lies, or which ends there; the first one where it has none."""
+        own, i = self.question.own, 0
+        if own is not None and own.is_number:
+            i, _ = _place(self.points, ExactNumber(own))
+        beside = (i, i + 1, i - 1)
+        return next(j for j in beside if j < len(self.stretches) and self.stretches[j] is not None)
+
+    def _asked(self, i: int) -> Stretch:
+        """What is known of a stretch, by a verdict on one of its values where that tells all."""
+        if self.stretches[i] is _UNASKED:
+            found = self._ask(rational_between(*self._ends(i), self.question.own))
+            self.stretches[i] = Stretch(found.holds, found.reason)
+        own = self.stretches[i]
+        assert own is not None
+        return own
+
+    def _leave_out(self, i: int, before: int) -> None:
+        """Ask nothing of a stretch that is not needed, nor of the point before it."""
+        own = self.stretches[i]
+        if own is not None and own.reason != UNSEARCHED:
+            self.stretches[i] = Stretch(None, NOT_NEEDED)
+        self.points[before] = replace(self.points[before], reason=NOT_NEEDED)
+
+    def _is_left(self, i: int) -> bool:
+        """Whether a stretch is open, needed, and searched."""
+        return _is_open(self.stretches[i]) and not self.searched.misses(*self._ends(i))
 
     # Cells
 
     def _use_cells(self) -> None:
         """Fill what is open by cells."""
-        if self.question.cells is None:
-            return
         for i in reversed(range(len(self.stretches))):
-            stretch = self.stretches[i]
-            if stretch is not None and stretch.holds is None and stretch.reason != NOT_NEEDED:
-                low, high = self._ends(i)
-                cells = list(self.question.cells(low, high))
-                if cells:
-                    self._splice(i, cells)
+            if self.question.cells is not None and _is_open(self.stretches[i]):
+                self._fill(i, self.question.cells)
+
+    def _fill(self, i: int, cells_of: Callable[[RealNumber | None, RealNumber | None], Iterable[Cell]]) -> None:
+        """Put cells in place of a stretch; those that are found by then where the time is over."""
+        cells, (low, high) = list[Cell](), self._ends(i)
+        try:
+            for x in cells_of(low, high):
+                cells.append(x)
+        except UndecidedError as error:
+            start = cells[-1].high if cells else low
+            cells.append(Cell(start, high, None, STOPPED))
+            cells[-1] = replace(cells[-1], reason=_reason(error))
+        finally:
+            if cells:
+                self._splice(i, cells)
 
     def _splice(self, i: int, cells: Sequence[Cell]) -> None:
-        """Put cells in place of a stretch: neighbours of one verdict as one.
-
-        What is between two of them is told by the one that is settled, as both hold it.
-        """
-        runs: list[Cell] = []
-        for x in cells:
-            if runs and runs[-1].holds is x.holds:
-                runs[-1] = replace(runs[-1], high=x.high, reason=_joined(runs[-1].reason, x.reason))
-            else:
-                runs.append(x)
+        """Put cells in place of a stretch. What is between two of them is told by the one that is settled, as both hold it."""
+        alike = (list(own) for _, own in groupby(cells, lambda x: (x.holds, x.reason)))
+        merged = [replace(own[0], high=own[-1].high) for own in alike]
+        for j, x in ((i - 1, merged[0]), (i, merged[-1])):  # what is rational is asked
+            if 0 <= j < len(self.points) and _rational(self.points[j]) is None:
+                self.points[j] = replace(self.points[j], holds=x.holds)
         inner = [
-            Point(a.high, b.holds if a.holds is None else a.holds) for a, b in pairwise(runs) if a.high is not None
+            Point(a.high, b.holds if a.holds is None else a.holds) for a, b in pairwise(merged) if a.high is not None
         ]
         self.points[i:i] = inner
-        self.stretches[i : i + 1] = [Stretch(x.holds, x.reason) for x in runs]
+        self.stretches[i : i + 1] = [Stretch(x.holds, x.reason) for x in merged]
 
     def _use_ends(self) -> None:
         """Find the one end in what is open between values that hold and values that fail."""
-        if self.question.end is None:
-            return
         for i in reversed(range(1, len(self.stretches) - 1)):
             before, own, after = self.stretches[i - 1 : i + 2]
-            if own is None or own.holds is not None or before is None or after is None:
-                continue
             low, high = self._ends(i)
+            if self.question.end is None or not _is_open(own) or before is None or after is None:
+                continue
             if low is None or high is None or {before.holds, after.holds} != {True, False}:
                 continue
             tick()
-            point = self.question.end(low, high, before.holds is True)
+            try:
+                point = self.question.end(low, high, before.holds is True)
+            except UndecidedError as error:
+                self.stretches[i] = Stretch(None, _reason(error))
+                continue
             if point is not None:
-                self.points[i:i] = [point]
+                self.points.insert(i, point)
                 self.stretches[i : i + 1] = [Stretch(before.holds), Stretch(after.holds)]
 
     # Single values
 
-    def settle_points(self, *, ask: bool = False) -> None:
+    def _settle_points(self, *, ask: bool) -> None:
         """Tell the verdict of points, as far as that needs no more than their neighbours; or by asking it."""
-        for i, point in enumerate(self.points):
-            if any(x is not None and x.reason == NOT_NEEDED for x in self.stretches[i : i + 2]):
-                self._leave_out(i)
-            elif point.holds is None and point.reason != NOT_NEEDED:
-                self.points[i] = self._settled(i, ask=ask)
+        for i, x in enumerate(self.points):
+            if not self.domain.holds(x.value):  # nothing is asked about there, so that nothing binds
+                self.points[i] = Point(x.value, holds=False)
+            elif x.holds is None and not x.reason:
+                holds, reason = self._told(i, ask=ask)
+                self.points[i] = replace(x, holds=holds, reason=reason)
             around = self.stretches[i : i + 2]
             is_inside = self.points[i].holds and Stretch(holds=True) in around
             if None in around and is_inside:  # it is the range that ends there
                 self.points[i] = replace(self.points[i], bindings=())
 
-    def _settled(self, i: int, *, ask: bool) -> Point:
-        """A point with its verdict: its own where it is rational, else as its neighbours and the question tell."""
-        point, near = self.points[i], [x.holds for x in self.stretches[i : i + 2] if x is not None]
-        if not self.domain.holds(point.value):  # as nothing is asked about there, nothing binds
-            return replace(point, holds=False, bindings=())
-        if isinstance(point.value, ExactNumber) and isinstance(point.value.value, Rational):
-            if not ask and point.value.value not in self.asked:
-                return replace(point, reason=STOPPED)
-            found = self._ask(point.value.value)
-            return replace(point, holds=found.holds, reason=found.reason)
-        if True not in near:
-            is_open = None in near
-            return replace(point, holds=None if is_open else False, reason=self._reason_near(i) if is_open else "")
-        told = self.question.at(Change(point.value, point.bindings)) if self.question.at and point.bindings else True
-        return replace(point, holds=True if told is None else told)
+    def _told(self, i: int, *, ask: bool) -> tuple[bool | None, str]:
+        """The verdict on a point: its own where it is rational, else as its neighbours and the question tell; or why none is."""
+        point, near = self.points[i], [x for x in self.stretches[i : i + 2] if x is not None]
+        value, verdicts = _rational(point), [x.holds for x in near]
+        if value is not None:
+            own = self._ask(value) if ask else self.asked.get(value)
+            return (None, STOPPED) if own is None else (own.holds, own.reason)
+        is_beside = True in verdicts
+        if None in verdicts and not (is_beside and point.bindings):
+            return None, next(x.reason for x in near if x.holds is None) or STOPPED
+        tell = self.question.at if is_beside else self.question.lone
+        if tell is None or (is_beside and not point.bindings):
+            return is_beside, ""
+        if not ask:
+            return None, STOPPED
+        try:
+            told = tell(Change(point.value, point.bindings))
+        except UndecidedError as error:
+            return None, _reason(error)
+        return (True, "") if told is None and is_beside else (told, _ALONE if told is None else "")
 
-    def _reason_near(self, i: int) -> str:
-        return next((x.reason for x in self.stretches[i : i + 2] if x is not None and x.holds is None), "")
 
-    def _ask_alone(self) -> None:
-        """Ask the present value, 0, and others that lie in what is open."""
-        own = [] if self.question.own is None else [self.question.own]
-        for value in dict.fromkeys([*own, Integer(0), *self.question.alone]):
-            number = ExactNumber(value)
-            if not isinstance(value, Rational) or not self.domain.holds(number):
-                continue
-            i = self._place_of(number)
-            is_point = i < len(self.points) and not ordered(self.points[i].value, number)
-            stretch = self.stretches[i]
-            if not is_point and stretch is not None and stretch.holds is None and stretch.reason != NOT_NEEDED:
-                found = self._ask(value)
-                if found.holds is not None:
-                    self.points[i:i] = [found]
-                    self.stretches[i:i] = [stretch]
+def _is_open(x: Stretch | None) -> bool:
+    """Whether nothing is known of a stretch of which something is asked, and needed."""
+    return x is not None and x.holds is None and x.reason != NOT_NEEDED
+
+
+def _rational(x: Point) -> Rational | None:
+    return x.value.value if isinstance(x.value, ExactNumber) and isinstance(x.value.value, Rational) else None
 
 
 def _is_enough(verdicts: Sequence[bool | None]) -> bool:
@@ -718,16 +767,11 @@ def _is_enough(verdicts: Sequence[bool | None]) -> bool:
     return changes >= (1 if verdicts[0] else 2)
 
 
-def _answered(question: Question, value: Rational) -> Point:
-    """The verdict of a question on one value, or why it is not known."""
-    number = ExactNumber(value)
-    try:
-        return Point(number, question.verdict(value))
-    except LimitError:
+def _reason(error: UndecidedError) -> str:
+    """Why nothing is known of what was asked, such as that it took more than its share; LimitError where the time is over."""
+    if isinstance(error, LimitError):
         tick()
-        return Point(number, reason=STOPPED)
-    except UndecidedError as error:
-        return Point(number, reason=str(error))
+    return str(error)
 
 
 @dataclass(frozen=True, repr=False)
@@ -756,8 +800,9 @@ class Bisected(RealNumber):
         """Two values between which it lies, of about that relative accuracy."""
         low, high = self.known
         sharp, is_root = 2, False
+        least = (self.high - self.low) / 4**bits  # of 0 nothing is relatively accurate
         with flint.ctx.workprec(2 * bits + 64):
-            while (high - low) * 2**bits > max(abs(low), abs(high)):
+            while high - low > max(least, max(abs(low), abs(high)) / 2**bits):
                 tick()
                 width, near = high - low, self._guess(is_root=is_root)
                 off = width / 2**sharp
@@ -773,7 +818,7 @@ class Bisected(RealNumber):
         """Narrow it down by the verdict on one value; whether there is one."""
         low, high = self.known
         try:
-            holds = self.verdict(_rational(value))
+            holds = self.verdict(_fraction(value))
         except UndecidedError:
             holds = None
         if holds is not None:
@@ -791,7 +836,7 @@ class Bisected(RealNumber):
             return None
         last = self._known.get("last")
         if last is None or last[0] != self.beyond:
-            self._known["before"], last = last, (self.beyond, self.excess(_rational(self.beyond)))
+            self._known["before"], last = last, (self.beyond, self.excess(_fraction(self.beyond)))
             self._known["last"] = last
         before = self._known.get("before")
         if before is None:
@@ -811,7 +856,7 @@ class Bisected(RealNumber):
             return dyadic(low).union(dyadic(high))
 
 
-def _rational(x: Fraction) -> Rational:
+def _fraction(x: Fraction) -> Rational:
     return Rational(x.numerator, x.denominator)
 
 

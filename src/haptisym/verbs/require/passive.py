@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import count
 
 import flint
@@ -257,7 +257,7 @@ class _Display:
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
     """All values for which a continuous-time display is passive; with delays, those that subdivision proves."""
     perceived = Distortion.of(scene.chain.at(values(x for x in scene.parameters if x.path != free.path))).perc
-    turns = list[Change]()
+    turns, lone = list[Change](), None
     if free.symbol in perceived.expression().free_symbols:
         [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
         if condition.axis.functions:
@@ -265,11 +265,12 @@ def solve_passive(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
                 return _all(scene, free, asked)
             return _by_cells(scene, free, asked)
         turns = [*_of_signs(condition, free), *turns_of_poles(perceived, free)]
+        lone = partial(_alone_by_signs, condition, free)
 
     def verdict(value: Rational) -> bool | None:
         return passivity(free.put(scene, value)).holds
 
-    return _between(scene, free, asked, turns, verdict)
+    return _between(scene, free, asked, turns, verdict, lone=lone)
 
 
 def _between(
@@ -280,6 +281,7 @@ def _between(
     verdict: Callable[[Rational], bool | None],
     at: Callable[[Change], bool | None] | None = None,
     cells: Callable[[RealNumber | None, RealNumber | None], Iterable[Cell]] | None = None,
+    lone: Callable[[Change], bool | None] | None = None,
 ) -> ValueSet:
     """The values with a verdict that changes at some alone; none at which there is no scene.
 
@@ -293,9 +295,9 @@ def _between(
             return False
         return verdict(value)
 
-    values_ = [*turns, *map(Change, gone)]
-    changes = Changes(values_, [Open(None, None, _LEFT)] if cells else [])
-    question = Question(exact, free.value, changes=lambda: [changes], at=at, cells=cells)
+    critical_values = [*turns, *map(Change, gone)]
+    changes = Changes(critical_values, [Open(None, None, _LEFT)] if cells else [])
+    question = Question(exact, free.value, lambda: [changes], at=at, cells=cells, lone=lone)
     return solve(question, asked).without(gone)
 
 
@@ -314,6 +316,24 @@ def _is_of_passive_parts(scene: Scene, free: Knob, asked: Domain) -> bool:
 def _all(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
     """All values with which there is a scene."""
     return _between(scene, free, asked, (), lambda _: True)
+
+
+def _alone_by_signs(condition: RealFunction, free: Knob, x: Change) -> bool | None:
+    """Whether a display is passive at a value between others at which it is not: no where Im H_perc < 0 shows; else not known."""
+    with flint.ctx.workprec(_BITS):
+        known = {free.symbol: x.value.ball(_BITS), pi: arb.pi()}
+        for power in range(-_OCTAVES, _OCTAVES):
+            at = known | {condition.axis.meanings[0]: arb(2) ** power}
+            above, below = (
+                condition.axis.ball(f, at) for f in (condition.function.numerator, condition.function.denominator)
+            )
+            if above * below > 0:
+                return False
+    return None
+
+
+_OCTAVES = 40
+"""Of frequencies about 1 rad/s, at each of which a sign is looked for."""
 
 
 def _of_signs(condition: RealFunction, free: Knob) -> Iterator[Change]:

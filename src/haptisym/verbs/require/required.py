@@ -147,8 +147,9 @@ def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
         from haptisym.verbs.require.hands import of_hands  # which much else is loaded for
 
         found += [_or_open(x, asked) for x in of_hands(scene, free, asked, criteria)]
-    low, high = searched(free, asked)
-    return replace(combined(found), searched=replace(asked, low=low, high=high))
+    low, high = searched(free, asked)  # at an end that is asked about what holds next to it is known as well
+    reach = replace(asked, low=low if asked.low is None else asked.low, high=high if asked.high is None else asked.high)
+    return replace(combined(found), searched=reach)
 
 
 def _or_open(solved: Callable[[], ValueSet], asked: Domain) -> ValueSet:
