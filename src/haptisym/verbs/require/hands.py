@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property, partial
 from itertools import count, islice, pairwise
 from typing import Any
@@ -35,14 +34,14 @@ from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, s
 from haptisym.kernel.roots import ordered
-from haptisym.kernel.sets import Domain
+from haptisym.kernel.sets import Domain, Point, ValueSet, solve
 from haptisym.model.catalogue import Hand, how_to_give
 from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import Rule, values
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.model.valueranges import searched
 from haptisym.programs.onaxis import OnAxis
-from haptisym.verbs.require.feasible import Question, Solved, Turn
+from haptisym.verbs.require.feasible import End, Question, Solved, Span, Turn
 from haptisym.verbs.require.floatcells import Energy, span
 from haptisym.verbs.require.freeparameter import (
     ExactSign,
@@ -57,12 +56,12 @@ from haptisym.verbs.require.freeparameter import (
     real_roots,
     zeros_of,
 )
-from haptisym.verbs.stability.critical import Tally, meetings, moved
+from haptisym.verbs.stability.critical import Tally, meetings
 from haptisym.verbs.stability.entry import chosen
-from haptisym.verbs.stability.held import drifts
+from haptisym.verbs.stability.held import drifts, moved
 from haptisym.verbs.stability.loops import Gap, Loop, Meetings, Tendency
 from haptisym.verbs.stability.ranges import count_at
-from haptisym.verbs.stability.sampled import clocked_roots, passages_in
+from haptisym.verbs.stability.sampled import clocked_question
 
 _MOST_WINDOWS = 8
 """Of values about the scene's own, each about four times as wide as the one before it."""
@@ -97,7 +96,7 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion:
         return drifts(*moved(scene, hand, free, value)) if criterion.name == STEADY else 0
 
     if clocks(scene):
-        return _with_a_clock(scene, hand, free, asked, criterion, drifting)
+        return _with_a_clock(scene, hand, free, asked, criterion)
     loop = Loop.of(scene, hand, free)
     window = window_of(loop, free, asked)
     one_way, tally = Tendency(loop), Tally(loop, window, drifts=drifting)
@@ -117,53 +116,25 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion:
     ).solve()  # fmt: skip
 
 
-def _with_a_clock(
-    scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Criterion, drifting: Callable[[Expr], int | None]
-) -> Solved:
+def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Criterion) -> Solved:
     """By counts between the values at which roots of the sampled loop reach the unit circle."""
-    loop, found = passages_in(scene, hand, free, searched(free, asked))
-    turns = [Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found.found]
-    beyond = (_rational(found.low), _rational(found.high))
-    alone = {x.value.value for x in found.found if isinstance(x.value, ExactNumber)} | {asked.low, asked.high}
+    found = solve(clocked_question(scene, hand, free, asked, criterion), asked, Domain(*searched(free, asked)))
+    return as_solved(found.without(missing(scene, free, in_air=_in_air(scene, criterion))))
 
-    def verdict(value: Expr) -> bool | None:
-        count, on = loop.count(Rational(value))
-        is_outside = count > on + loop.always
-        still = drifting(value) if count else 0
-        if still is None and not is_outside:
-            return None
-        return count == still or (value in alone and not is_outside and _is_stable_at(scene, hand, free, value))
 
-    return Question(
-        turns,
-        verdict,
-        asked,
-        closed=False,
-        beyond=beyond,
-        gone=missing(scene, free, in_air=_in_air(scene, criterion)),
-        own=free.value,
-    ).solve()
+def as_solved(found: ValueSet) -> Solved:
+    """A set of values as its pieces."""
+
+    def end(x: Point | None, *, closed: bool) -> End:
+        return End(None if x is None else x.value, closed, () if x is None else x.bindings)
+
+    spans = tuple(Span(end(x.first, closed=x.closed[0]), end(x.last, closed=x.closed[1])) for x in found.feasible)
+    return Solved(spans, tuple((x.low, x.high) for x in found.undecided), found.reason)
 
 
 def _in_air(scene: Scene, criterion: Criterion) -> bool:
     """Whether free air is among the values: where steadiness is asked, or the scene is in it."""
     return criterion.name == STEADY or scene.closed.env.is_zero
-
-
-def _is_stable_at(scene: Scene, hand: Hand, free: Knob, value: Expr) -> bool:
-    """Whether it is at one value, where a root on the circle may cancel: a filter whose corner is 0 leaves nothing that stays."""
-    try:
-        if free.is_of_hand:
-            hand = hand.with_values({free.symbol.name: value})
-        else:
-            scene = free.put(scene, value)
-        return clocked_roots(scene, hand).number == 0
-    except SceneError:
-        return False
-
-
-def _rational(x: Fraction | None) -> Rational | None:
-    return None if x is None else Rational(x.numerator, x.denominator)
 
 
 def _is_clear(loop: Loop, turn: Turn) -> bool:

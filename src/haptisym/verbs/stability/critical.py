@@ -18,6 +18,7 @@ from typing import TypeAlias
 from flint import arb
 from sympy import Expr, Integer, Rational
 
+from haptisym.judge.bindings import STABLE, STEADY, stable_in
 from haptisym.judge.peaks import ValueAt
 from haptisym.kernel.arrays import np
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
@@ -28,12 +29,14 @@ from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, Way, in_unit, printed
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.roots import each_once, is_told, ordered
+from haptisym.kernel.sets import solve
 from haptisym.kernel.where import Array, halves
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Knob, Scene, clocks, unclocked
+from haptisym.model.valueranges import domain
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Model
-from haptisym.verbs.stability.held import drifts, held, need_roots
+from haptisym.verbs.stability.held import drifts, held, moved, need_roots
 from haptisym.verbs.stability.loops import (
     ALLOWED,
     BesideChains,
@@ -50,8 +53,7 @@ from haptisym.verbs.stability.loops import (
     from_infinity,
     minus,
 )
-from haptisym.verbs.stability.opened import Passage
-from haptisym.verbs.stability.sampled import passages
+from haptisym.verbs.stability.sampled import clocked_question
 
 _WINDOWS = 7
 _SMALLEST = Rational(1, 1024)  # as what a value of 0 counts for the first window
@@ -526,34 +528,33 @@ def critical(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Ne
             if not (free.is_of_hand or free.path in {x.path for x in scene.knobs}):
                 return Nearest(free.path)
         if clocks(bare):
-            found = passages(scene, hand, free, brief=brief)
-            beside = found.beside
-            start = free.value if beside is None else Rational(beside.numerator, beside.denominator)
-            there = moved(scene, hand, free, start)
-            # for all of the values: no way sets out from one at z = 1 alone
-            still = _decided(drifts(*there) if found.found or beside is not None else 0)
-            if not found.found and beside is not None and not held(scene, hand).shakes and held(*there).shakes:
-                raise UndecidedError("the limits of a parameter that only drifts, and shakes next to its value")
-            rows = tuple(_passed(free, x, still) for x in found.found)
-            return Nearest(free.path, rows, low=found.low, high=found.high)
+            return _by_a_clock(scene, hand, free)
         tally = Tally(Loop.of(scene, hand, free), drifts=lambda x: drifting() and drifts(*moved(scene, hand, free, x)))
         return _Walk(tally, free, is_there).nearest()
     except UndecidedError as error:
         return Nearest(free.path, reason=str(error))
 
 
-def _passed(free: Knob, x: Passage, still: int) -> Critical:
-    """A limit of a loop with a clock, as ``Critical`` has it; ``still`` roots only drift, on both sides of it."""
-    low = ALLOWED[free.rule][0]
-    is_end = low is not None and not ordered(x.value, ExactNumber(low))
-    return Critical(free.path, x.value, x.omega, x.below - still, x.above - still, itself=-is_end)
-
-
-def moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Hand]:
-    """Display and hand at a value of a number of either."""
-    if any(p.symbol == free.symbol for p in hand.parameters):
-        return scene, hand.with_values({free.symbol.name: value})
-    return scene.with_values({free.path: value}), hand
+def _by_a_clock(scene: Scene, hand: Hand, free: Knob) -> Nearest:
+    """The ends of what is stable, or drifts, next to the value that a number has."""
+    here, asked = held(scene, hand), domain(free, None)
+    what = STEADY if here.shakes is False and here.drifts else STABLE
+    found = solve(clocked_question(scene, hand, free, asked, stable_in(hand, what), near=True), asked, near=True)
+    limits = list[Critical]()
+    for piece in found.feasible:
+        for end, counts in ((piece.first, (1, 0)), (piece.last, (0, 1))):
+            if end is not None and end.bindings:
+                itself = -1 if piece.is_single or (asked.low is not None and end == found.points[0]) else 0
+                limits.append(Critical(free.path, end.value, end.bindings[0].omega, *counts, itself=itself))
+    own = ExactNumber(free.value)
+    below = [x.high for x in found.undecided if x.high is not None and ordered(x.high, own) > 0]
+    above = [x.low for x in found.undecided if x.low is not None and ordered(own, x.low) > 0]
+    return Nearest(
+        free.path,
+        tuple(limits),
+        low=_known(below[-1], -1) if below else None,
+        high=_known(above[0], 1) if above else None,
+    )
 
 
 @dataclass(frozen=True)

@@ -27,9 +27,9 @@ from haptisym.kernel.rootcount import RootChain, Roots, at_least, count_roots, o
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import WHOLE_NUMBERS, Parameter, values
-from haptisym.model.scene import Scene, clocks, unclocked
+from haptisym.model.scene import Knob, Scene, clocks, unclocked
+from haptisym.verbs.stability.clockedloop import clocked_roots, loop_of
 from haptisym.verbs.stability.oncircle import OnCircle
-from haptisym.verbs.stability.sampled import clocked_roots, loop_of
 
 
 def unstable_roots(scene: Scene, hand: Hand) -> Roots:
@@ -147,6 +147,13 @@ def drifts(scene: Scene, hand: Hand) -> int | None:
         return min(here, _at_rest(*_otherwise(scene, hand))) if here else 0
     except (UndecidedError, SceneError):
         return None
+
+
+def moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Hand]:
+    """Display and hand at a value of a number of either."""
+    if any(p.symbol == free.symbol for p in hand.parameters):
+        return scene, hand.with_values({free.symbol.name: value})
+    return scene.with_values({free.path: value}), hand
 
 
 def _at_rest(scene: Scene, hand: Hand) -> int:

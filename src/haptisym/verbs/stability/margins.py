@@ -6,19 +6,16 @@ however the force comes through the effects: they make a Moebius map of it. So g
 - *gain*: the nearest g below and above 1 at which the number of roots that shake changes, up to a thousandfold;
 - *delay*: the least tau at which it does with g = exp(-s tau), up to a thousand seconds;
 - *phase*: of all frequencies with |A/B| = 1 the least angle of -A/B: by so much the force may be turned at any one frequency.
-
-With a clock the factor stands before the controller, and the delay in what moves: from one whole number of samples to the next.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from typing import Any, TypeVar
 
 from flint import acb, arb, ctx
-from sympy import Integer, Symbol
+from sympy import Expr, Integer, Rational
 
 from haptisym.effects import delay as delayed
 from haptisym.effects import series
@@ -26,20 +23,18 @@ from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.reals import Ball, RealNumber, Way, printed
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, Way, in_unit, printed
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import chart
-from haptisym.kernel.sampledloop import SampledLoop
+from haptisym.kernel.sets import Domain, Piece, Point, ValueSet
 from haptisym.model.catalogue import Effect, Hand
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.verbs.stability.critical import critical
 from haptisym.verbs.stability.loops import Loop, minus
-from haptisym.verbs.stability.opened import Opened
-from haptisym.verbs.stability.sampled import Walk, loop_of, series_alone
+from haptisym.verbs.stability.sampledmargins import delays, factors
 
 MOST_GAIN, MOST_DELAY = 1000, 1000
-_NONE = "no limit found within it"
 _FACTOR = series("g_margin", parameters={"g_margin": 1}, name="margin-of-gain")
 _LATE = delayed(0, name="margin-of-delay")
 
@@ -187,52 +182,31 @@ class Turned(RealNumber):
 # With a clock
 
 
-def _loop(scene: Scene, hand: Hand) -> SampledLoop | None:
-    """None where nothing is rendered."""
-    if not series_alone(scene):
-        raise UndecidedError("margins of a loop with more than series effects before the clock")
-    loop = loop_of(scene, hand)
-    return loop if any(loop.above) and any(x for _, row in loop.plant.terms for x in row) else None
-
-
 def _gain_by_clock(scene: Scene, hand: Hand) -> tuple[Limit | None, Limit | None]:
-    loop = _loop(scene, hand)
-    if loop is None:
-        return None, None
-    g = Symbol("g_margin", positive=True)
-    opened = Opened(replace(loop, above=tuple(g * x for x in loop.above)), g)
-    home = opened.count(Integer(1))[0]
-    ends = Fraction(1, MOST_GAIN), Fraction(MOST_GAIN)
-    walk = Walk(opened, Fraction(1), home, Rule.POSITIVE, ends)
-    below, above = (_passed(walk, side) for side in (-1, 1))
-    return below, above
-
-
-def _passed(walk: Walk, side: int) -> Limit | None:
-    passage, known = walk.towards(side)
-    way = Way.DOWN if side > 0 else Way.UP
-    if passage is None and (walk.ends[side > 0] - known) * side > 0:
-        raise UndecidedError(
-            f"searched {'up' if side > 0 else 'down'} to a factor of {printed(known, 4, way)}, {_NONE}"
-        )
-    return None if passage is None else Limit(passage.value, passage.omega)
+    piece = _about(factors(scene, hand, _GAINS), Integer(1), ("factor", Integer(1)))
+    return _limit(piece.first), _limit(piece.last)
 
 
 def _delay_by_clock(scene: Scene, hand: Hand) -> Limit | None:
-    loop = _loop(scene, hand)
-    if loop is None:
-        return None
-    late = Symbol("tau_margin", positive=True)
-    opened = Opened(
-        replace(loop, plant=replace(loop.plant, terms=tuple((lag + late, row) for lag, row in loop.plant.terms))), late
-    )
-    if not opened.is_late:
-        raise UndecidedError("how much delay is allowed: a root stays at z = 1, or the period is no rational number")
-    ends = Fraction(0), Fraction(MOST_DELAY)
-    found = Walk(opened, ends[0], 0, Rule.NONNEGATIVE, ends).later()
-    if found.passage is not None:
-        return Limit(found.passage.value, found.passage.omega)
-    if found.known < MOST_DELAY:
-        up_to = printed(1000 * found.known, 4, Way.DOWN)
-        raise UndecidedError(f"searched up to {up_to} ms, {_NONE}: {found.why}")
-    return None
+    return _limit(_about(delays(scene, hand, _DELAYS), Integer(0), ("ms", Rational(1, 1000))).last)
+
+
+_GAINS = Domain(Rational(1, MOST_GAIN), Integer(MOST_GAIN))
+_DELAYS = Domain(Integer(0), Integer(MOST_DELAY))
+
+
+def _about(found: ValueSet, own: Expr, unit: tuple[str, Expr]) -> Piece:
+    """The piece that holds about a value. UndecidedError where what comes next to it is not known, with what is."""
+    piece, (name, size) = found.about(ExactNumber(own)), unit
+    for x in found.undecided:
+        for end, is_next, word, way in (
+            (piece.first, x.last, "most", Way.UP),
+            (piece.last, x.first, "least", Way.DOWN),
+        ):
+            if end is not None and end == is_next:
+                raise UndecidedError(f"at {word} {printed(in_unit(end.value, size), 4, way)} {name}; {x.reason}")
+    return piece
+
+
+def _limit(end: Point | None) -> Limit | None:
+    return Limit(end.value, end.bindings[0].omega) if end is not None and end.bindings else None
