@@ -130,21 +130,15 @@ def curves(loop: Opened, start: Fraction, end: Fraction, most: Fraction) -> Iter
             if isinstance(found, Curve):
                 yield found
             elif found is not None:
-                waiting.add(*_halves(frequencies, delays, 0 if _is_long(box, log, end - start) else 1))
+                width = (delays[1] - delays[0]) / float(end - start)
+                is_wide = 4 * (frequencies[1] - frequencies[0]) < width * frequencies[1]
+                waiting.add(*_halves(frequencies, delays, int(is_wide)))
         if waiting.rest:
             raise UndecidedError("at which frequencies the loop has a gain of 1")
 
 
 def _ball(low: float, high: float) -> Ball:
     return arb(low).union(arb(high))
-
-
-def _is_long(box: Box, log: Log | None, whole: Fraction) -> bool:
-    """Whether a box is to be cut along omega: as that moves |N/Q| more, or is longer beside what it may be."""
-    omega, theta = box
-    if log is None:
-        return bool(8 * omega.rad() * fraction_ball(whole) > theta.rad() * omega.upper())
-    return bool(log.along.real.abs_upper() * omega.rad() > log.later.real.abs_upper() * theta.rad())
 
 
 def _halves(frequencies: Sides, delays: Sides, cut: int) -> list[tuple[Sides, Sides]]:

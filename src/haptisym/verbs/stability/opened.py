@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import flint
 from flint import acb_poly, arb
@@ -33,6 +33,7 @@ from haptisym.kernel.reals import (
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import count_roots
 from haptisym.kernel.sampledloop import SampledLoop, Timed, circle_tests, most_on_circle
+from haptisym.kernel.sets import Bisected
 from haptisym.kernel.zeros import sign_of
 from haptisym.verbs.stability.loops import zeros
 
@@ -209,8 +210,17 @@ class Opened:
             except UndecidedError:
                 return None
             changed = changed if len(counts) > 1 else []  # two real ones add up to 0
-        values = [CriticalValue(self, i, low, high) for i in changed]
-        return [Passage(x, Swing(x)) for x in values]
+        return [self._passage(low, high, test) for test in changed]
+
+    def _passage(self, low: Fraction, high: Fraction, test: int) -> Passage:
+        """Where a test changes its sign between two values."""
+
+        def is_above(value: Rational) -> bool | None:
+            sign = self._sign(Fraction(int(value.p), int(value.q)), test)
+            return None if sign is None else sign > 0
+
+        value = Bisected(is_above, low, high, is_above(_exact(low)) is True)
+        return Passage(value, Swing(self, test, value))
 
     def _has_rest(self, low: Fraction, high: Fraction) -> bool:
         """Whether a value that puts a root at z = 1 may lie between two."""
@@ -261,56 +271,17 @@ def _exact(x: Fraction) -> Rational:
 
 
 @dataclass(frozen=True, repr=False)
-class CriticalValue(RealNumber):
-    """The zero of one of the three tests between two values at which its signs differ."""
+class Swing(RealNumber):
+    """The frequency at which roots reach the unit circle at a value, where a test is 0, rad/s."""
 
     loop: Opened
     test: int
-    low: Fraction
-    high: Fraction
-
-    def ball(self, bits: int) -> Ball:
-        return _bisected(self, bits)
-
-    def value(self, x: Ball) -> Ball:
-        """The test at a point."""
-        return self.loop.tests(x)[self.test]
-
-
-@lru_cache(maxsize=256)
-def _bisected(zero: CriticalValue, bits: int) -> Ball:
-    """A ball around it of about that relative accuracy: by regula falsi, until signs on both sides of a point confirm it."""
-    with flint.ctx.workprec(2 * bits + 64):
-        low, high = fraction_ball(zero.low), fraction_ball(zero.high)
-        f, g = (zero.value(x) for x in (low, high))
-        if f.contains(0) or g.contains(0):
-            return low.union(high)
-        while high - low > 2 * (width := max(abs(low), abs(high)).mid() * arb(2) ** -bits):
-            x = ((low * g - high * f) / (g - f)).mid()
-            aside = (low * 33 + high * 31) / 64  # a zero in the very middle has no sign to be told
-            for place in ((x - width).mid(), (x + width).mid(), aside.mid()):
-                if not low < place < high:
-                    continue
-                y = zero.value(place)
-                if y.contains(0):
-                    return low.union(high)
-                if (y > 0) == (f > 0):
-                    low, f = place, y.mid()
-                else:
-                    high, g = place, y.mid()
-        return low.union(high)
-
-
-@dataclass(frozen=True, repr=False)
-class Swing(RealNumber):
-    """The frequency at which roots reach the unit circle, rad/s."""
-
-    value: CriticalValue
+    value: RealNumber
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(4 * bits + 128):
-            q, opened = self.value.ball(2 * bits + 64), self.value.loop
-            if self.value.test == _ONE:
+            q = self.value.ball(2 * bits + 64)
+            if self.test == _ONE:
                 return arb(0)
-            theta = arb.pi() if self.value.test == _MINUS_ONE else opened.angle(q, bits)
-            return theta / expression_ball(opened.loop.T, {opened.symbol: q})
+            theta = arb.pi() if self.test == _MINUS_ONE else self.loop.angle(q, bits)
+            return theta / expression_ball(self.loop.loop.T, {self.loop.symbol: q})

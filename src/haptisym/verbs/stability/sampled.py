@@ -33,7 +33,7 @@ from haptisym.verbs.stability.held import drifts, moved
 from haptisym.verbs.stability.late import Lateness
 from haptisym.verbs.stability.opened import Opened, Passage, Span, joined
 
-_MOST, _MOST_NEAR = 250, 60  # stretches that are looked at on a side
+_MOST, _MOST_NEAR = 500, 80  # stretches that are looked at on a side
 MOST_SAMPLES = 64  # late, of a loop whose roots are counted
 _CLOCK = 32  # times as quick a clock may be for its nearest limit
 _FIRST = Fraction(1, 16)  # of a value, the first of them; then each is twice as long
