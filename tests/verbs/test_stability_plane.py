@@ -438,11 +438,48 @@ def test_a_margin_that_is_not_reached_is_told_as_far_as_it_was_searched() -> Non
     assert 0.5 < told[-1] < 0.999791
 
 
-def test_the_delay_of_a_sampled_wall_as_stiff_as_the_hand_is_quickly_undecided() -> None:
-    """At low frequencies the loop has a gain of nearly 1, at which very long delays may turn it round."""
-    x = margins(hs.load_scene("virtual-wall"), hs.hands["firm-grip"])
-    assert x.delay.end(ZERO, 1) is None
-    assert [name for name, _ in x.undecided] == ["delay"]
+def test_a_sampled_wall_as_stiff_as_the_hand_may_be_late_by_any_time() -> None:
+    """The loop has a gain of 1 at 0 rad/s, and less at all other frequencies."""
+    own, wall = hs.hands["firm-grip"], (400, 0.4)
+    x = margins(hs.load_scene("virtual-wall"), own)
+    assert (x.delay.end(ZERO, 1), x.undecided) == (None, ())
+    held = tuple(float(p.value) + y for p, y in zip(own.parameters, (0.04, 0.8, 0), strict=True))
+    for late in (0.0003, 0.0047, 0.031, 0.11):
+        assert abs(np.linalg.eigvals(period(*wall, held, 1e-3, late))).max() < 1
+
+
+def test_a_filtered_late_mass_in_a_clock_has_its_margin_at_once() -> None:
+    """0.5 kg, 5 N s/m, 300 N/m at 1 kHz through 40 Hz and 5 ms: whole samples and a part, 76 more than there are."""
+    chain = (
+        F.sampled_loop("1 ms", "backward-difference"), F.first_order_lag("40 Hz"), F.delay("5 ms"),
+        F.shunt(m="80 g", b="0.3 N*s/m"),
+    )  # fmt: skip
+    scene, hand = hs.Scene(E.mass_spring_damper(m="0.5 kg", b="5 N*s/m", k="300 N/m"), chain), hs.hands["postural-arm"]
+    x = margins(scene, hand)
+    late = x.delay.end(ZERO, 1)
+    assert late
+    more = float(late.value)
+
+    def radius(late: float) -> float:
+        """Of the exact step: place, speed and filter held for a period, two samples before, and the forces under way."""
+        m, b, k = (float(p.value) + y for p, y in zip(hand.parameters, (0.08, 0.3, 0.0), strict=True))
+        T, corner = 1e-3, 80 * np.pi
+        A = np.array([[0, 1, 0, 0], [-k / m, -b / m, 1 / m, 0], [0, 0, -corner, corner], [0, 0, 0, 0]])
+        whole = int(late // T)
+        rest, n = late - whole * T, 5 + whole + 1
+        first, second = expm(A * rest), expm(A * (T - rest))
+        now = np.zeros(n)
+        now[[0, 3, 4]] = -(300 + 5 / T + 0.5 / T**2), 5 / T + 1 / T**2, -0.5 / T**2
+        forces = [now, *np.eye(n)[5:]]
+        moved = first[:3, :3] @ np.eye(n)[:3] + np.outer(first[:3, 3], forces[whole + 1])
+        step = np.zeros((n, n))
+        step[:3] = second[:3, :3] @ moved + np.outer(second[:3, 3], forces[whole])
+        step[3], step[4] = np.eye(n)[0], np.eye(n)[3]
+        step[5:] = forces[: whole + 1]
+        return float(abs(np.linalg.eigvals(step)).max())
+
+    assert radius(0.005 + more * (1 - 1e-5)) < 1 < radius(0.005 + more * (1 + 1e-5))
+    assert max(radius(0.005 + more * x) for x in np.linspace(0, 0.999, 40)) < 1
 
 
 def test_what_shakes_or_renders_nothing_has_no_margin() -> None:

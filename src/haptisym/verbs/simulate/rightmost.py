@@ -29,7 +29,7 @@ from haptisym.kernel.rootcount import at_least, order_at_0
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
-from haptisym.verbs.stability.sampled import loop_of
+from haptisym.verbs.stability.clockedloop import loop_of
 
 _BITS = 192
 _ITERATIONS = 80

@@ -204,7 +204,7 @@ def stability(
         if budget.reached and under.stable is every.holds is None and not any(x.roots for x in rows):
             tick()  # nothing is known: LimitError
         boxes = tuple(whole_box(scene, x) for x in scene.hands)
-        near = tuple(_critical(scene, x, asked_of, brief=not paths) for x in rows)
+        near = tuple(_critical(scene, x, asked_of) for x in rows)
         nearby = tuple(margins(scene, x.hand) if x.shakes is False else None for x in rows)
         return Stability(scene, under, rows, near, boxes, every, nearby, digits)
 
@@ -232,8 +232,8 @@ def _number(scene: Scene, x: Knob) -> Knob:
     return x
 
 
-def _critical(scene: Scene, x: Held, free: Iterable[Knob], *, brief: bool) -> dict[str, ValueSet]:
-    """Of the hand's own numbers, and of those that were asked about; of others with a clock, the wall's apart, in brief."""
+def _critical(scene: Scene, x: Held, free: Iterable[Knob]) -> dict[str, ValueSet]:
+    """Of the hand's own numbers, and of those that were asked about."""
     if x.roots is None:
         return {}
     own = [knob for knob in scene.knobs if knob.is_of_hand and knob.symbol in {p.symbol for p in x.hand.parameters}]
@@ -241,11 +241,8 @@ def _critical(scene: Scene, x: Held, free: Iterable[Knob], *, brief: bool) -> di
     criterion = stable_in(x.hand, STABLE if x.drifts == 0 else STEADY)
     found = dict[str, ValueSet]()
     for knob in (*own, *others):
-        is_brief = brief and knob in others and knob.path not in WALL
         with share(_PART):  # of the time that is left, so that others are told, too
-            found[knob.path] = stable_values(
-                scene, x.hand, knob, ALLOWED[knob.rule], criterion, near=True, brief=is_brief
-            )
+            found[knob.path] = stable_values(scene, x.hand, knob, ALLOWED[knob.rule], criterion, near=True)
     return found
 
 

@@ -28,8 +28,8 @@ from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import WHOLE_NUMBERS, Parameter, values
 from haptisym.model.scene import Knob, Scene, clocks, unclocked
+from haptisym.verbs.stability.clockedloop import clocked_roots, loop_of
 from haptisym.verbs.stability.oncircle import OnCircle
-from haptisym.verbs.stability.sampled import clocked_roots, loop_of
 
 
 def unstable_roots(scene: Scene, hand: Hand) -> Roots:

@@ -1,155 +1,349 @@
-"""A loop with a clock that is later by d whole samples and a share theta of one: z^d Q(z; theta) + N(z; theta) = 0.
+"""A loop with a clock whose delay is open: d whole samples and a rest theta, z^d Q(z) + N(z; theta) = 0.
 
-On z = exp(j phi) that asks for |Q| = |N|, whatever d is, and then d phi is an angle of -N/Q: cells of theta and phi tell the
-least d at which they allow it. Before that no root is on the circle; from there on thin cells close in on the first theta.
+On z = exp(j omega T) that asks for log(-N/Q) = j (omega d T - 2 pi k). Its real part is 0 on a few curves omega(theta), whatever
+d is: boxes of both are cut until none is there, or just one omega for each theta. Along them the imaginary part tells at which
+delays, however many samples they are: for each k Newton's step in balls closes in on them. Which way a root then goes is the
+sign of a derivative, so that one exact count tells all others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from fractions import Fraction
-from math import ceil, floor, pi
-from typing import Any, TypeAlias
+from functools import cached_property, lru_cache
+from heapq import heapify, heapreplace
+from math import inf, nextafter
+from typing import NamedTuple, TypeAlias
 
-from flint import acb, arb, arb_poly, ctx
-from sympy import Integer
+import flint
+from flint import acb, acb_poly, arb, arb_poly
+from sympy import Expr, Rational
 
-from haptisym.kernel.budget import Waiting
+from haptisym.kernel.budget import Waiting, tick
 from haptisym.kernel.enclosures import over_circle
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import Ball, fraction_ball
-from haptisym.verbs.stability.opened import Opened, Passage
+from haptisym.kernel.reals import Ball, ExactNumber, at_rising_precision, bounds, expression_ball, fraction_ball
+from haptisym.kernel.roots import ordered
+from haptisym.kernel.zeros import sign_of
+from haptisym.verbs.stability.loops import Pair
+from haptisym.verbs.stability.opened import Opened, Passage, Span
 
-Phis: TypeAlias = "list[tuple[float, float]]"
-Piece: TypeAlias = "tuple[Opened, Fraction, Fraction]"
-
+_BITS, _MOST_BITS = 128, 1 << 10
+_MOST_BOXES, _DEEPEST, _MOST_STEPS = 3000, 200, 8
+_MOST_PASSAGES = 64
+_MANY = 8  # samples between which a root may be on the circle after some turns: a curve that is not told
 _PI = 3.1415926535897936  # a little more
-_COARSE, _FINE, _FINEST, _SLOWEST, _MORE, _TURNS, _PARTS = 2.0**-6, 2.0**-12, 2.0**-16, 2.0**-14, 16, 64, 4
-_SHARPEST, _ROUNDED = 2.0**-40, 1e-9
-_BITS, _DEEPEST, _MOST_CELLS, _MOST_CUTS = 128, 128, 20_000, 1000
+_ROUNDING = 2.0**-50
+_NARROW = 32  # times as narrow as its frequency is a curve
+
+Box: TypeAlias = tuple[Ball, Ball]
+Sides: TypeAlias = tuple[float, float]
 
 
-@dataclass(frozen=True)
-class Late:
-    """The first ``passage`` there is, of a loop so many ``samples`` later; None: none ``known`` up to a delay, s, and ``why``."""
+class Log(NamedTuple):
+    """log(-N/Q) in the middle of a box, and its slopes along omega and theta all over it."""
 
-    passage: Passage | None
+    middle: acb
+    along: acb
+    later: acb
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One omega for each theta, in a ``box`` of both, where ``turn`` is the angle of -N/Q plus omega theta."""
+
+    loop: Opened
+    box: Box
+    turn: Ball
+
+    def delays(self, k: int) -> Ball:
+        """Those at which a root is on the circle, after k turns."""
+        return (self.turn + 2 * k * arb.pi()) / self.box[0]
+
+    def log(self, omega: Ball, theta: Ball) -> Log | None:
+        """In a part of the box, its angle that of the curve; None where it has no bounds."""
+        found = log_of(self.loop, omega, theta)[1]
+        if found is None:
+            return None
+        turn = found.middle.imag + omega.mid() * theta.mid()
+        whole = round(
+            float((self.turn.mid() - turn.mid()) / (2 * arb.pi()))
+        )  # the turn is told to less than half of one
+        return found._replace(middle=found.middle + acb(0, 2 * whole * arb.pi()))
+
+
+@lru_cache(maxsize=512)
+def _sides(loop: Opened, middle: Ball, radius: Ball, bits: int) -> list[arb_poly]:
+    """Polynomials in z - 1: N in the middle; all over, one and up to so much of another one; its slope; and Q."""
+    assert bits == flint.ctx.prec
+    lines = over_circle(lambda x: loop.loop.sides({loop.symbol: x})[0].coeffs(), middle, radius)
+    N, Q = loop.loop.sides({loop.symbol: middle})
+    start = (N[0], arb(0), arb(0))  # at z = 1 nothing is late
+    at, more, rates = (arb_poly(list(x)) for x in zip(start, *lines[1:], strict=True))
+    return [N, at, more, rates * (1 / radius), Q]
+
+
+def log_of(loop: Opened, omega: Ball, theta: Ball) -> tuple[bool, Log | None]:
+    """Whether no root is on the circle in a box, as |N| and |Q| differ; and log(-N/Q), None where that has no bounds."""
+    T, bits = expression_ball(loop.loop.T), flint.ctx.prec
+    x, middle = (acb(-2 * (angle / 2).sin() ** 2, angle.sin()) for angle in (omega * T, (omega * T).mid()))  # z - 1
+    # of a shorter piece the slope, a difference, would have fewer digits
+    radius = theta.rad().max(T.lower() * arb(2) ** (-bits // 4)).mid()
+    # about the middle: powers of a ball, and balls that cancel far from 0, grow faster than what they are of
+    parts = [acb_poly(p)(acb_poly([middle, 1])) for p in _sides(loop, theta.mid(), radius, bits)]
+    here, at, more, slope, below = (p(x - middle) for p in parts)
+    above = at + more * arb(0, 1)
+    if not abs(above).overlaps(abs(below)):
+        return True, None
+    if above.contains(0) or below.contains(0):
+        return False, None
+    there = -parts[0][0] / parts[-1][0]
+    log = there.log() if not there.real < 0 else (-there).log() + acb(0, arb.pi())
+    rises, risen, rising, falls = (parts[i].derivative()(x - middle) for i in (0, 1, 3, 4))
+    risen += parts[2].derivative()(x - middle) * arb(0, 1)
+    # N turns with theta as a whole, which its slope over itself does not
+    along = rises / here - falls / below + (rising - risen * slope / above) / above * _off(theta)
+    return False, Log(log, acb(0, 1) * (1 + x) * T * along, slope / above)
+
+
+def _off(x: Ball) -> Ball:
+    """By how much it may be off its middle."""
+    return x - x.mid()
+
+
+def curves(loop: Opened, start: Fraction, end: Fraction, most: Fraction) -> Iterator[Curve]:
+    """All of them for rests between two, as far as a root is on the circle at delays of up to ``most``.
+
+    UndecidedError where that is not settled.
+    """
+    with flint.ctx.workprec(_BITS):
+        highest = float(arb(_PI) / expression_ball(loop.loop.T).lower())
+        first = (0.0, highest), (nextafter(float(start), -inf), nextafter(float(end), inf))
+        waiting = Waiting([first], most=_MOST_BOXES, what="boxes of frequency")
+        for frequencies, delays in waiting:
+            box = _ball(*frequencies), _ball(*delays)
+            clear, log = log_of(loop, *box)
+            if clear or (log and _is_later(Curve(loop, box, _turn(log, *box)), most)):
+                continue
+            found = _followed(loop, box, log) if log else box
+            if isinstance(found, Curve):
+                yield found
+            elif found is not None:
+                width = (delays[1] - delays[0]) / float(end - start)
+                is_wide = 4 * (frequencies[1] - frequencies[0]) < width * frequencies[1]
+                waiting.add(*_halves(frequencies, delays, int(is_wide)))
+        if waiting.rest:
+            raise UndecidedError("at which frequencies the loop has a gain of 1")
+
+
+def _ball(low: float, high: float) -> Ball:
+    return arb(low).union(arb(high))
+
+
+def _halves(frequencies: Sides, delays: Sides, cut: int) -> list[tuple[Sides, Sides]]:
+    """Of one side or of the other."""
+    low, high = (frequencies, delays)[cut]
+    middle = (low + high) / 2
+    if cut:
+        return [(frequencies, (low, middle)), (frequencies, (middle, high))]
+    return [((low, middle), delays), ((middle, high), delays)]
+
+
+def _turn(log: Log, omega: Ball, theta: Ball) -> Ball:
+    """The angle of -N/Q plus omega theta, all over a box."""
+    middle = log.middle.imag + omega.mid() * theta.mid()
+    return middle + (log.along.imag + theta) * _off(omega) + (log.later.imag + omega) * _off(theta)
+
+
+def _is_later(curve: Curve, most: Fraction) -> bool:
+    """Whether a root is on the circle at longer delays alone: at a low frequency they take long to turn it round."""
+    if not curve.turn.rad() < 1:
+        return False
+    turn = curve.turn + 2 * arb.pi() * (-curve.turn / (2 * arb.pi())).upper().ceil()  # the first that is not below 0
+    lowest = turn - 2 * arb.pi()
+    return bool(lowest < 0 and turn > curve.box[0].upper() * fraction_ball(most))
+
+
+def _followed(loop: Opened, box: Box, log: Log | None) -> Curve | Box | None:
+    """A piece of a curve, narrowed down; None where none is in a box; the box where that is not told."""
+    omega, theta = box
+    while log is not None and not log.along.real.contains(0):
+        near = omega.mid() - (log.middle.real + log.later.real * _off(theta)) / log.along.real
+        if not near.overlaps(omega):
+            return None
+        before, omega = omega, omega.intersection(near)
+        if 4 * omega.rad() > 3 * before.rad():
+            turn = _turn(log, before, theta)
+            is_narrow = turn.rad() < 1 and _NARROW * omega.rad() < omega.mid()
+            return Curve(loop, (omega, theta), turn) if is_narrow else box
+        clear, log = log_of(loop, omega, theta)
+        if clear:
+            return None
+    return box
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """Of a curve with so many whole ``samples`` after k turns: Newton's step for omega and the delay."""
+
+    curve: Curve
     samples: int
-    known: Fraction
-    why: str = ""
+    k: int
+
+    @cached_property
+    def whole(self) -> Expr:
+        """The whole samples, s."""
+        return self.samples * self.curve.loop.loop.T
+
+    def step(self, omega: Ball, delay: Ball) -> Box | None:
+        """A box around all in a box; None where that is not told."""
+        whole = expression_ball(self.whole)
+        log = self.curve.log(omega, delay - whole)
+        if log is None:
+            return None
+        off = log.middle - acb(0, omega.mid() * whole - 2 * self.k * arb.pi())
+        a, b, c, d = log.along.real, log.later.real, log.along.imag - whole, log.later.imag
+        size = a * d - b * c
+        if size.contains(0):
+            return None
+        return (omega.mid() - (d * off.real - b * off.imag) / size, delay.mid() - (a * off.imag - c * off.real) / size)
+
+    def pairs(self) -> Iterator[Pair]:
+        """All in the curve's box, each once. UndecidedError where that is not told."""
+        omega, theta = self.curve.box
+        waiting = Waiting([(omega, theta + expression_ball(self.whole))], most=_DEEPEST)
+        for box in waiting:
+            found = self._closed(*box)
+            if isinstance(found, Pair):
+                yield found
+            elif found is not None:
+                omega, delay = found
+                middle = delay.mid()
+                waiting.add((omega, delay.lower().union(middle)), (omega, middle.union(delay.upper())))
+        if waiting.rest:
+            raise UndecidedError("whether a root comes to the unit circle and goes back")
+
+    def _closed(self, omega: Ball, delay: Ball) -> Pair | Box | None:
+        """The one in a box, None where none is, or a smaller box."""
+        for _ in range(_MOST_STEPS):
+            after = self.step(omega, delay)
+            if after is None:
+                break
+            if not (omega.overlaps(after[0]) and delay.overlaps(after[1])):
+                return None
+            if omega.contains_interior(after[0]) and delay.contains_interior(after[1]):
+                return Pair(self, *after)
+            omega, delay = omega.intersection(after[0]), delay.intersection(after[1])
+        return omega, delay
+
+    def sense(self, pair: Pair) -> int:
+        """1 of a root that goes out as the delay grows, -1 of one that comes in."""
+        found = at_rising_precision(lambda bits: self._sense(*pair.at(bits)), _BITS, _MOST_BITS)
+        if found is None:
+            raise UndecidedError("which way a root goes on the unit circle")
+        return found
+
+    def _sense(self, omega: Ball, delay: Ball) -> int | None:
+        log = self.curve.log(omega, delay - expression_ball(self.whole))
+        if log is None:
+            return None
+        late = self.samples + acb(0, 1) * log.along / expression_ball(self.curve.loop.loop.T)
+        return sign_of((log.later / late).real) or None
 
 
-@dataclass(frozen=True)
-class Later:
-    """``pieces`` : of one period ``T`` those within which all delays keep their whole samples, with the loop there.
+@dataclass(eq=False)
+class Lateness:
+    """The delays of a loop with a root on the circle, in ascending order as far as they are ``found``, and up to where all are.
 
-    ``close`` : gives the passage between two shares that are near to each other, of a loop with its whole samples; None: none.
+    ``senses`` : of each how many roots more are outside beyond it; ``left`` : between which delays others may be.
     """
 
-    pieces: Sequence[Piece]
-    T: Fraction
-    close: Callable[[Opened, Fraction, Fraction], Passage | None]
+    loop: Opened
+    own: Rational
+    curves: list[Curve]
+    found: list[Passage] = field(default_factory=list)
+    senses: list[int] = field(default_factory=list)
+    left: list[Span] = field(default_factory=list)
+    frontier: Fraction | None = Fraction(0)
 
-    def first(self, after: Fraction, last: Fraction) -> Late:
-        """The least delay above one, and up to another one, at which a root comes to the circle."""
-        own, most = int(after // self.T), ceil(last / self.T)
+    @classmethod
+    def of(cls, loop: Opened, own: Expr, most: Fraction) -> Lateness | None:
+        """None where its curves are not settled."""
+        at, period = Fraction(0), Fraction(int(loop.loop.T.p), int(loop.loop.T.q))
+        found = list[Curve]()
         try:
-            known = [*self._likely(own, most)]
-        except UndecidedError as error:
-            return Late(None, own, after, str(error))
-        least = min((d for d, _, _ in known), default=most)
-        samples = least
-        while samples < min(most, least + _MORE) and least <= own + _DEEPEST:
-            for loop, low, high in self.pieces:
-                low = max(low, after - samples * self.T)
-                phis = [*dict.fromkeys(phi for _, phi, piece in known if piece is loop)]
-                found = self._in(loop, low, high, samples, phis) if low < high else None
-                if found is not None:
-                    return replace(found, known=found.known + samples * self.T)
-            samples += 1
-        up_to = max(after, samples * self.T)
-        return Late(None, samples, min(up_to, last), "" if up_to >= last else "too many samples")
+            while at < period:
+                piece, last = loop.piece(at, period)
+                found += curves(piece, at, last, most)
+                at = last
+        except UndecidedError:
+            return None
+        return cls(loop, Rational(own), found)
 
-    def _likely(self, own: int, most: int) -> Iterator[tuple[int, tuple[float, float], Opened]]:
-        """Cells of phi with a root that may be on the circle, from ``own`` to ``most`` samples late: with how many at least."""
-        for loop, a, b in self.pieces:
-            for i in range(_PARTS):
-                low, high = (a + (b - a) * (i + n) / _PARTS for n in (0, 1))
-                cells = self._allowed(loop, low, high, _FINE, [(0.0, _PI)], (own, most))
-                yield from ((d, phi, loop) for d, phi in cells)
+    def known(self, end: Fraction) -> Iterator[Fraction]:
+        """Find them one after the other, up to a delay; again and again up to where they are known."""
+        with flint.ctx.workprec(_BITS):
+            heap = [self._ahead(x, n, -2) for n, x in enumerate(self.curves)]
+            heapify(heap)
+            while heap and len(self.found) < _MOST_PASSAGES:
+                low, n, k = heap[0]
+                if low > end:
+                    break
+                tick()
+                self._look(self.curves[n], k)
+                heapreplace(heap, self._ahead(self.curves[n], n, k))
+                self.frontier = max(Fraction(0), Fraction(heap[0][0]))
+                yield self.frontier
+        if not heap:
+            self.frontier = None
 
-    def _allowed(
-        self, loop: Opened, low: Fraction, high: Fraction, finest: float, phis: Phis, samples: tuple[int, int]
-    ) -> Iterator[tuple[int, tuple[float, float]]]:
-        """Cells of phi with a root that may be on the circle, and with how many whole samples, of those asked for, at least."""
-        own, most = samples
-        with ctx.workprec(_BITS):
-            q = fraction_ball(low).union(fraction_ball(high))
-            lines = over_circle(lambda x: loop.loop.sides({loop.symbol: x})[0].coeffs(), q.mid(), q.rad())
-            N, slope, _ = (arb_poly(list(x)) for x in zip(*lines, strict=True))
-            Q, either = loop.loop.sides({loop.symbol: q})[1], arb(0, 1)
-            waiting, looked = [*phis], 0
-            while waiting:
-                a, b = waiting.pop()
-                looked += 1
-                if looked > _MOST_CELLS:
-                    raise UndecidedError("too many cells of frequency")
-                phi = arb(a).union(arb(b))
-                above, below = _all_over(N, phi) + _all_over(slope, phi) * either, _all_over(Q, phi)
-                if not abs(above).overlaps(abs(below)):
-                    continue
-                d = own if below.contains(0) else _least(_angle(-above / below), a, b, own)
-                if d > most:
-                    continue
-                is_sharp = below.abs_upper() < 2 * below.abs_lower()  # not next to a zero of Q, of which there are few
-                if b - a > (finest * max(b, _SLOWEST) if is_sharp else _SHARPEST):
-                    waiting += [(a, (a + b) / 2), ((a + b) / 2, b)]
-                else:
-                    yield d, (a, b)
+    def _ahead(self, curve: Curve, n: int, k: int) -> tuple[float, int, int]:
+        """The next turn after k, and from which delay on it is."""
+        while True:
+            k += 1
+            delays = curve.delays(k)
+            if delays.upper() > 0:
+                return float(delays.lower()) * (1 - _ROUNDING), n, k
 
-    def _in(self, loop: Opened, low: Fraction, high: Fraction, d: int, phis: Phis) -> Late | None:
-        """The first in a piece that is later by so many samples, by shares of one; None where none is there."""
-        late = replace(loop, loop=replace(loop.loop, above=(*[Integer(0)] * d, *loop.loop.above)))
-        waiting, why = Waiting([(low, high, phis)], most=_MOST_CUTS), "too many pieces of delay"
-        try:
-            for start, end, whole in waiting:
-                width = float((end - start) / self.T)
-                finest = min(_COARSE, width / (4 * d + 4))
-                cells = self._allowed(loop, start, end, finest, whole, (d, d))
-                if not (likely := [phi for _, phi in cells]):
-                    continue
-                if width <= _FINEST:
-                    if (found := self.close(late, start, end)) is not None:
-                        return Late(found, d, end)
-                    if width < _FINEST**2:
-                        raise UndecidedError("whether a root comes to the unit circle and goes back")
-                middle = Fraction(float((start + end) / 2))
-                waiting.add((start, middle, likely), (middle, end, likely))
-        except UndecidedError as error:
-            why = str(error)
-        return Late(None, d, min(start for start, _, _ in waiting.rest), why) if waiting.rest else None
+    def _look(self, curve: Curve, k: int) -> None:
+        """Put down all that is on a curve after k turns."""
+        T, theta, delays = expression_ball(self.loop.loop.T), curve.box[1], curve.delays(k)
+        first, last = (
+            int(x.floor().unique_fmpz())
+            for x in ((delays.lower() - theta.upper()) / T, (delays.upper() - theta.lower()) / T)
+        )
+        if last - first > _MANY:
+            self.left.append(bounds(delays))
+            return
+        for samples in range(max(first, 0), last + 1):
+            turn = Turn(curve, samples, k)
+            try:
+                for pair in turn.pairs():
+                    sense = turn.sense(pair)
+                    self.found.append(Passage(pair.value, pair.frequency))
+                    self.senses.append(2 * sense)
+            except UndecidedError:
+                self.left.append(bounds(delays))
 
+    def holds(self, value: Rational) -> bool | None:
+        """Whether it is stable with a delay, by a count of another one; None where what is between is not known."""
+        if not self._is_told(value):
+            return None
+        low, high = sorted((self.own, value))
+        between = [
+            sense for x, sense in zip(self.found, self.senses, strict=True)
+            if ordered(ExactNumber(low), x.value) > 0 and ordered(x.value, ExactNumber(high)) > 0
+        ]  # fmt: skip
+        return self._home + (1 if value > self.own else -1) * sum(between) == 0
 
-def _all_over(polynomial: Any, phi: Ball) -> acb:
-    """A polynomial in z - 1 all over a piece of the circle, by its slope: powers of a ball grow faster than what they are of."""
-    x, middle = (acb(-2 * (angle / 2).sin() ** 2, angle.sin()) for angle in (phi, phi.mid()))
-    return polynomial(middle) + polynomial.derivative()(x) * (x - middle)
+    def _is_told(self, value: Rational) -> bool:
+        """Whether all on the way to a delay from the own one is known."""
+        last = max(self.own, value)
+        return not self.left and (
+            self.frontier is None or last < Rational(self.frontier.numerator, self.frontier.denominator)
+        )
 
-
-def _angle(x: acb) -> Ball:
-    """Of a number, all over its ball: about pi where it is about -1, not both pi and -pi."""
-    return x.arg() if not x.real < 0 else (-x).arg() + arb.pi()
-
-
-def _least(angle: Ball, a: float, b: float, own: int) -> int:
-    """A least d >= ``own`` for which d phi may be an angle, all over its ball, but for whole turns, with phi from a to b."""
-    if not angle.is_finite() or angle.rad() > 1:
-        return own
-    first, last = float(angle.lower()) - _ROUNDED, float(angle.upper()) + _ROUNDED
-    turn, low = max(0, floor((own * a - last) / (2 * pi))), own
-    for k in range(turn, turn + _TURNS):
-        low = max(own, ceil((first + 2 * pi * k) / b))
-        if last + 2 * pi * k >= low * a:
-            break
-    return low
+    @cached_property
+    def _home(self) -> int:
+        return sum(self.loop.at(self.own).unstable())

@@ -9,7 +9,6 @@ what holds about the present value, or of what holds next to it where that fails
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -19,24 +18,11 @@ from sympy import Expr, Integer, Rational, exp, pi
 
 from haptisym.judge.bindings import STEADY, Binding, Kind
 from haptisym.judge.crossings import Criterion
-from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
+from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, Way, expression_ball, in_unit, printed
 from haptisym.kernel.rings import s
 from haptisym.kernel.roots import ordered
-from haptisym.kernel.sets import (
-    STOPPED,
-    UNSEARCHED,
-    Cell,
-    Change,
-    Changes,
-    Domain,
-    Open,
-    Piece,
-    Question,
-    ValueSet,
-    Verdict,
-    solve,
-)
+from haptisym.kernel.sets import STOPPED, Cell, Change, Changes, Domain, Open, Piece, Question, ValueSet, Verdict, solve
 from haptisym.model.catalogue import Hand
 from haptisym.model.existence import allowed, missing
 from haptisym.model.scene import Knob, Scene, clocks, unclocked
@@ -44,26 +30,18 @@ from haptisym.model.valueranges import searched
 from haptisym.verbs.stability.critical import meetings
 from haptisym.verbs.stability.held import drifts, moved, unstable_roots
 from haptisym.verbs.stability.loops import Loop, Meeting, Tendency
-from haptisym.verbs.stability.sampled import clocked_roots, opened, passages, passages_in
+from haptisym.verbs.stability.sampled import clocked_question
 
 _BITS = 256
 _FURTHER = "values further out are not tested"
 
 
 def stable_values(
-    scene: Scene,
-    hand: Hand,
-    free: Knob,
-    asked: Domain,
-    criterion: Criterion,
-    *,
-    near: bool = False,
-    brief: bool = False,
+    scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Criterion, *, near: bool = False
 ) -> ValueSet:
     """All values of those asked about with which a display is stable in a hand, or steady, as the criterion says.
 
     ``near`` : only as far as to know where that ends next to the present value, or begins and ends where it fails there.
-    ``brief`` : with a clock, as far as few cells go.
 
     >>> from haptisym.judge.bindings import stable_in
     >>> from haptisym.model.catalogue import hands
@@ -73,16 +51,14 @@ def stable_values(
     <ValueSet 0 to 0.102549>
     """
     try:
-        return _found(scene, hand, free, asked, criterion, near=near, brief=brief)
+        return _found(scene, hand, free, asked, criterion, near=near)
     except LimitError:
         return ValueSet.all_of(asked, holds=None, reason=STOPPED)
     except UndecidedError as error:
         return ValueSet.all_of(asked, holds=None, reason=str(error))
 
 
-def _found(
-    scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Criterion, *, near: bool, brief: bool
-) -> ValueSet:
+def _found(scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Criterion, *, near: bool) -> ValueSet:
     """The same. UndecidedError where nothing is known."""
     if free.parts:  # a threshold moves no root
         return ValueSet.all_of(asked, holds=_holds_at(scene, hand, criterion))
@@ -95,11 +71,11 @@ def _found(
     ends = [x for x in (asked.low, asked.high) if isinstance(x, Rational)]
     gone = missing(scene, free, in_air=in_air)
     gone += [ExactNumber(x) for x in ends if not allowed(scene, free, x, in_air=in_air)]
+    reach = Domain(*searched(free, asked))
     if clocks(bare):
-        question, reach = _clocked(scene, hand, free, asked, criterion, near=near, brief=brief)
+        question = clocked_question(scene, hand, free, asked, criterion, near=near)
     else:
-        loop, reach = Loop.of(scene, hand, free), Domain(*searched(free, asked))
-        question = _Asked(scene, hand, free, asked, criterion, loop).question
+        question = _Asked(scene, hand, free, asked, criterion, Loop.of(scene, hand, free)).question
     first, last = (x is not None and not any(not ordered(x, y) for y in gone) for x in asked.ends)
     asked = replace(asked, holds_low=asked.holds_low and first, holds_high=asked.holds_high and last)
     return solve(question, asked, reach, near=near).without([x for x in gone if asked.holds(x)])
@@ -267,44 +243,3 @@ def _on_axis(loop: Loop, value: RealNumber, omega: RealNumber) -> Any:
         known |= {exp(-s * lag): (-at * expression_ball(lag)).exp() for lag in loop.ring.lags}
         known |= {s**order: at ** acb(expression_ball(order)) for order in loop.ring.orders}
         return acb(loop.ring.ball(loop.top, known))
-
-
-# With a clock
-
-
-def _clocked(
-    scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Criterion, *, near: bool, brief: bool
-) -> tuple[Question, Domain]:
-    """By counts between the values at which roots of the sampled loop reach the unit circle; and what is searched."""
-    ends = searched(free, asked)
-    if near:
-        loop, found = opened(scene, hand, free), passages(scene, hand, free, brief=brief)
-    else:
-        loop, found = passages_in(scene, hand, free, ends)
-    alone = {x.value.value for x in found.found if isinstance(x.value, ExactNumber)} | {asked.low, asked.high}
-    low, high = (
-        None if x is None else ExactNumber(Rational(x.numerator, x.denominator)) for x in (found.low, found.high)
-    )
-    reason = UNSEARCHED if near else _FURTHER
-    left = [Open(None, low, reason)] if low else []
-    left += [Open(high, None, reason)] if high else []
-    values = [Change(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found.found]
-
-    def verdict(value: Rational) -> bool | None:
-        count, on = loop.count(value)
-        is_outside = count > on + loop.always
-        still = drifts(*moved(scene, hand, free, value)) if criterion.name == STEADY and count else 0
-        if still is None and not is_outside:
-            return None
-        return count == still or (value in alone and not is_outside and _is_stable_at(scene, hand, free, value))
-
-    return Question(verdict, free.value, lambda: [Changes(values, left)], lambda _: False), Domain(*ends)
-
-
-def _is_stable_at(scene: Scene, hand: Hand, free: Knob, value: Expr) -> bool:
-    """Whether it is at one value, where a root on the circle may cancel: a filter whose corner is 0 leaves nothing that stays."""
-    with suppress(SceneError):
-        if free.is_of_hand:
-            return clocked_roots(scene, hand.with_values({free.symbol.name: value})).number == 0
-        return clocked_roots(free.put(scene, value), hand).number == 0
-    return False

@@ -25,6 +25,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations, groupby, pairwise, product
 from math import comb, perm
+from typing import Protocol
 
 import flint
 from flint import acb, arb, arb_poly, fmpq
@@ -348,11 +349,18 @@ def _horner(row: Sequence[Ball], q: Ball) -> tuple[Ball, Ball]:
     return value, slope
 
 
+class Stepped(Protocol):
+    """What has Newton's step."""
+
+    def step(self, omega: Ball, q: Ball) -> tuple[Ball, Ball] | None:
+        """A box around all pairs in a box; None where that is not told."""
+
+
 @dataclass(frozen=True, eq=False)
 class Pair:
     """The one pair in a box."""
 
-    form: Characteristic
+    form: Stepped
     omega: Ball
     q: Ball
     _known: dict[int, tuple[Ball, Ball]] = field(default_factory=dict)

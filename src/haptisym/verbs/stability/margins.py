@@ -7,19 +7,16 @@ however the force comes through the effects: they make a Moebius map of it. So g
 - *delay*: the values of tau from 0 on for which it is, with g = exp(-s tau), up to a thousand seconds;
 - *phase*: the angles below the least one of -A/B at all frequencies with |A/B| = 1: by so much the force may be turned at any
   one frequency.
-
-With a clock the factor stands before the controller, and the delay in what moves: from one whole number of samples to the next.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from typing import Any
 
 from flint import acb, arb, ctx
-from sympy import Integer, Rational, Symbol
+from sympy import Integer, Rational
 
 from haptisym.effects import delay as delayed
 from haptisym.effects import series
@@ -29,19 +26,17 @@ from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, Way, printed
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import chart, ordered
-from haptisym.kernel.sampledloop import SampledLoop
-from haptisym.kernel.sets import STOPPED, Change, Changes, Domain, Open, Point, Question, ValueSet, solve
+from haptisym.kernel.sets import STOPPED, Change, Changes, Domain, Point, Question, ValueSet, solve
 from haptisym.model.catalogue import Effect, Hand
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.verbs.stability.held import drifts
 from haptisym.verbs.stability.limits import stable_values
 from haptisym.verbs.stability.loops import Loop, minus
-from haptisym.verbs.stability.opened import Opened
-from haptisym.verbs.stability.sampled import Walk, loop_of, series_alone
+from haptisym.verbs.stability.sampledmargins import delays, factors
 
 MOST_GAIN, MOST_DELAY = 1000, 1000
 GAINS = Domain(Rational(1, MOST_GAIN), Integer(MOST_GAIN))
@@ -123,13 +118,15 @@ def margins(scene: Scene, hand: Hand) -> Margins:
     if (scene.rendered or scene.environment).H.is_zero:
         return Margins(*(ValueSet.all_of(x, holds=True) for x in (GAINS, DELAYS, ANGLES)))
     if clocks(scene):
-        return Margins(_gain_by_clock(scene, hand), _delay_by_clock(scene, hand))
+        return Margins(
+            _told(GAINS, lambda: factors(scene, hand, GAINS)), _told(DELAYS, lambda: delays(scene, hand, DELAYS))
+        )
     criterion = stable_in(hand, STEADY if drifts(scene, hand) else STABLE)
     gain, delay = (
         stable_values(*_opened(scene, hand, effect), asked, criterion, near=True)
         for effect, asked in ((_FACTOR, GAINS), (_LATE, DELAYS))
     )
-    return Margins(gain, delay, _phase(scene, hand, criterion))
+    return Margins(gain, delay, _told(ANGLES, lambda: _phase(scene, hand, criterion)))
 
 
 # Without a clock: the same scene with one more effect, nearest the environment
@@ -144,14 +141,8 @@ def _opened(scene: Scene, hand: Hand, effect: Effect) -> tuple[Scene, Hand, Knob
 
 def _phase(scene: Scene, hand: Hand, criterion: Criterion) -> ValueSet:
     """The angles up to the least one where |A/B| = 1."""
-    try:
-        found = _turned(Loop.of(*_opened(scene, hand, _FACTOR)), criterion)
-        least = min(found, key=lambda x: float(x.value), default=None)
-    except LimitError:
-        return ValueSet.all_of(ANGLES, holds=None, reason=STOPPED)
-    except UndecidedError as error:
-        return ValueSet.all_of(ANGLES, holds=None, reason=str(error))
-    return _up_to(ANGLES, least)
+    found = _turned(Loop.of(*_opened(scene, hand, _FACTOR)), criterion)
+    return _up_to(ANGLES, min(found, key=lambda x: float(x.value), default=None))
 
 
 def _turned(loop: Loop, criterion: Criterion) -> list[Change]:
@@ -172,12 +163,12 @@ def _turned(loop: Loop, criterion: Criterion) -> list[Change]:
     return [Change(Turned(parts, x), (Binding(criterion, x, Kind.AXIS),)) for x in places]
 
 
-def _up_to(asked: Domain, limit: Change | None, left: Sequence[Open] = ()) -> ValueSet:
-    """All values up to a limit, beyond which nothing more is needed, but for what is left open."""
+def _up_to(asked: Domain, limit: Change | None) -> ValueSet:
+    """All values up to a limit, beyond which nothing more is needed."""
     question = Question(
         lambda x: limit is None or ordered(ExactNumber(x), limit.value) > 0,
         asked.low,
-        lambda: [Changes([] if limit is None else [limit], left)],
+        lambda: [Changes([] if limit is None else [limit])],
         lambda _: False,
     )
     return solve(question, asked, near=True)
@@ -198,75 +189,11 @@ class Turned(RealNumber):
             return (arb.pi() - angle) * 180 / arb.pi()
 
 
-# With a clock
-
-
-def _loop(scene: Scene, hand: Hand) -> SampledLoop | None:
-    """None where nothing is rendered."""
-    if not series_alone(scene):
-        raise UndecidedError("margins of a loop with more than series effects before the clock")
-    loop = loop_of(scene, hand)
-    return loop if any(loop.above) and any(x for _, row in loop.plant.terms for x in row) else None
-
-
-def _gain_by_clock(scene: Scene, hand: Hand) -> ValueSet:
-    return _told(GAINS, lambda: _gains(scene, hand))
-
-
-def _gains(scene: Scene, hand: Hand) -> ValueSet:
-    loop = _loop(scene, hand)
-    if loop is None:
-        return ValueSet.all_of(GAINS, holds=True)
-    g = Symbol("g_margin", positive=True)
-    opened = Opened(replace(loop, above=tuple(g * x for x in loop.above)), g)
-    home = opened.count(Integer(1))[0]
-    low, high = Fraction(1, MOST_GAIN), Fraction(MOST_GAIN)
-    walk = Walk(opened, Fraction(1), home, Rule.POSITIVE, (low, high))
-    found, left = list[Change](), list[Open]()
-    for side, end in ((-1, low), (1, high)):
-        passage, known = walk.towards(side)
-        at = ExactNumber(Rational(known.numerator, known.denominator))
-        if passage is not None:
-            found.append(Change(passage.value, (Binding(stable_in(hand), passage.omega, Kind.AXIS),)))
-        elif (end - known) * side > 0:
-            far = printed(known, 4, Way.DOWN if side > 0 else Way.UP)
-            reason = f"searched {'up' if side > 0 else 'down'} to a factor of {far}, {_NONE}"
-            left.append(Open(at, None, reason) if side > 0 else Open(None, at, reason))
-    question = Question(
-        lambda x: opened.count(x)[0] == home, Integer(1), lambda: [Changes(found, left)], lambda _: False
-    )
-    return solve(question, GAINS, near=True)
-
-
 def _told(asked: Domain, ask: Callable[[], ValueSet]) -> ValueSet:
     """A set of values; all of it undecided where that is not known."""
     try:
         return ask()
+    except LimitError:
+        return ValueSet.all_of(asked, holds=None, reason=STOPPED)
     except UndecidedError as error:
         return ValueSet.all_of(asked, holds=None, reason=str(error))
-
-
-def _delay_by_clock(scene: Scene, hand: Hand) -> ValueSet:
-    return _told(DELAYS, lambda: _delays(scene, hand))
-
-
-def _delays(scene: Scene, hand: Hand) -> ValueSet:
-    loop = _loop(scene, hand)
-    if loop is None:
-        return ValueSet.all_of(DELAYS, holds=True)
-    late = Symbol("tau_margin", positive=True)
-    opened = Opened(
-        replace(loop, plant=replace(loop.plant, terms=tuple((lag + late, row) for lag, row in loop.plant.terms))), late
-    )
-    if not opened.is_late:
-        raise UndecidedError("how much delay is allowed: a root stays at z = 1, or the period is no rational number")
-    ends = Fraction(0), Fraction(MOST_DELAY)
-    found = Walk(opened, ends[0], 0, Rule.NONNEGATIVE, ends).later()
-    if found.passage is not None:
-        binding = Binding(stable_in(hand), found.passage.omega, Kind.AXIS)
-        return _up_to(DELAYS, Change(found.passage.value, (binding,)))
-    if found.known >= ends[1]:
-        return _up_to(DELAYS, None)
-    reason = f"searched up to {printed(1000 * found.known, 4, Way.DOWN)} ms, {_NONE}: {found.why}"
-    known = ExactNumber(Rational(found.known.numerator, found.known.denominator))
-    return _up_to(DELAYS, None, [Open(known, None, reason)])

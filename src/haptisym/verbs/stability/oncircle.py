@@ -22,7 +22,7 @@ from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.sampledloop import SampledLoop, is_clear
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
-from haptisym.verbs.stability.sampled import loop_of
+from haptisym.verbs.stability.clockedloop import loop_of
 
 _BITS_OF_CELLS = 96
 _MOST_CELLS = 3000

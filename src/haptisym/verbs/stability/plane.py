@@ -18,9 +18,9 @@ from haptisym.kernel.rootcount import Roots
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
+from haptisym.verbs.stability.clockedloop import clocked_roots, loop_of
 from haptisym.verbs.stability.entry import WALL
 from haptisym.verbs.stability.held import characteristic, zeros_of
-from haptisym.verbs.stability.sampled import clocked_roots, loop_of
 
 _PIXELS = 200  # along each axis, that find the cells
 _LEAST = 60  # pixels of a cell that is counted
