@@ -101,35 +101,30 @@ def _found(
     return solve(question, asked, reach, near=near).without([x for x in gone if asked.holds(x)])
 
 
-def open_beside(knob: Knob, found: ValueSet) -> Iterator[str]:
-    """Why it is not known, of values next to those about the present one, whether they are like it: on each side.
-
-    Where it fails, and holds beside that, the rest is a matter of how far was looked.
-    """
-    own = ExactNumber(knob.value)
-    if found.about(own).verdict is Verdict.FAILS and found.feasible:
-        return
-    beside = dict.fromkeys(x for x in (found.unknown(own, -1), found.unknown(own, 1)) if x in found.undecided)
-    yield from (_why(knob, found, x) for x in beside if x is not None and _is_next(found, own, x))
+def open_beside(knob: Knob, found: ValueSet) -> list[str]:
+    """Why it is not known, of values next to those about the present one, whether they are like it: on each side."""
+    pieces = dict.fromkeys(x for x, is_open in _unknown(knob, found) if x is not None and is_open)
+    return [_why(knob, found, x) for x in pieces]
 
 
 def looked_at(knob: Knob, found: ValueSet) -> tuple[RealNumber | None, RealNumber | None]:
     """Between which values a number was looked at, where that has an end: None where it has none, or is open anyway."""
+    (below, is_open), (above, is_open_above) = _unknown(knob, found)
+    low = None if below is None or is_open else below.high
+    return low, None if above is None or is_open_above else above.low
+
+
+def _unknown(knob: Knob, found: ValueSet) -> list[tuple[Piece | None, bool]]:
+    """Of which values below, and above, nothing is known; and whether that leaves open what is so about the present value.
+
+    Where it fails there, and holds beside that, the rest is a matter of how far was looked.
+    """
     own = ExactNumber(knob.value)
-    below, above = (found.unknown(own, side) for side in (-1, 1))
-    is_open = any(open_beside(knob, found))
-    low = None if below is None or (is_open and _is_left(found, own, below)) else below.high
-    return low, None if above is None or (is_open and _is_left(found, own, above)) else above.low
-
-
-def _is_left(found: ValueSet, own: RealNumber, x: Piece) -> bool:
-    return x in found.undecided and _is_next(found, own, x)
-
-
-def _is_next(found: ValueSet, own: RealNumber, x: Piece) -> bool:
-    """Whether a piece is the one about a value, or a neighbour of it."""
-    home = found.pieces.index(found.about(own))
-    return abs(found.pieces.index(x) - home) < 2
+    home = found.about(own)
+    is_told = home.verdict is Verdict.FAILS and bool(found.feasible)
+    beside = [found.unknown(own, side) for side in (-1, 1)]
+    near = [x for x in beside if x is not None and (x == home or not {*home.ends}.isdisjoint(x.ends))]
+    return [(x, not is_told and x in near and x in found.undecided) for x in beside]
 
 
 def _why(knob: Knob, found: ValueSet, x: Piece) -> str:
