@@ -654,6 +654,26 @@ def test_masses_at_which_a_chain_is_lost_or_roots_go_over_are_told_with_the_coun
         assert late_roots([500, 131.4, 11691, mass, *hand[:2]], 0.108) == expected
 
 
+def test_a_neutral_display_is_stable_up_to_where_a_chain_comes() -> None:
+    """m s^2 exp(-s tau) (1 + s Td)/(1 + s Tf) beside a hand's mass: the chain comes at Td = m_h Tf/m."""
+    lead = F.series("(1 + s*Td)/(1 + s*Tf)", parameters={"Td": "0.0176", "Tf": "0.00158"})
+    felt, hand = E.mass_spring_damper("0.137", "6.02", 591), hs.Hand("hand", "0.606", "0.845", 299)
+    own = hs.Scene(felt, (lead, F.delay("0.00854")), hands=(hand,))
+    last = 0.606 * 0.00158 / 0.137
+    found = stable(own, "effects.series.Td", ("0.00587", "0.0528"))
+    assert (spans(found), found.undecided) == ([(0.00587, pytest.approx(last, rel=1e-14))], ())
+    near = nearest(own, "effects.series.Td")
+    assert [said(near, x) for x in (0.00587, 0.99999 * last, 1.00001 * last, 0.0176)] == [True, True, False, False]
+
+
+def test_of_a_mass_that_comes_late_all_springs_are_told() -> None:
+    """2 s^2 + s^2 exp(-s/100) + k is 0 at j omega, omega = 100 pi, for k = omega^2; nothing drifts but at k = 0."""
+    own = hs.Scene(E.mass_spring_damper(m=1), (F.delay("10 ms"),), hands=(hs.Hand("hand", m=2),))
+    found = hs.require(own, "hand.k", that="steady")
+    assert (spans(found), found.undecided) == ([(0, pytest.approx((100 * np.pi) ** 2, rel=1e-14))], ())
+    assert found.feasible[0].low.closed
+
+
 def test_a_heavy_hand_is_held_between_two_masses() -> None:
     """Between them a part may stay undecided: a chain comes close there."""
     found = spans(stable(satellite(100, 20000), "hand.m", (501, 2000)))

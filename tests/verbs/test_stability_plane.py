@@ -438,6 +438,17 @@ def test_a_margin_that_is_not_reached_is_told_as_far_as_it_was_searched() -> Non
     assert 0.5 < told[-1] < 0.999791
 
 
+def test_of_a_factor_that_is_not_told_without_end_is_told_how_far_it_is_known() -> None:
+    x = margins(hs.load_scene("virtual-coupling"), hs.hands["postural-arm"])
+    known = x.gain.about(ExactNumber(Integer(1)))
+    assert (known.verdict.value, float(known.low), float(known.high)) == ("holds", 0.001, 9)
+    assert (x.above, [name for name, _ in x.undecided]) == (None, ["gain"])
+    wider = hs.load_scene("virtual-coupling")
+    for factor in ("1/1000", "9"):
+        own = replace(wider, effects=(F.series("g", parameters={"g": factor}, name="more"), *wider.effects))
+        assert held(own, hs.hands["postural-arm"]).stable
+
+
 def test_the_delay_of_a_sampled_wall_as_stiff_as_the_hand_is_quickly_undecided() -> None:
     """At low frequencies the loop has a gain of nearly 1, at which very long delays may turn it round."""
     x = margins(hs.load_scene("virtual-wall"), hs.hands["firm-grip"])

@@ -632,14 +632,8 @@ class _Solving:
         for i, point in enumerate(self.points):
             if any(x is not None and x.reason == NOT_NEEDED for x in self.stretches[i : i + 2]):
                 self._leave_out(i)
-            elif (
-                point.holds is None and point.reason != NOT_NEEDED and (ask or point.value not in self._ends_of_domain)
-            ):
+            elif point.holds is None and not point.reason:
                 self.points[i] = self._settled(i, ask=ask)
-
-    @cached_property
-    def _ends_of_domain(self) -> tuple[RealNumber | None, ...]:
-        return self.domain.ends
 
     def _settled(self, i: int, *, ask: bool) -> Point:
         """A point with its verdict: its own where it is rational, else as its neighbours and the question tell."""

@@ -69,7 +69,7 @@ def stable_values(
     >>> from haptisym.model.catalogue import hands
     >>> from haptisym.model.scenefile import load_scene
     >>> late, arm = load_scene("delayed-spring"), hands["postural-arm"]
-    >>> stable_values(late, arm, late.knobs["tau"], Domain(Integer(0), Integer(1)), stable_in(arm))
+    >>> stable_values(late, arm, late.knobs["tau"], Domain(Integer(0), Integer(1)), stable_in(arm), near=True)
     <ValueSet 0 to 0.102549>
     """
     try:
