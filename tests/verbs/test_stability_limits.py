@@ -27,7 +27,7 @@ from haptisym.kernel.sets import STOPPED, Point, Verdict
 from haptisym.model.valueranges import ALLOWED
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.stability.held import held, roots_in_hand
-from haptisym.verbs.stability.limits import stable_values
+from haptisym.verbs.stability.limits import open_beside, stable_values
 
 E, F = hs.environments, hs.effects
 LATE = 'environment = {{ model = "mass-spring-damper", k = "{k} N/m" }}\neffects = [{{ model = "delay", tau = "36 ms" }}]\n'
@@ -44,9 +44,9 @@ def nearest(scene: hs.Scene, path: str) -> hs.ValueSet:
 
 
 def ends_of(scene: hs.Scene, path: str) -> list[tuple[Point, str | None]]:
-    """Where that ends, all of it being known, each with the side that is stable."""
-    found, own = nearest(scene, path), ExactNumber(scene.knobs[scene.knobs.chosen([path])[0].path].value)
-    assert found.unknown(own, -1) is found.unknown(own, 1) is None
+    """Where that ends, each end with the side that is stable; nothing next to the present value is open."""
+    found = nearest(scene, path)
+    assert open_beside(scene.knobs[scene.knobs.chosen([path])[0].path], found) == []
     return sides(found)
 
 
@@ -387,7 +387,8 @@ def test_next_to_a_limit_the_values_that_are_stable_are_told_with_both_ends_and_
     scene, path, expected = SIDES[case]
     found = nearest(scene, path)
     shown = windows(found) if found.ends else []
-    assert (found.reason, shown) == ("", [pytest.approx(x, rel=1e-8) for x in expected])
+    left = open_beside(scene.knobs[scene.knobs.chosen([path])[0].path], found)
+    assert (left, shown) == ([], [pytest.approx(x, rel=1e-8) for x in expected])
     told = [(float(x.value), side) for x, side in sides(found) if side]
     known = [(x, side) for y in expected for x, side in zip(y, ("above", "below"), strict=True) if y[0] < y[1]]
     assert told == [(pytest.approx(x, rel=1e-8), side) for x, side in known if x < inf]
@@ -463,7 +464,10 @@ def verdict(found: Requirement, value: float) -> bool | None:
     """Whether a value is in the set; None where that is open."""
     if any((a is None or float(a) <= value) and (b is None or value <= float(b)) for a, b in found.undecided):
         return None
-    return any(low < value < high for low, high in spans(found))
+    return any(
+        low < value < high or (low == value and x.low.closed) or (high == value and x.high.closed)
+        for (low, high), x in zip(spans(found), found.feasible, strict=True)
+    )
 
 
 def need_set(found: Requirement, count: Count, values: Sequence[float]) -> None:

@@ -206,8 +206,13 @@ class ValueSet(Shown):
 
     @property
     def feasible(self) -> tuple[Piece, ...]:
-        """The pieces that hold."""
-        return tuple(x for x in self.pieces if x.verdict is Verdict.HOLDS)
+        """The pieces that hold; a single value beside what is undecided is none, as it need not be alone."""
+        pieces = (None, *self.pieces, None)
+        return tuple(
+            x
+            for before, x, after in zip(pieces, pieces[1:], pieces[2:], strict=False)
+            if x is not None and x.verdict is Verdict.HOLDS and not (x.is_single and _is_open(before, after))
+        )
 
     @property
     def undecided(self) -> tuple[Piece, ...]:
@@ -305,6 +310,11 @@ class ValueSet(Shown):
     def _place(self, value: RealNumber) -> int:
         """How many points lie below a value."""
         return bisect_left(self.points, 0, key=lambda x: -ordered(x.value, value))
+
+
+def _is_open(*pieces: Piece | None) -> bool:
+    """Whether one of some pieces is undecided, but for what nobody needed."""
+    return any(x is not None and x.verdict is Verdict.UNDECIDED and x.reason != NOT_NEEDED for x in pieces)
 
 
 def _append(pieces: list[Piece], piece: Piece) -> None:
@@ -642,7 +652,7 @@ class _Solving:
             return replace(point, holds=False, bindings=())
         if isinstance(point.value, ExactNumber) and isinstance(point.value.value, Rational):
             if not ask:
-                return replace(point, reason=STOPPED)
+                return replace(point, reason=self._reason_near(i) or STOPPED)
             found = self._ask(point.value.value)
             return replace(point, holds=found.holds, reason=found.reason)
         if True not in near:
