@@ -25,14 +25,13 @@ from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, SquareRoot
 from haptisym.kernel.rings import omega as w
 from haptisym.kernel.rings import s
 from haptisym.kernel.roots import Lattice
-from haptisym.kernel.sets import Domain
+from haptisym.kernel.sets import Domain, Open
 from haptisym.verbs.require.feasible import End, Question, Solved, Span, Turn, runs, together
 from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import allowed, critical, edge_polynomial, missing, touch_polynomial
 from haptisym.verbs.require.freeparameter import real_roots as roots_in_parameter
 from haptisym.verbs.require.limitingpoints import CellVerdict
 from haptisym.verbs.require.solving import Leaf, ValueSearch
-from haptisym.verbs.stability.loops import Gap
 
 E, F = hs.environments, hs.effects
 REAL, IMAG = noticed(hs.Threshold())
@@ -646,7 +645,7 @@ def test_a_set_is_told_by_one_verdict_between_each_two_values_at_which_it_may_ch
         Domain(*(None if x is None else Rational(x) for x in (low, high)), has_low, has_high), closed=closed,
         beyond=(first and Rational(first), last and Rational(last)), spares=lambda turn: float(turn.value) in spared,
         exists=lambda x: float(x) not in absent, gone=[NUMBERS[x] for x in gone],
-        gaps=[Gap(NUMBERS[gap[0]], NUMBERS[gap[1]], "")] if gap else [],
+        gaps=[Open(NUMBERS[gap[0]], NUMBERS[gap[1]], "")] if gap else [],
     ).solve()  # fmt: skip
     known = {
         (a, b): None if (first is not None and b <= first) or (last is not None and a >= last)

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby, pairwise
-from typing import TYPE_CHECKING
 
 from sympy import Expr, Rational
 
@@ -20,10 +19,7 @@ from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
 from haptisym.kernel.roots import ascending, is_told, ordered
-from haptisym.kernel.sets import Domain, Point, ValueSet
-
-if TYPE_CHECKING:  # only what is asked of a hand has gaps
-    from haptisym.kernel.sets import Open as Gap
+from haptisym.kernel.sets import Domain, Open, Point, ValueSet
 
 
 @dataclass(frozen=True)
@@ -118,7 +114,7 @@ class Question:
     spares: Callable[[Turn], bool] = lambda _: False
     exists: Callable[[Expr], bool] = lambda _: True
     gone: Sequence[RealNumber] = ()
-    gaps: Sequence[Gap] = ()
+    gaps: Sequence[Open] = ()
     fails: Callable[[RealNumber | None, RealNumber | None], bool] = lambda _low, _high: False
     own: Expr | None = None
     reasons: list[str] = field(default_factory=list, init=False, compare=False)
