@@ -38,7 +38,7 @@ from haptisym.kernel.sets import (
     solve,
 )
 from haptisym.model.catalogue import Hand
-from haptisym.model.existence import missing
+from haptisym.model.existence import allowed, missing
 from haptisym.model.scene import Knob, Scene, clocks, unclocked
 from haptisym.model.valueranges import searched
 from haptisym.verbs.stability.critical import meetings
@@ -47,6 +47,7 @@ from haptisym.verbs.stability.loops import Loop, Meeting, Tendency
 from haptisym.verbs.stability.sampled import clocked_roots, opened, passages, passages_in
 
 _BITS = 256
+_FIRST = 7  # windows about a value that are looked at anyway, be they larger than what is searched
 _FURTHER = "values further out are not tested"
 
 
@@ -89,13 +90,15 @@ def _found(
         scene = unclocked(scene)
         if not free.is_of_hand and free.path not in {x.path for x in scene.knobs}:  # it acts on nothing
             return ValueSet.all_of(asked, holds=_holds_at(scene, hand, criterion))
-    gone = missing(scene, free, in_air=criterion.name == STEADY or scene.closed.env.is_zero)
+    in_air = criterion.name == STEADY or scene.closed.env.is_zero
+    gone = missing(scene, free, in_air=in_air)
     if clocks(bare):
         question, reach = _clocked(scene, hand, free, asked, criterion, near=near, brief=brief)
     else:
         loop, reach = Loop.of(scene, hand, free), Domain(*searched(free, asked))
-        gone += [ExactNumber(x) for x in (asked.low, asked.high) if isinstance(x, Rational) and not loop.exists(x)]
-        question = _Asked(scene, hand, free, asked, criterion, loop).question
+        ends = [x for x in (asked.low, asked.high) if isinstance(x, Rational)]
+        gone += [ExactNumber(x) for x in ends if not (loop.exists(x) and allowed(scene, free, x, in_air=in_air))]
+        question = _Asked(scene, hand, free, asked, criterion, loop, near, in_air).question
     first, last = (x is not None and not any(not ordered(x, y) for y in gone) for x in asked.ends)
     asked = replace(asked, holds_low=asked.holds_low and first, holds_high=asked.holds_high and last)
     return solve(question, asked, reach, near=near).without([x for x in gone if asked.holds(x)])
@@ -159,6 +162,8 @@ class _Asked:
     asked: Domain
     criterion: Criterion
     loop: Loop
+    near: bool
+    in_air: bool
 
     @property
     def question(self) -> Question:
@@ -167,20 +172,33 @@ class _Asked:
         tally, one_way = Tally(loop, drifts=self._drifts), Tendency(loop)
 
         def changes() -> Iterator[Changes]:
-            for found in meetings(loop, self.free.value, self.asked):
-                tally.window = found
-                yield self._named(found)
+            held_back: Changes | None = None
+            try:
+                for n, found in enumerate(meetings(loop, self.free.value, self.asked)):
+                    tally.window = held_back = found
+                    if self.near or n >= _FIRST or not found.open:
+                        yield self._named(found)
+                        held_back = None
+            except UndecidedError:
+                if held_back is not None:
+                    yield self._named(held_back)
+                raise
+            if held_back is not None:
+                yield self._named(held_back)
+
+        def verdict(value: Rational) -> bool:
+            return loop.exists(value) and self._is_there(value, tally.window) and tally.at(value) == 0
 
         def cells(low: RealNumber | None, high: RealNumber | None) -> Iterable[Cell]:
             return [Cell(low, high, holds=False)] if one_way.everywhere(low, high) else []
 
-        return Question(
-            lambda value: loop.exists(value) and tally.at(value) == 0,
-            self.free.value,
-            changes,
-            lambda x: _is_clear(loop, x),
-            cells,
-        )
+        return Question(verdict, self.free.value, changes, lambda x: _is_clear(loop, x), cells)
+
+    def _is_there(self, value: Rational, window: Changes | None) -> bool:
+        """Whether the scene is there at a value that may be critical: formulas may divide by 0."""
+        places = () if window is None else (x.value for x in window.values)
+        critical = {x.value for x in places if isinstance(x, ExactNumber)} | {Integer(0)}
+        return value not in critical or allowed(self.scene, self.free, value, in_air=self.in_air)
 
     def _drifts(self, value: Expr) -> int | None:
         return drifts(*moved(self.scene, self.hand, self.free, value)) if self.criterion.name == STEADY else 0
