@@ -27,7 +27,7 @@ from haptisym.kernel.sets import STOPPED, Point, Verdict
 from haptisym.model.valueranges import ALLOWED
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.stability.held import held, roots_in_hand
-from haptisym.verbs.stability.limits import stable_values
+from haptisym.verbs.stability.limits import open_beside, stable_values
 
 E, F = hs.environments, hs.effects
 LATE = 'environment = {{ model = "mass-spring-damper", k = "{k} N/m" }}\neffects = [{{ model = "delay", tau = "36 ms" }}]\n'
@@ -44,9 +44,9 @@ def nearest(scene: hs.Scene, path: str) -> hs.ValueSet:
 
 
 def ends_of(scene: hs.Scene, path: str) -> list[tuple[Point, str | None]]:
-    """Where that ends, all of it being known, each with the side that is stable."""
-    found, own = nearest(scene, path), ExactNumber(scene.knobs[scene.knobs.chosen([path])[0].path].value)
-    assert found.unknown(own, -1) is found.unknown(own, 1) is None
+    """Where that ends, each end with the side that is stable; nothing next to the present value is open."""
+    found = nearest(scene, path)
+    assert open_beside(scene.knobs[scene.knobs.chosen([path])[0].path], found) == []
     return sides(found)
 
 
@@ -387,7 +387,8 @@ def test_next_to_a_limit_the_values_that_are_stable_are_told_with_both_ends_and_
     scene, path, expected = SIDES[case]
     found = nearest(scene, path)
     shown = windows(found) if found.ends else []
-    assert (found.reason, shown) == ("", [pytest.approx(x, rel=1e-8) for x in expected])
+    left = open_beside(scene.knobs[scene.knobs.chosen([path])[0].path], found)
+    assert (left, shown) == ([], [pytest.approx(x, rel=1e-8) for x in expected])
     told = [(float(x.value), side) for x, side in sides(found) if side]
     known = [(x, side) for y in expected for x, side in zip(y, ("above", "below"), strict=True) if y[0] < y[1]]
     assert told == [(pytest.approx(x, rel=1e-8), side) for x, side in known if x < inf]
@@ -463,7 +464,10 @@ def verdict(found: Requirement, value: float) -> bool | None:
         for a, b in ((p.low, p.high) for p in found.undecided)
     ):
         return None
-    return any(low < value < high for low, high in spans(found))
+    return any(
+        low < value < high or (low == value and x.low.closed) or (high == value and x.high.closed)
+        for (low, high), x in zip(spans(found), found.feasible, strict=True)
+    )
 
 
 def need_set(found: Requirement, count: Count, values: Sequence[float]) -> None:
@@ -652,6 +656,26 @@ def test_masses_at_which_a_chain_is_lost_or_roots_go_over_are_told_with_the_coun
     assert [(float(x.value), side) for x, side in found] == [(pytest.approx(x, rel=1e-11), side) for x, side in rows]
     for mass, expected in counts.items():
         assert late_roots([500, 131.4, 11691, mass, *hand[:2]], 0.108) == expected
+
+
+def test_a_neutral_display_is_stable_up_to_where_a_chain_comes() -> None:
+    """m s^2 exp(-s tau) (1 + s Td)/(1 + s Tf) beside a hand's mass: the chain comes at Td = m_h Tf/m."""
+    lead = F.series("(1 + s*Td)/(1 + s*Tf)", parameters={"Td": "0.0176", "Tf": "0.00158"})
+    felt, hand = E.mass_spring_damper("0.137", "6.02", 591), hs.Hand("hand", "0.606", "0.845", 299)
+    own = hs.Scene(felt, (lead, F.delay("0.00854")), hands=(hand,))
+    last = 0.606 * 0.00158 / 0.137
+    found = stable(own, "effects.series.Td", ("0.00587", "0.0528"))
+    assert (spans(found), found.undecided) == ([(0.00587, pytest.approx(last, rel=1e-14))], ())
+    near = nearest(own, "effects.series.Td")
+    assert [said(near, x) for x in (0.00587, 0.99999 * last, 1.00001 * last, 0.0176)] == [True, True, False, False]
+
+
+def test_of_a_mass_that_comes_late_all_springs_are_told() -> None:
+    """2 s^2 + s^2 exp(-s/100) + k is 0 at j omega, omega = 100 pi, for k = omega^2; nothing drifts but at k = 0."""
+    own = hs.Scene(E.mass_spring_damper(m=1), (F.delay("10 ms"),), hands=(hs.Hand("hand", m=2),))
+    found = hs.require(own, "hand.k", that="steady")
+    assert (spans(found), found.undecided) == ([(0, pytest.approx((100 * np.pi) ** 2, rel=1e-14))], ())
+    assert found.feasible[0].low.closed
 
 
 def test_a_heavy_hand_is_held_between_two_masses() -> None:

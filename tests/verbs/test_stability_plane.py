@@ -482,6 +482,17 @@ def test_a_filtered_late_mass_in_a_clock_has_its_margin_at_once() -> None:
     assert max(radius(0.005 + more * x) for x in np.linspace(0, 0.999, 40)) < 1
 
 
+def test_of_a_factor_that_is_not_told_without_end_is_told_how_far_it_is_known() -> None:
+    x = margins(hs.load_scene("virtual-coupling"), hs.hands["postural-arm"])
+    known = x.gain.about(ExactNumber(Integer(1)))
+    assert (known.verdict.value, float(known.low), float(known.high)) == ("holds", 0.001, 9)
+    assert (x.above, [name for name, _ in x.undecided]) == (None, ["gain"])
+    wider = hs.load_scene("virtual-coupling")
+    for factor in ("1/1000", "9"):
+        own = replace(wider, effects=(F.series("g", parameters={"g": factor}, name="more"), *wider.effects))
+        assert held(own, hs.hands["postural-arm"]).stable
+
+
 def test_what_shakes_or_renders_nothing_has_no_margin() -> None:
     assert hs.stability("delayed-spring", "light-touch").margins == (None,)
     loop = F.sampled_loop("1 ms", "backward-difference"), F.shunt(m="0.2 kg", b="0.1 N*s/m")

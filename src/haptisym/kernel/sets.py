@@ -260,6 +260,11 @@ class ValueSet(Shown):
         """The pieces that hold."""
         return tuple(x for x in self.pieces if x.verdict is Verdict.HOLDS)
 
+    def is_alone(self, piece: Piece) -> bool:
+        """Whether a piece is a single value, and those beside it are known to be otherwise."""
+        beside = (x for x in self.pieces if x is not piece and {x.first, x.last} & {piece.first})
+        return piece.is_single and all(x.verdict is not Verdict.UNDECIDED for x in beside)
+
     @property
     def undecided(self) -> tuple[Piece, ...]:
         """The pieces of which nothing is proven, as far as they were searched."""

@@ -27,10 +27,8 @@ def page(many: FamilyAnswers) -> Document:
 def _common(many: FamilyAnswers) -> Iterator[tuple[Phrase, Phrase]]:
     if many.common is None:
         return
-    from haptisym.pages.require import values_of
-
     free = next(iter(many.answers.values())).free
-    yield "For all environments", values_of(many.common.feasible, free) if many.common.feasible else Strong("no value")
+    yield "For all environments", w.values_of(many.common, free) if many.common.feasible else Strong("no value")
     if many.common.undecided:
         yield "Undecided", f"{len(many.common.undecided)} intervals of values"
     if many.binding:

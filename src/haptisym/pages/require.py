@@ -5,7 +5,7 @@ Of a map of two parameters: its exact slices, what is proven between them, and w
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from math import ceil
 
 from sympy import Expr
@@ -14,7 +14,7 @@ from haptisym.judge.bindings import IN_HANDS, STABLE, Binding, Kind
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, Way, in_unit
-from haptisym.kernel.sets import Piece, Point
+from haptisym.kernel.sets import Point
 from haptisym.model.jnd import Part
 from haptisym.model.scene import THRESHOLD, Knob, clocks
 from haptisym.model.valueranges import searched
@@ -87,31 +87,7 @@ def _bindings(end: Point, r: Requirement) -> Iterator[Phrase]:
 
 def sets(r: Requirement) -> Phrase:
     """The values, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none. Ends are rounded inward."""
-    return values_of(r.feasible, r.free)
-
-
-def values_of(feasible: Iterable[Piece], free: Knob) -> Phrase:
-    """The same of some intervals of values of a parameter."""
-    return listed((_span(x, free) for x in feasible), "or") or "no value"
-
-
-def _span(x: Piece, free: Knob) -> Phrase:
-    name = named(free.symbol.name)
-    low, high = x.low, x.high
-    if low is None and high is None:
-        return "every value of ", name
-    if x.is_single:
-        return name, " = ", w.value_of(free, low, Way.NEAREST), " alone"
-    least = None if low is None else w.value_of(free, low, Way.UP)
-    most = None if high is None else w.value_of(free, high, Way.DOWN)
-    if least is not None and most is None:
-        return name, " ≥ " if x.closed[0] else " > ", least
-    left = () if least is None else (w.bare(least), _below(x.closed[0]))
-    return left, name, _below(x.closed[1]), most or ""
-
-
-def _below(is_closed: bool) -> str:  # noqa: FBT001 - what it says is its name
-    return " ≤ " if is_closed else " < "
+    return w.values_of(r.values, r.free)
 
 
 def _nearest(r: Requirement) -> Iterator[Block]:

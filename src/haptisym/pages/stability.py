@@ -96,7 +96,7 @@ def _nearest_limits(found: Stability, x: Held, sets: Mapping[str, ValueSet]) -> 
             else:
                 now = w.value_of(knob, ExactNumber(knob.value), Way.NEAREST)
                 reach = min((_distance(knob, y) for y in limits), default=inf)
-                told.append((reach, (w.values_of([piece], knob, _name(knob)), " (is ", now, ")")))
+                told.append((reach, (w.values_in(piece, values, knob, _name(knob)), " (is ", now, ")")))
     few = [words for _, words in sorted(told, key=lambda y: y[0])[:_FEW]]
     so = ": " if x.stable else ": does not shake for " if x.drifts else ": needs "
     return (so, listed(few, "and" if x.stable else "or")) if few else ""
@@ -207,7 +207,7 @@ def _limits(found: Stability) -> Iterator[Block]:
         lines, "The values, next to the present ones, for which it is stable, and the frequency of the pole at each end.",
         w.Field("hand", lambda x: x[0]), w.Field("parameter", lambda x: _name_and_unit(x[1])),
         w.Field("is", lambda x: w.bare(w.value_of(x[1], ExactNumber(x[1].value), Way.NEAREST))),
-        w.Field(holds, lambda x: (_least(*x[1:]), w.values_of(x[2].feasible, x[1], _name(x[1]), in_table=True))),
+        w.Field(holds, lambda x: (_least(*x[1:]), w.values_of(x[2], x[1], _name(x[1]), in_table=True))),
         w.Field(("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: listed(_place(y) for y in x[2].ends)),
     )  # fmt: skip
     if lines or notes:

@@ -17,7 +17,7 @@ from haptisym.kernel import reals
 from haptisym.kernel.reals import Printable, RealNumber, Way, in_unit
 from haptisym.kernel.rings import RationalFunction, omega
 from haptisym.kernel.roots import Interval, Point
-from haptisym.kernel.sets import Piece
+from haptisym.kernel.sets import Piece, ValueSet
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.quantities import Dimension, MotionKind, Unit, unit_text
 from haptisym.model.scene import Knob, Scene
@@ -255,20 +255,23 @@ def bare(x: doc.Real) -> doc.Real:
     return doc.Real(in_unit(x.value, x.unit.size), x.way)
 
 
-def values_of(pieces: Iterable[Piece], knob: Knob, name: Phrase = "", *, in_table: bool = False) -> Phrase:
-    """The values of a parameter, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none. Ends are rounded inward.
+def values_of(found: ValueSet, knob: Knob, name: Phrase = "", *, in_table: bool = False) -> Phrase:
+    """The values that hold, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none. Ends are rounded inward.
 
     ``in_table`` : without the unit, which stands in the heading.
     """
+    name = name or named(knob.symbol.name)
+    return listed((values_in(x, found, knob, name, in_table=in_table) for x in found.feasible), "or") or "no value"
+
+
+def values_in(x: Piece, found: ValueSet, knob: Knob, name: Phrase, *, in_table: bool = False) -> Phrase:
+    """The same of one of its pieces. A single value is alone where those beside it are known to be otherwise."""
     shown = bare if in_table else lambda x: x
-    return listed((_piece(x, knob, name or named(knob.symbol.name), shown) for x in pieces), "or") or "no value"
-
-
-def _piece(x: Piece, knob: Knob, name: Phrase, shown: Callable[[doc.Real], doc.Real]) -> Phrase:
     if x.low is None and x.high is None:
         return "every value of ", name
     if x.low is not None and x.is_single:
-        return name, " = ", shown(value_of(knob, x.low, Way.NEAREST)), " alone"
+        alone = " alone" if found.is_alone(x) else ""
+        return name, " = ", shown(value_of(knob, x.low, Way.NEAREST)), alone
     least = None if x.low is None else value_of(knob, x.low, Way.UP)
     most = "" if x.high is None else shown(value_of(knob, x.high, Way.DOWN))
     signs = [" ≤ " if closed else " < " for closed in x.closed]

@@ -33,6 +33,7 @@ from haptisym.verbs.stability.loops import Loop, Meeting, Tendency
 from haptisym.verbs.stability.sampled import clocked_question
 
 _BITS = 256
+_FIRST = 7  # windows about a value that are looked at anyway, be they larger than what is searched
 _FURTHER = "values further out are not tested"
 
 
@@ -47,7 +48,7 @@ def stable_values(
     >>> from haptisym.model.catalogue import hands
     >>> from haptisym.model.scenefile import load_scene
     >>> late, arm = load_scene("delayed-spring"), hands["postural-arm"]
-    >>> stable_values(late, arm, late.knobs["tau"], Domain(Integer(0), Integer(1)), stable_in(arm))
+    >>> stable_values(late, arm, late.knobs["tau"], Domain(Integer(0), Integer(1)), stable_in(arm), near=True)
     <ValueSet 0 to 0.102549>
     """
     try:
@@ -75,41 +76,38 @@ def _found(scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Crite
     if clocks(bare):
         question = clocked_question(scene, hand, free, asked, criterion, near=near)
     else:
-        question = _Asked(scene, hand, free, asked, criterion, Loop.of(scene, hand, free)).question
+        loop = Loop.of(scene, hand, free)
+        gone += [ExactNumber(x) for x in ends if not loop.exists(x)]
+        question = _Asked(scene, hand, free, asked, criterion, loop, near, in_air).question
     first, last = (x is not None and not any(not ordered(x, y) for y in gone) for x in asked.ends)
     asked = replace(asked, holds_low=asked.holds_low and first, holds_high=asked.holds_high and last)
     return solve(question, asked, reach, near=near).without([x for x in gone if asked.holds(x)])
 
 
-def open_beside(knob: Knob, found: ValueSet) -> Iterator[str]:
-    """Why it is not known, of values next to those about the present one, whether they are like it: on each side.
-
-    Where it fails, and holds beside that, the rest is a matter of how far was looked.
-    """
-    own = ExactNumber(knob.value)
-    if found.about(own).verdict is Verdict.FAILS and found.feasible:
-        return
-    beside = dict.fromkeys(x for x in (found.unknown(own, -1), found.unknown(own, 1)) if x in found.undecided)
-    yield from (_why(knob, found, x) for x in beside if x is not None and _is_next(found, own, x))
+def open_beside(knob: Knob, found: ValueSet) -> list[str]:
+    """Why it is not known, of values next to those about the present one, whether they are like it: on each side."""
+    pieces = dict.fromkeys(x for x, is_open in _unknown(knob, found) if x is not None and is_open)
+    return [_why(knob, found, x) for x in pieces]
 
 
 def looked_at(knob: Knob, found: ValueSet) -> tuple[RealNumber | None, RealNumber | None]:
     """Between which values a number was looked at, where that has an end: None where it has none, or is open anyway."""
+    (below, is_open), (above, is_open_above) = _unknown(knob, found)
+    low = None if below is None or is_open else below.high
+    return low, None if above is None or is_open_above else above.low
+
+
+def _unknown(knob: Knob, found: ValueSet) -> list[tuple[Piece | None, bool]]:
+    """Of which values below, and above, nothing is known; and whether that leaves open what is so about the present value.
+
+    Where it fails there, and holds beside that, the rest is a matter of how far was looked.
+    """
     own = ExactNumber(knob.value)
-    below, above = (found.unknown(own, side) for side in (-1, 1))
-    is_open = any(open_beside(knob, found))
-    low = None if below is None or (is_open and _is_left(found, own, below)) else below.high
-    return low, None if above is None or (is_open and _is_left(found, own, above)) else above.low
-
-
-def _is_left(found: ValueSet, own: RealNumber, x: Piece) -> bool:
-    return x in found.undecided and _is_next(found, own, x)
-
-
-def _is_next(found: ValueSet, own: RealNumber, x: Piece) -> bool:
-    """Whether a piece is the one about a value, or a neighbour of it."""
-    home = found.pieces.index(found.about(own))
-    return abs(found.pieces.index(x) - home) < 2
+    home = found.about(own)
+    is_told = home.verdict is Verdict.FAILS and bool(found.feasible)
+    beside = [found.unknown(own, side) for side in (-1, 1)]
+    near = [x for x in beside if x is not None and (x == home or not {*home.ends}.isdisjoint(x.ends))]
+    return [(x, not is_told and x in near and x in found.undecided) for x in beside]
 
 
 def _why(knob: Knob, found: ValueSet, x: Piece) -> str:
@@ -144,6 +142,8 @@ class _Asked:
     asked: Domain
     criterion: Criterion
     loop: Loop
+    near: bool
+    in_air: bool
 
     @property
     def question(self) -> Question:
@@ -152,20 +152,33 @@ class _Asked:
         tally, one_way = Tally(loop, drifts=self._drifts), Tendency(loop)
 
         def changes() -> Iterator[Changes]:
-            for found in meetings(loop, self.free.value, self.asked):
-                tally.window = found
-                yield self._named(found)
+            held_back: Changes | None = None
+            try:
+                for n, found in enumerate(meetings(loop, self.free.value, self.asked)):
+                    tally.window = held_back = found
+                    if self.near or n >= _FIRST or not found.open:
+                        yield self._named(found)
+                        held_back = None
+            except UndecidedError:
+                if held_back is not None:
+                    yield self._named(held_back)
+                raise
+            if held_back is not None:
+                yield self._named(held_back)
+
+        def verdict(value: Rational) -> bool:
+            return loop.exists(value) and self._is_there(value, tally.window) and tally.at(value) == 0
 
         def cells(low: RealNumber | None, high: RealNumber | None) -> Iterable[Cell]:
             return [Cell(low, high, holds=False)] if one_way.everywhere(low, high) else []
 
-        return Question(
-            lambda value: loop.exists(value) and tally.at(value) == 0,
-            self.free.value,
-            changes,
-            lambda x: _is_clear(loop, x),
-            cells,
-        )
+        return Question(verdict, self.free.value, changes, lambda x: _is_clear(loop, x), cells)
+
+    def _is_there(self, value: Rational, window: Changes | None) -> bool:
+        """Whether the scene is there at a value that may be critical: formulas may divide by 0."""
+        places = () if window is None else (x.value for x in window.values)
+        critical = {x.value for x in places if isinstance(x, ExactNumber)} | {Integer(0)}
+        return value not in critical or allowed(self.scene, self.free, value, in_air=self.in_air)
 
     def _drifts(self, value: Expr) -> int | None:
         return drifts(*moved(self.scene, self.hand, self.free, value)) if self.criterion.name == STEADY else 0

@@ -29,7 +29,7 @@ from typing import Protocol
 
 import flint
 from flint import acb, arb, arb_poly, fmpq
-from sympy import Expr, Integer, Poly, Rational, Symbol, factorial
+from sympy import Add, Expr, Integer, Poly, Rational, Symbol, factorial
 
 from haptisym.judge.passivity import rests
 from haptisym.judge.peaks import ValueAt
@@ -37,12 +37,13 @@ from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, expression_ball, rational_between
-from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials, omega
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball, rational_between
+from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials
 from haptisym.kernel.rootcount import Roots, Row, late_turns, squares, terms_of
 from haptisym.kernel.roots import ALIKE_BITS, Point, chart, each_once, ordered, sign_of_number
 from haptisym.kernel.sets import Change, Changes, Open
 from haptisym.model.catalogue import Hand
+from haptisym.model.existence import real_roots
 from haptisym.model.parameters import values
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.valueranges import ALLOWED
@@ -169,19 +170,14 @@ def _mapped(polynomial: Polynomial, images: Sequence[RationalFunction]) -> Ratio
 
 
 def zeros(row: Sequence[Expr]) -> list[RealNumber]:
-    """The zeros >= 0 of a polynomial with ascending coefficients; those of a linear one whatever their sign."""
-    while row and row[-1] == 0:
-        row = row[:-1]
-    if len(row) < 2:
+    """The real zeros of a polynomial with ascending coefficients."""
+    polynomial = Add(*(c * _Q**n for n, c in enumerate(row)))
+    ring = Ring.of([polynomial])
+    if _Q not in ring.meanings:
         return []
-    if len(row) == 2:
-        return [ExactNumber(-row[0] / row[1])]
-    ring = Ring().axis
-    f = RealFunction(ring.convert(sum((c * omega**n for n, c in enumerate(row)), Integer(0))))
-    with flint.ctx.workprec(128):
-        bound = max(abs(expression_ball(c / row[-1])).upper() for c in row[:-1]) + 1
-    table = chart({"": f}, Integer(0), Integer(int(bound.ceil().unique_fmpz())))
-    return [x.omega for x in table.points if x.orders.get("")]
+    index = ring.meanings.index(_Q)
+    factors = ring.convert(polynomial).numerator.factor()[1]
+    return [x for factor, _ in factors for x in real_roots(factor, index, negative=True)]
 
 
 def coefficients(polynomial: Polynomial, index: int | None) -> list[Polynomial]:
@@ -202,6 +198,7 @@ def lag_of(turns: Sequence[int], loop: Loop) -> Expr:
     return sum((n * x for n, x in zip(turns, loop.ring.lags, strict=True)), Integer(0))
 
 
+_Q = Symbol("q", real=True)
 _BITS_PAIRS = 128
 _MOST_STEPS, _MORE = 64, 32
 _MOST_ORDERS = 8
@@ -312,9 +309,7 @@ class Characteristic:
         """The values of q with a root that passes through 0."""
         if self._beginning is None:
             return []
-        row = self._beginning[1].all_coeffs()[::-1]
-        mirrored = [Negative(x) for x in zeros([c * (-1) ** i for i, c in enumerate(row)])] if len(row) > 2 else []
-        return [*zeros(row), *mirrored]
+        return zeros(self._beginning[1].all_coeffs()[::-1])
 
     def is_clear_at_0(self, omega: Ball, q: Ball) -> bool:
         """Whether there is no pair with 0 < omega in a box that begins at 0: by Taylor's formula, from means of derivatives of C.
@@ -526,8 +521,6 @@ def from_infinity(loop: Loop) -> tuple[Meeting, ...]:
         raise UndecidedError("where a chain of roots comes to the axis: its delays are no multiples of one")
     if not any(any(row[1:]) for row in leading.values()):
         return ()
-    if loop.low is None and any(any(row[2:]) for row in leading.values()):
-        raise UndecidedError("where a chain of roots comes to the axis: the parameter may be negative")
     if _is_product(leading):
         return tuple(Meeting(x) for x in zeros(next(iter(leading.values()))))
     if len(delayed) > (1 if len(units) == 1 else _MOST_DELAYED):
