@@ -668,6 +668,20 @@ def test_the_shipped_scene_crosses_where_it_is_said_to() -> None:
 
 
 @pytest.mark.slow
+def test_a_range_too_wide_to_be_bounded_at_once_is_cut_also_at_the_low_end_of_the_band() -> None:
+    """The eighth power of a cut-off known to 20 % spans a factor of 25; by hand r of either part is 0 at rest, and small near it."""
+    scene = hs.load_scene("fu2019").with_values({"omega_n": "80 rad/s +- 20 %"})
+    low, high = (float(x) for x in hs.tolerances(scene, samples=0).bandwidth or ())
+    w, a = np.linspace(0.005, 15, 3000), np.linspace(64, 96, 9)[:, None]
+    H = 100 - 1.8 * w**2 + 15j * w
+    dH = H * (1 / (1 + 1j * w / a - (w / a) ** 2) - 1)
+    larger = np.maximum(abs(dH.real), abs(dH.imag)) > 0.1 * abs(H)
+    first = w[larger.argmax(-1)]
+    assert low == pytest.approx(first.min(), abs=0.005)
+    assert high > first.max() - 0.005
+
+
+@pytest.mark.slow
 def test_an_end_lies_on_a_face_where_more_is_known_of_what_moves_it() -> None:
     """r_r of the paper's example moves one way over the whole box with omega_n alone, yet its high end is a corner."""
     scene = hs.load_scene("fu2019")

@@ -40,10 +40,11 @@ from haptisym.kernel.errors import LimitError
 from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.reals import ExactNumber, RealNumber, whole
 from haptisym.kernel.roots import chart
-from haptisym.kernel.where import Array, Batches, Cells, Columns, Search, halves, touching
+from haptisym.kernel.where import Array, Batches, Cells, Columns, Search, halves, touching, zeros
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
+from haptisym.programs.taylormodels import Model
 from haptisym.verbs.require.freeparameter import conditions, is_kept_anyway
 from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.stability.ranges import HeldInBox, held_in_box
@@ -55,6 +56,7 @@ _MOST_SPLITS = 6  # of a cell: then it is a leaf if crossings in it are regular,
 _MOST_BEYOND = 800  # cells that are looked at for one end
 _OVERLAP = 1e-8  # shares of the band: clusters nearer to each other are taken as one
 _FIRST = 32  # pieces of the band to begin with
+_NARROWER = 100  # times than another: a side that is not cut where nothing is known of a cell
 
 
 @dataclass(frozen=True)
@@ -184,28 +186,26 @@ def bounded(excess: Excess, cells: Array) -> _Bounded:
     model = excess.model(cells)
     low, high = model.bounds()
     signs = np.where(low > 0, 1, np.where(high < 0, -1, 0))
+    c0, c1, c2, r = (x[:, 0] for x in model.arrays)
+    with np.errstate(all="ignore"):  # what is not finite is unknown
+        rest = np.abs(c1[:, 1:]).sum(-1) + np.abs(c2[:, 1:, 1:]).sum((-1, -2)) + r
+    omega = zeros(cells[:, 0], c0, rest, (low[:, 1], high[:, 1]))
+    return _Bounded(cells, signs, omega, _widest(model, cells, signs, high - low))
+
+
+def _widest(model: Model, cells: Array, signs: Array, spread: Array) -> Array:
+    """The side of each cell along which the excess, and those of its slopes whose signs are open, change most."""
+    width = cells[:, :, 1] - cells[:, :, 0]
     with np.errstate(all="ignore"):
-        omega = _contracted(cells, model.c0[:, 0], model.c1[:, 0], model.c2[:, 0], model.r[:, 0], low[:, 1], high[:, 1])
-        weight = np.where((signs == 0) & np.isfinite(high), 1 / (high - low), 0.0)
+        weight = np.where((signs == 0) & np.isfinite(spread), 1 / spread, 0.0)
         changes = np.abs(model.c1)
         changes[:, : model.c2.shape[1]] += np.abs(model.c2).sum(-1)
-        score = np.where(
-            weight[:, :1] > 0, (weight[:, :, None] * changes).sum(1), changes[:, 0]
-        )  # near a pole the value's alone
-    width = cells[:, :, 1] - cells[:, :, 0]
-    score = np.where(np.isfinite(score).all(-1, keepdims=True) & (score > 0).any(-1, keepdims=True), score, width)
-    return _Bounded(cells, signs, omega, np.argmax(np.where(width > 0, score + 1e-300, -1), -1))
-
-
-def _contracted(cells: Array, c0: Array, c1: Array, c2: Array, r: Array, least: Array, most: Array) -> Array:
-    """Where in each cell the excess may vanish, in shares of the band: F = F(t_0 = 0) + dF/dt_0 t_0 for one slope of the cell."""
-    rest = np.abs(c1[:, 1:]).sum(-1) + np.abs(c2[:, 1:, 1:]).sum((-1, -2)) + r
-    ends = np.stack([-(c0 + a * rest * (1 + 1e-13)) / g for a in (-1, 1) for g in (least, most)])
-    steady = (least * most > 0) & np.isfinite(ends).all(0)
-    low = np.where(steady, np.clip(ends.min(0) - 1e-13, -1, 1), -1)
-    high = np.where(steady, np.clip(ends.max(0) + 1e-13, -1, 1), 1)
-    middle, radius = cells[:, 0].mean(-1), (cells[:, 0, 1] - cells[:, 0, 0]) / 2
-    return np.stack([middle + radius * low, middle + radius * high], -1) + np.array([-1e-15, 1e-15])
+        known = weight[:, :1] > 0
+        score = np.where(known, (weight[:, :, None] * changes).sum(1), changes[:, 0])
+        # near a pole the value's alone tell, but cutting one side for ever does not help where another is too wide
+        score[~known & (width * _NARROWER < width.max(-1, keepdims=True))] = 0.0
+    told = np.isfinite(score).all(-1, keepdims=True) & (score > 0).any(-1, keepdims=True)
+    return np.argmax(np.where(width > 0, np.where(told, score, width) + 1e-300, -1), -1)
 
 
 def beyond(excess: Excess, cells: Array, reached: float, *, highest: bool) -> float:
