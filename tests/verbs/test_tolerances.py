@@ -249,6 +249,16 @@ def test_a_touch_is_told_at_a_corner_and_elsewhere_left_undecided(
     assert (done, json.loads(out)["verdict"]) == (status, verdict)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("top", "q", "verdict"), [("1", "1", "all"), ("1", "0.6", "all"), ("1.001", "1", "depends")])
+def test_a_gain_that_is_off_by_the_threshold_within_its_range_and_nowhere_more_is_never_noticed(
+    top: str, q: str, verdict: str
+) -> None:
+    """p (2 - p) is largest, 1, at p = 1, between the corners and no middle of any cell; it grows with q to the threshold."""
+    scene = gain(f"1 + {top}*p*(2 - p)*q/5", p=["0.5", "1.7"], q=[q, "1"])
+    assert hs.tolerances(scene, samples=0).verdict.value == verdict
+
+
 @pytest.mark.parametrize("most", ["0.39", "0.41"])
 def test_what_no_corner_and_no_sample_shows_is_not_said_of_all_values(most: str) -> None:
     """r_r is at most half of 0.39, or 0.41, at a = 0.33, between the nominal value and a corner; a second passes with each look."""

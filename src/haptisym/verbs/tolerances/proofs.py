@@ -36,7 +36,7 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, kept, noticed
 from haptisym.judge.excess import Box, Excess, box_of, excess_of
 from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, spared, tick
-from haptisym.kernel.errors import LimitError
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.reals import ExactNumber, RealNumber, whole
 from haptisym.kernel.roots import chart
@@ -627,18 +627,36 @@ class Tolerances(Answer):
         """Whether for no values any frequency is, as where a ratio just reaches its threshold for some.
 
         Where a cluster is steady, the values along which r grows everywhere lead to one corner, and r - c, once above 0, stays so
-        on the way: outside of clusters it is nowhere 0. So nothing is noticed if nothing is at those corners. The same holds of
-        open cells that hang together, of which several may have the same frequencies, where r < c in all others: the way does not
-        leave them.
+        on the way: outside of clusters it is nowhere 0. So nothing is noticed if nothing is at those corners; and where a slope
+        does not keep its sign, if nothing is on the face to which all others lead. The same holds of open cells that hang
+        together, of which several may have the same frequencies, where r < c in all others: the way does not leave them.
         """
         searched = [own for x, own in self._search.items() if not self._is_kept_anyway(x)]
-        corners: Sequence[Mapping[str, Expr] | None] = [self._greatest(form, x) for form, own in searched for x in own]
-        if None in corners:
-            _, corners = self._by_cells
+        faces: Sequence[Mapping[str, Expr] | None] = [self._greatest(form, x) for form, own in searched for x in own]
+        if any(len(x or ()) < len(self.box.sides) for x in faces):
+            _, faces = self._by_cells
+        different = list({tuple((x or {}).items()): x for x in faces}.values())
         try:
-            return all(x is not None and self.one(x).transparent is True for x in [{}, *corners])
+            return self.nominal.transparent is True and all(x is not None and self._is_kept_on(x) for x in different)
         except LimitError:
             return False
+
+    def _is_kept_on(self, face: Mapping[str, Expr]) -> bool:
+        """Whether nothing is noticed on a face, given by what is fixed: of one value, or of all values of one parameter."""
+        free = [x for x in self.box.sides if x.name not in face]
+        if len(free) > 1:
+            return False
+        if not free:
+            return self.one(face).transparent is True
+        from haptisym.verbs.require.required import require  # which much else is loaded for
+
+        [side], scene = free, self.box.scene.with_values(face)
+        try:
+            found = require(scene, side.name, (side.low, side.high), limit=None)
+        except (SceneError, UndecidedError):
+            return False
+        ends = [(x.low.value, x.low.closed, x.high.value, x.high.closed) for x in found.feasible]
+        return ends == [(ExactNumber(side.low), True, ExactNumber(side.high), True)]
 
     def _is_kept_anyway(self, criterion: Criterion) -> bool:
         """Whether a criterion is kept for all values there are, also beyond the box."""
@@ -648,12 +666,10 @@ class Tolerances(Answer):
             return all(is_kept_anyway(self.box.scene, free, x, own) for x, own in found.items())
         return False
 
-    def _greatest(self, form: Excess, cluster: Cluster) -> dict[str, Expr] | None:
-        """The values for which r - c is greatest in a cluster; None where that is not known."""
+    def _greatest(self, form: Excess, cluster: Cluster) -> dict[str, Expr]:
+        """The values for which r - c is greatest in a cluster, of the parameters of which that is known."""
         signs = [x if matters else 1 for x, matters in zip(cluster.signs[1:], form.matters[1:], strict=True)]
-        if not all(signs):
-            return None
-        return self.box.values({x.name: Fraction(int(n > 0)) for x, n in zip(self.box.sides, signs, strict=True)})
+        return {x.name: x.at(Fraction(int(n > 0))) for x, n in zip(self.box.sides, signs, strict=True) if n}
 
     @cached_property
     def transparent(self) -> One | None:
@@ -685,8 +701,8 @@ class Tolerances(Answer):
     def _by_cells(self) -> tuple[Mapping[bool, Mapping[str, Expr]], Sequence[Mapping[str, Expr] | None]]:
         """Values in a cell that is kept, and in one that is broken, for all of its values, by whether it is kept.
 
-        And where none is broken, for all that hangs together of the open ones the corner at which r is greatest; None for one
-        that is not known.
+        And where none is broken, for all that hangs together of the open ones what is known of where r is greatest; None where
+        one is broken, or nothing is known.
         """
         forms = [form for form, _ in self._search.values() if not form.is_zero]
         band = np.linspace(0, 1, _FIRST + 1)
@@ -704,7 +720,7 @@ class Tolerances(Answer):
         return middles, [None] if False in middles else self._tops(forms, search.left)
 
     def _tops(self, forms: Sequence[Excess], left: Cells) -> list[dict[str, Expr] | None]:
-        """The values for which what hangs together of open cells is greatest."""
+        """What is known of the values for which what hangs together of open cells is greatest."""
         own = [(form, x.cells(left.outer)) for form, x in zip(forms, left.pieces, strict=True) if len(x)]
         with suppress(LimitError):
             return [self._greatest(form, x) for form, cells in own for x in _grouped(bounded(form, cells))]
