@@ -264,6 +264,15 @@ def test_a_sampled_wall_keeps_passive_where_few_values_do_and_none_do(low, high,
 
 
 @pytest.mark.slow
+def test_a_gain_off_by_just_the_threshold_suits_and_one_off_by_more_does_not():
+    """|g - 1| is 0.1, the threshold, at both ends of g = 1 +- 10 %, whatever the frequency, and more of g = 1.001 +- 10 %."""
+    for g, whole in (("1", True), ("1.001", False)):
+        scene = hs.Scene(E.mass_spring_damper(1, 5, 100), (F.series("g", parameters={"g": g}),), (0, 30))
+        found = hs.design(scene, {"g": (g, "1.2")}, robust="10 %")
+        assert (found.is_whole, found.certified) == (whole, True)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("alone", ["1/100", "1/3"])
 def test_the_one_value_that_is_passive_is_found(alone):
     """A shunt of -(p - p0)^2 s gives energy away, but at p0: it stands between masses alone."""
