@@ -107,7 +107,7 @@ def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmo
     """The rightmost root of a characteristic function with numbers only; None if there is none to find.
 
     ``at_0`` : that many roots at s = 0 are not meant, as they cancel. A root that is in several factors of the polynomial is
-    one: balls enclose roots only where they are simple.
+    looked for once, as balls are narrower about simple roots; its order is what it counts in all.
     """
     is_root = at_least(order_at_0(polynomial, ring)) > at_0
     bare = polynomial / polynomial.term_content()  # without what all terms share, powers of s and delays
