@@ -12,7 +12,7 @@ import pytest
 
 from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.errors import LimitError
-from haptisym.kernel.where import Batches, Cells, Curve, Search, halves, no_better, no_worse, search, told
+from haptisym.kernel.where import Batches, Cells, Curve, Search, halves, no_better, no_worse, search, told, zeros
 
 Array = Any
 ROUNDED = 1e-12  # some twenty terms of at most 1.5 in a box of numbers up to 1
@@ -243,6 +243,22 @@ def test_a_curve_is_negative_where_its_largest_value_is(seed: int) -> None:
     unknown = Curve(middle, slope, bend, np.where(middle > 0, np.nan, rest), np.zeros((50, 1)))
     assert (unknown.known == (middle <= 0)).all()
     assert not unknown.negative[middle > 0].any()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_step_of_newton_s_method_leaves_out_no_zero_and_nothing_where_the_slope_may_vanish(seed: int) -> None:
+    """(1 + q) (omega - zero) with q up to ``wide`` off 0, about whose zeros everything is known."""
+    rng = np.random.default_rng(seed)
+    omega = np.sort(rng.normal(size=(60, 2)))
+    (start, end), zero = omega.T, np.linspace(-1, 2, 60) * (omega[:, 1] - omega[:, 0]) + omega[:, 0]
+    radius, wide = (end - start) / 2, np.where(np.arange(60) % 5 == 0, 1.5, 0.1)
+    at_middle = (start + end) / 2 - zero
+    found = zeros(omega, at_middle, wide * abs(at_middle), (radius * (1 - wide), radius * (1 + wide)))
+    inside, open_ = (zero > start) & (zero < end), wide > 1
+    assert ((found[:, 0] <= zero) & (zero <= found[:, 1]))[inside].all()
+    assert (found[open_] == omega[open_]).all()
+    width = (found[:, 1] - found[:, 0])[~open_]
+    assert (width <= 0.5 * abs(at_middle)[~open_] + 1e-9).all()
 
 
 @pytest.mark.parametrize("ranked", [False, True])

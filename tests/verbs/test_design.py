@@ -248,6 +248,42 @@ def test_a_display_that_is_active_far_above_the_band_only():
     assert (found.best, found.certified, found.bandwidth) == (None, True, (0.0, 0.0))
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("low", "high", "is_kept"), [("0.1", "0.6", False), ("0.1", "0.655", True)])
+def test_a_sampled_wall_keeps_passive_where_few_values_do_and_none_do(low, high, is_kept):
+    """Colgate and Schenkel's condition on the device's damping, on a dense grid: b > 0.65 N s/m."""
+    T, w = 1e-3, np.linspace(1e-4, 1, 20001)[1:] * np.pi / 1e-3
+    z = np.exp(1j * w * T)
+    force = (400 + 0.4 * (1 - 1 / z) / T) / z
+    needed = (T / 2 / (1 - np.cos(w * T)) * ((1 - 1 / z) * force).real).max()
+    assert bool(needed < float(high)) is is_kept
+    found = hs.design("virtual-wall", {"device.b": (low, high)}, keep="passive", limit=None)
+    assert found.certified
+    assert (found.best is not None) is is_kept
+    assert not is_kept or needed < float(found.best.values[0]) <= float(high)
+
+
+@pytest.mark.slow
+def test_a_gain_off_by_just_the_threshold_suits_and_one_off_by_more_does_not():
+    """|g - 1| is 0.1, the threshold, at both ends of g = 1 +- 10 %, whatever the frequency, and more of g = 1.001 +- 10 %."""
+    for g, whole in (("1", True), ("1.001", False)):
+        scene = hs.Scene(E.mass_spring_damper(1, 5, 100), (F.series("g", parameters={"g": g}),), (0, 30))
+        found = hs.design(scene, {"g": (g, "1.2")}, robust="10 %")
+        assert (found.is_whole, found.certified) == (whole, True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("alone", ["1/100", "1/3"])
+def test_the_one_value_that_is_passive_is_found(alone):
+    """A shunt of -(p - p0)^2 s gives energy away, but at p0: it stands between masses alone."""
+    shunt = F.shunt(Z=f"s^2/2 - (p - {alone})^2*s", parameters={"p": "0.5"})
+    found = hs.design(hs.Scene(E.mass_spring_damper(1, 0, 100), (shunt,), (0, 30)), {"p": (0, 1)}, keep="passive")
+    assert found.certified
+    assert found.best
+    assert found.best.values == (Rational(alone),)
+    assert found.best.bandwidth == pytest.approx((100 / 6) ** 0.5, rel=1e-12)  # w^2/2 = (100 - w^2)/10
+
+
 def test_nothing_starts_above_a_low_end_that_is_not_0():
     """A lag of at most 12 rad/s distorts a spring by more than 10 % from 1.3 rad/s on: a band from 5 rad/s has no bandwidth."""
     scene = hs.Scene(E.kelvin_voigt(100, 2), (F.first_order_lag(8),), (5, 150))

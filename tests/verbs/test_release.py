@@ -94,6 +94,30 @@ def test_a_mass_on_a_spring_let_go_swings_as_its_formula_says_from_where_it_was_
     assert run.hand_motion[early] == pytest.approx((a * wave).real, abs=2e-5)
 
 
+LAGGED = hs.effects.first_order_lag("6 rad/s"), hs.effects.shunt(m="0.5 kg")
+SAMPLED = hs.effects.sampled_loop("1 ms", "backward-difference"), hs.effects.shunt(m="10.25 g")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("environment", "effects", "hand", "order", "rate"),
+    [  # by comparing coefficients: (s + 10)^2, (s + 10)^3, and of z, with 0.02025 kg, (z - 4/5)^2 (z - 19/81)
+        (SPRING, (), own(1, 20, 0), 2, -10),
+        (hs.environments.mass_spring_damper(k=Rational(32, 3)), LAGGED, own(0.5, 24, 156), 3, -10),
+        (hs.environments.kelvin_voigt(620, 6.08), SAMPLED, own("10 g", 0), 2, 1000 * log(0.8)),
+    ],
+    ids=["two", "three", "two of a clock"],
+)  # fmt: skip
+def test_roots_that_coincide_are_enclosed_and_are_those_of_the_motion(
+    environment: hs.Environment, effects: tuple[hs.Effect, ...], hand: hs.Hand, order: int, rate: float
+) -> None:
+    run = hs.release(hs.Scene(environment, effects), "1 cm", hand)
+    assert run.closed is not None
+    assert (run.closed.root.certified, run.closed.root.order, run.agrees) == (True, order, True)
+    assert run.closed.s == pytest.approx(rate, rel=1e-14)
+    assert run.to_dict()["closed"]["digits"][1] == "0"
+
+
 @pytest.mark.few("sidestick", "steering-wheel")
 @pytest.mark.parametrize(
     "name", [pytest.param(x, marks=pytest.mark.slow) if x in SLOW else x for x in hs.scene_names()]
@@ -381,10 +405,10 @@ def test_a_root_that_was_not_found_is_not_excluded() -> None:
 @pytest.mark.parametrize(
     ("form", "root"),
     [
-        (s**2 + 20 * s + 100, -10), ((s**2 + 2 * s + 5) ** 2 * (s + 3), -1 + 2j), (s**2 * (s + 1), 0),
+        (s**2 + 20 * s + 100, -10), (s**2 + 20 * s + 100 - Rational(1, 10**18), -10 + 1e-9), ((s + 2) ** 5 * (s + 3), -2), ((s**2 + 2 * s + 5) ** 2 * (s + 3), -1 + 2j), (s**2 * (s + 1), 0),
         ((s**2 + 4) * (s**2 + 9), 2j), ((s**2 + 2 * s + 2) * (s**2 + 2 * s + 5), -1 + 1j), ((s + 2 * exp(-s)) ** 2, None),
     ],
-    ids=["two", "pairs", "at 0", "on the axis", "above each other", "delayed"],
+    ids=["two", "nearly", "five", "pairs", "at 0", "on the axis", "above each other", "delayed"],
 )  # fmt: skip
 def test_of_roots_that_coincide_or_lie_above_each_other_none_is_further_right(form: Expr, root: complex | None) -> None:
     found = rightmost(form.expand())

@@ -249,6 +249,16 @@ def test_a_touch_is_told_at_a_corner_and_elsewhere_left_undecided(
     assert (done, json.loads(out)["verdict"]) == (status, verdict)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("top", "q", "verdict"), [("1", "1", "all"), ("1", "0.6", "all"), ("1.001", "1", "depends")])
+def test_a_gain_that_is_off_by_the_threshold_within_its_range_and_nowhere_more_is_never_noticed(
+    top: str, q: str, verdict: str
+) -> None:
+    """p (2 - p) is largest, 1, at p = 1, between the corners and no middle of any cell; it grows with q to the threshold."""
+    scene = gain(f"1 + {top}*p*(2 - p)*q/5", p=["0.5", "1.7"], q=[q, "1"])
+    assert hs.tolerances(scene, samples=0).verdict.value == verdict
+
+
 @pytest.mark.parametrize("most", ["0.39", "0.41"])
 def test_what_no_corner_and_no_sample_shows_is_not_said_of_all_values(most: str) -> None:
     """r_r is at most half of 0.39, or 0.41, at a = 0.33, between the nominal value and a corner; a second passes with each look."""
@@ -665,6 +675,20 @@ def test_the_shipped_scene_crosses_where_it_is_said_to() -> None:
     [imag] = [x for x in found.enclosures if x.part is hs.Part.IMAG]
     assert (imag.count, imag.low.digits(6), imag.high.digits(6)) == (1, "11.0702", "12.8735")
     assert found.verdict.value == "none"
+
+
+@pytest.mark.slow
+def test_a_range_too_wide_to_be_bounded_at_once_is_cut_also_at_the_low_end_of_the_band() -> None:
+    """The eighth power of a cut-off known to 20 % spans a factor of 25; by hand r of either part is 0 at rest, and small near it."""
+    scene = hs.load_scene("fu2019").with_values({"omega_n": "80 rad/s +- 20 %"})
+    low, high = (float(x) for x in hs.tolerances(scene, samples=0).bandwidth or ())
+    w, a = np.linspace(0.005, 15, 3000), np.linspace(64, 96, 9)[:, None]
+    H = 100 - 1.8 * w**2 + 15j * w
+    dH = H * (1 / (1 + 1j * w / a - (w / a) ** 2) - 1)
+    larger = np.maximum(abs(dH.real), abs(dH.imag)) > 0.1 * abs(H)
+    first = w[larger.argmax(-1)]
+    assert low == pytest.approx(first.min(), abs=0.005)
+    assert high > first.max() - 0.005
 
 
 @pytest.mark.slow

@@ -527,11 +527,32 @@ def _contracted(i: int, found: Cells, pieces: Pieces, curve: Curve) -> tuple[Pie
     found.by[found.ceiling < before] = i
     low, high = _hull(curve.bend, curve.slope, curve.middle + curve.rest)
     inner, known = pieces.inner.copy(), curve.known
-    first, last = np.nextafter(start + radius * (1 + low), -np.inf), np.nextafter(start + radius * (1 + high), np.inf)
-    inner[:, 0, 0] = np.where(known, np.maximum(start, first), start)
-    inner[:, 0, 1] = np.where(known, np.minimum(end, last), end)
+    inner[known, 0] = _along(inner[known, 0], low[known], high[known])
     left = ~known | (low <= high)
     return Pieces(pieces.owner[left], inner[left]), curve[left]
+
+
+def _along(omega: Array, low: Array, high: Array) -> Array:
+    """What t from ``low`` to ``high`` is of cells (n, 2), in which t goes from -1 to 1; rounded outward, but not out of them."""
+    start, end = omega.T
+    radius = (end - start) / 2
+    first = np.nextafter(start + radius * (1 + low), -np.inf)
+    last = np.nextafter(start + radius * (1 + high), np.inf)
+    return np.stack([np.maximum(start, first), np.minimum(end, last)], -1)
+
+
+def zeros(omega: Array, middle: Array, rest: Array, slope: tuple[Array, Array]) -> Array:
+    """Where along omega F may vanish, within cells that go from where to where (n, 2): Newton's method for intervals, one step.
+
+    For all else in a cell |F - ``middle``| <= ``rest`` in the middle of omega, and dF/dt lies between the two of ``slope``
+    all over it, t from -1 to 1. Nothing is left out where the slope may be 0, or is not known.
+    """
+    with np.errstate(all="ignore"):  # what is not finite is unknown
+        reach = rest * (1 + _ROUNDING)
+        ends = np.stack([(x - middle) / own for x in (-reach, reach) for own in slope])
+        told = (slope[0] * slope[1] > 0) & np.isfinite(ends).all(0)
+        low, high = np.clip(ends.min(0) - _ROUNDING, -1.0, 1.0), np.clip(ends.max(0) + _ROUNDING, -1.0, 1.0)
+        return np.where(told[:, None], _along(omega, low, high), omega)
 
 
 def _rates(pieces: Pieces, curve: Curve, outer: Array) -> Array:

@@ -243,7 +243,18 @@ class Points:
             if least <= 0:
                 tick()  # where the time was over before anything was proven that is no answer
             lowest = min(lowest, least)
+        if lowest < 1 and found.is_whole and at is None and self._is_whole_around(found.values, relative):
+            return inf, None
         return _frequency(lowest, start, end), at
+
+    def _is_whole_around(self, values: Sequence[Expr], relative: Expr) -> bool:
+        """Whether nothing is noticed for all values within a relative distance, also where thresholds are reached exactly."""
+        from haptisym.verbs.tolerances.proofs import Verdict, tolerances
+
+        away = zip((x.path for x in self.free), values, strict=True)
+        ranges = {path: sorted((x * (1 - relative), x * (1 + relative))) for path, x in away}
+        alone = (replace(scene, hands=()).with_values(ranges) for scene in self.scenes)
+        return any(values) and all(tolerances(x, samples=0, limit=None).verdict is Verdict.ALL for x in alone)
 
     def keep_around(self, values: Sequence[Expr], relative: Expr) -> bool | None:
         """Whether all values within a relative distance keep what must be kept; None where that is not proven."""

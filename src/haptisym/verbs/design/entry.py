@@ -28,11 +28,12 @@ from haptisym.judge.crossings import Criterion, CrossingKind, Judged
 from haptisym.kernel.budget import SECONDS, Told, limited, tick
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
 from haptisym.kernel.objects import titled
-from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.sets import Verdict
 from haptisym.kernel.where import Judge, touching
 from haptisym.model.catalogue import Hand
 from haptisym.model.quantities import Dimension, Number, number
-from haptisym.model.scene import Knob, Scene, clocks
+from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import SceneFamily, as_family
 from haptisym.model.valueranges import domain
 from haptisym.programs.taylormodels import Array
@@ -41,6 +42,8 @@ from haptisym.verbs.design.bound import LargestBandwidth, broken, profile
 
 Range: TypeAlias = tuple[Number, Number] | None
 Free: TypeAlias = Mapping[str, Range] | Sequence[str] | str
+Spans: TypeAlias = list[tuple[RealNumber | None, RealNumber | None]]
+"""Values of one parameter, from where to where; None where that is an end of its range, or not known."""
 _GAPS = {1: Fraction(1, 1000), 2: Fraction(1, 1000), 3: Fraction(1, 100)}
 _TARGETS = (1.0, 0.1, 0.01)
 """How far above what is attained an upper bound is proven first, before the gap itself."""
@@ -48,6 +51,8 @@ _MISSED = (Rational(1, 100), Rational(1, 20))
 _LOSS = 1e-5
 _FINEST_HELD = 2.0**-5
 _ULPS = 1e-15
+_INSIDE = np.array([0.01, 0.25, 0.5, 0.75, 0.99])
+"""Shares of an interval of allowed values at which it is looked at where no others were found."""
 _MOST_LOSS = 5.0  # seconds for what a best value costs to miss
 _MOST_HELD = 20.0  # seconds for all values of one parameter with which what must be kept is
 
@@ -240,14 +245,39 @@ class Question:
         Of one parameter as ``require`` finds them; of more where it is stable.
         """
         whole = np.tile([0.0, 1.0], (1, len(self.free), 1))
-        alone = len(self.free) == 1
-        asked = [x for x in self.keep if x != PASSIVE or not clocks(self.scenes[0])] if alone else [*self.keep]
-        if self.robust or not asked or (not alone and STABLE not in asked):
+        if len(self.free) == 1:
+            return (whole, whole[:0]) if self._alone is None else self._held_alone(self._alone)
+        if self.robust or STABLE not in self.keep:
             return whole, whole[:0]
         try:
-            return self._held_alone(asked) if alone else self._held_plane()
+            return self._held_plane()
         except UndecidedError:
             return whole, whole[:0]
+
+    @cached_property
+    def _alone(self) -> Spans | None:
+        """Of one parameter all values with which what must be kept is, or may be, in order; None where that is not known."""
+        if self.robust or not self.keep or len(self.free) > 1:
+            return None
+        from haptisym.verbs.require.required import require
+
+        try:
+            found = require(self.scenes[0], self.free[0].path, self.ranges[0], that=self.keep, limit=_MOST_HELD)
+        except UndecidedError:
+            return None
+        return [(x.low, x.high) for x in found.values.pieces if x.verdict is not Verdict.FAILS]
+
+    @property
+    def single(self) -> list[Expr]:
+        """The values of one parameter about which no others keep what must be kept; those that are rational."""
+        found = [a.value for a, b in self._alone or () if isinstance(a, ExactNumber) and a == b]
+        return [x for x in found if x.is_Rational]
+
+    @property
+    def within(self) -> Array:
+        """Some values, (sets, parameters), of each interval that may keep what must be kept, where these are known."""
+        cells = self._held[0] if self._alone else np.empty((0, 1, 2))
+        return self.points.values((cells[..., :1] + (cells[..., 1:] - cells[..., :1]) * _INSIDE).reshape(-1, 1))
 
     def refused(self, finest: float, most: int) -> Array:
         """Cells, (cells, parameters, 2), in shares, for all values of which what must be kept is proven to be broken."""
@@ -260,12 +290,8 @@ class Question:
         low, high = map(float, self.family.band)
         return cells, np.where(shares > 0, low + shares * (high - low), 0.0)
 
-    def _held_alone(self, asked: Sequence[str]) -> tuple[Array, Array]:
-        from haptisym.verbs.require.required import require
-
-        (low, high), [free] = self.ranges[0], self.free
-        found = require(self.scenes[0], free.path, (low, high), that=asked, limit=_MOST_HELD)
-        spans = [(x.low, x.high) for x in (*found.feasible, *found.undecided)]
+    def _held_alone(self, spans: Spans) -> tuple[Array, Array]:
+        low, high = self.ranges[0]
 
         def share(x: RealNumber | None, end: int, none: float) -> float:
             return none if x is None else float((Rational(x.enclosure(20)[end]) - low) / (high - low))
@@ -369,10 +395,18 @@ class _Search:
         start = points.spread()
         whole = points.nearest_whole(start, self._high, np.array([float(x) for x in own]))
         found = whole or points.best(start, self.best.bandwidth if self.best else 0.0)
-        if found is None and self.best is None:  # what is attained may be nothing, and is kept
-            some = map(points.attained, map(points.exact, start[:: max(len(start) // 12, 1)]))
-            found = next((x for x in some if x and points.fits(x)), None)
+        if (
+            found is None and self.best is None
+        ):  # few values may be allowed; what is attained may be nothing, and is kept
+            within = self.question.within
+            found = points.best(within) if len(within) else None
+            some = map(points.attained, map(points.exact, [*within, *start[:: max(len(start) // 12, 1)]]))
+            found = found or next((x for x in some if x and points.fits(x)), None)
         self.best = found or self.best
+        for x in self.question.single if self.attained < 1 else ():
+            alone = points.attained([x])
+            if alone and points.fits(alone) and (self.best is None or alone.bandwidth > self.best.bandwidth):
+                self.best = alone
         self._round()
 
     def _round(self) -> None:

@@ -299,7 +299,8 @@ class Release(Answer):
         if self.is_envelope:
             chain = self.closed.chain or 0.0
             return self.grows == (chain > 0) if abs(chain) > _NEAR and self.grows is not None else None
-        return bool(abs(self.closed.s - self.fitted.s) <= 3 * self.error + _NEAR * abs(self.closed.s))
+        near = _NEAR ** (1 / self.closed.root.order)  # roots that coincide are read off as if each were moved apart
+        return bool(abs(self.closed.s - self.fitted.s) <= 3 * self.error + near * abs(self.closed.s))
 
     def to_csv(self) -> str:
         """The run in time as a table, units in its header."""

@@ -1,9 +1,11 @@
-"""The rightmost root of a characteristic function with delays and powers of s: found by Newton's method, certified in balls.
+"""The rightmost root of a characteristic function: of a polynomial, of one with delays and powers of s, of a loop with a clock.
 
-Newton's iteration in floating point runs from many starts. Interval Newton encloses the roots that it found furthest to the
-right, and the argument principle proves that there are no others: the proof is written out at ``Characteristic.is_rightmost``.
+Of a polynomial all roots are enclosed, also where several coincide (``enclosed_roots``), and so are all roots z of a loop with a
+clock, the largest of which is the rate and frequency of the motion that lasts longest.
 
-Of a loop with a clock all roots z are enclosed; the largest one is the rate and frequency of the motion that lasts longest.
+With delays or powers of s Newton's iteration in floating point runs from many starts. Interval Newton encloses the roots that
+it found furthest to the right, and the argument principle proves that there are no others: the proof is written out at
+``Characteristic.is_rightmost``.
 """
 
 from __future__ import annotations
@@ -17,14 +19,14 @@ from typing import Any
 
 import flint
 import numpy as np
-from flint import acb, acb_poly, arb
+from flint import acb, acb_poly, arb, fmpq, fmpq_poly
 from sympy import Expr, Integer, Rational
 
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import expression_ball
-from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import at_least, order_at_0
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
@@ -63,12 +65,25 @@ class Rightmost:
     function: Characteristic | None = field(default=None, repr=False)
     others: tuple[complex, ...] = ()
     """All roots that were found, from the right to the left."""
+    order: int = 1
+    """Of how many roots, as far as balls tell, this may be one: a motion t^(order - 1) exp(s t)."""
+
+    @classmethod
+    def of_all(cls, found: Sequence[tuple[Any, int]]) -> Rightmost:
+        """Among balls around all roots that there are, each with its order."""
+        balls = [ball for ball, _ in found]
+        enclosure = _furthest(balls)
+        order = max(n for ball, n in found if ball.real.overlaps(enclosure.real))
+        others = sorted(map(_middle, balls), key=lambda x: -x.real)
+        return cls(_middle(enclosure), enclosure, certified=True, others=tuple(others), order=order)
 
     def digits(self, count: int = 15) -> tuple[str, str]:
         """Real and imaginary part with up to so many digits: where it is enclosed, those that its ball proves."""
         if self.enclosure is None:
             return f"{self.s.real:.9g}", f"{self.s.imag:.9g}"
-        return tuple(x.str(count, radius=False) for x in (self.enclosure.real, self.enclosure.imag))
+        parts = self.enclosure.real, self.enclosure.imag
+        real, imag = ("0" if x.contains(0) else str(x.str(count, radius=False)) for x in parts)
+        return real, imag
 
 
 def rightmost_pole(dynamics: RationalFunction) -> complex | None:
@@ -92,10 +107,17 @@ def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmo
     """The rightmost root of a characteristic function with numbers only; None if there is none to find.
 
     ``at_0`` : that many roots at s = 0 are not meant, as they cancel. A root that is in several factors of the polynomial is
-    one: balls enclose roots only where they are simple.
+    looked for once, as balls are narrower about simple roots; its order is what it counts in all.
     """
     is_root = at_least(order_at_0(polynomial, ring)) > at_0
-    simple = _with_simple_factors(polynomial, ring)
+    bare = polynomial / polynomial.term_content()  # without what all terms share, powers of s and delays
+    factors = bare.factor_squarefree()[1]
+    if not any(degree_in([bare], i) for i in range(ring.size, len(ring.meanings))):
+        with flint.ctx.workprec(_BITS_ALL):
+            rows = [([expression_ball(c) for c in ring.coefficients(x)], n) for x, n in factors]
+            roots = [(ball, n * own) for row, n in rows for ball, own in enclosed_roots(row) if ball.imag.mid() >= 0]
+        return Rightmost.of_all([*roots, *[(acb(0), 1)] * is_root]) if roots or is_root else None
+    simple = reduce(lambda x, y: x * y, (x for x, _ in factors), ring.constant(1))
     function, zeros = Characteristic.of(simple, ring), at_least(order_at_0(simple, ring))
     found = [x for x in function.roots() if not zeros or abs(x) > _SLACK]
     listed = sorted([*found, *[0j] * is_root], key=lambda x: -x.real)
@@ -104,11 +126,12 @@ def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmo
     first = listed[0]
     following = next((x.real for x in listed if x.real < first.real - _STRIP * (1 + abs(first))), -inf)
     balls = [function.enclosed(x) if x else acb(0) for x in listed if x.real > following]
+    order = max(n for _, n in factors)
     if any(ball is None for ball in balls):
-        return Rightmost(first, None, certified=False, function=function, others=tuple(listed))
+        return Rightmost(first, None, certified=False, function=function, others=tuple(listed), order=order)
     enclosure = _furthest(balls)
     certified = function.is_rightmost(found, first, following, zeros)
-    return Rightmost(_middle(enclosure), enclosure, certified, function, tuple(listed))
+    return Rightmost(_middle(enclosure), enclosure, certified, function, tuple(listed), order)
 
 
 _STRIP = 1e-7  # relative: of roots so near to one vertical line floats do not tell which is the rightmost
@@ -127,10 +150,35 @@ def _middle(ball: Any) -> complex:
     return complex(*(0.0 if x.contains(0) else float(x.mid()) for x in (ball.real, ball.imag)))
 
 
-def _with_simple_factors(polynomial: Polynomial, ring: Ring) -> Polynomial:
-    """Each factor once, without what all terms share, powers of s and delays: it has the same roots, but for 0."""
-    factors = (x for x, _ in (polynomial / polynomial.term_content()).factor_squarefree()[1])
-    return reduce(lambda x, y: x * y, factors, ring.constant(1))
+_BITS_ALL = 512
+_APART = (
+    200  # bits after which a polynomial may differ from the one whose roots are enclosed, so that its own lie apart
+)
+
+
+def enclosed_roots(coefficients: Sequence[Any]) -> list[tuple[Any, int]]:
+    """Balls around all roots of a real polynomial, each with the number of roots in the balls that it meets, its own too.
+
+    ``coefficients`` : real balls, ascending, the first and the last of which are not 0; ValueError where that is not known.
+    About any n different numbers x_i the discs |x - x_i| <= n |p(x_i)|/|a_n prod_{j != i} (x_i - x_j)| hold all roots, and
+    those that hang together hold as many as they are (Smith, 1970). The x_i are roots of a polynomial that is hardly another
+    one: where roots of this one coincide they are near. A root whose ball meets no other and the real axis is real.
+    """
+    n, polynomial = len(coefficients) - 1, acb_poly(coefficients)
+    if n < 1:
+        return []
+    if any(coefficients[i].contains(0) for i in (0, n)):
+        raise ValueError("a polynomial of which the degree, or a root at 0, is not known")
+    beside = fmpq_poly([x.mid().fmpq() for x in coefficients])
+    beside[0] *= 1 + fmpq(1, 2**_APART)
+    points = [x.mid() for x, _ in beside.numer().complex_roots()]
+    balls = []
+    for i, x in enumerate(points):
+        apart = reduce(lambda a, b: a * b, (x - y for j, y in enumerate(points) if j != i), coefficients[n])
+        away = arb(0, (n * abs(polynomial(x) / apart)).upper())
+        balls.append(acb(x.real + away, x.imag + away))
+    met = [sum(x.overlaps(y) for y in balls) for x in balls]
+    return [(acb(x.real) if m == 1 and x.imag.contains(0) else x, m) for x, m in zip(balls, met, strict=True)]
 
 
 def _terms(polynomial: Polynomial, ring: Ring) -> Iterator[Term]:
@@ -366,9 +414,6 @@ def _lower(s: Any, p: Rational) -> Any:
     return int(p) * s ** (int(p) - 1) if p.is_Integer else expression_ball(p) * (s.log() * expression_ball(p - 1)).exp()
 
 
-_BITS_CLOCKROOT = 256
-
-
 def clocked_root(scene: Scene, hand: Hand) -> Rightmost | None:
     """ln z/T of the largest root z, all of them being enclosed; None where that loop is not known.
 
@@ -377,17 +422,11 @@ def clocked_root(scene: Scene, hand: Hand) -> Rightmost | None:
     """
     try:
         loop = loop_of(scene, hand)
-        with flint.ctx.workprec(_BITS_CLOCKROOT):
-            found = acb_poly(loop.balls()).roots(tol=arb(2) ** -100, maxprec=8 * _BITS_CLOCKROOT)
-            if any(w.contains(0) for w in found):
+        with flint.ctx.workprec(_BITS_ALL):
+            roots, T = enclosed_roots(loop.balls()), expression_ball(loop.T)
+            if any(w.contains(0) for w, _ in roots):
                 return None  # 1/w is not known
-            T = expression_ball(loop.T)
-            # an isolated root near the real axis is real, as its conjugate is a root too
-            rows = [-(acb(w.real) if w.imag.contains(0) else w).log() / T for w in found]
+            found = [(-w.log() / T, order) for w, order in roots]
     except (UndecidedError, ValueError):
         return None
-    if not rows:
-        return None
-    upper = _furthest(rows)
-    others = sorted((complex(s.mid()) for s in rows), key=lambda s: -s.real)
-    return Rightmost(_middle(upper), upper, certified=True, others=tuple(others))
+    return Rightmost.of_all(found) if found else None

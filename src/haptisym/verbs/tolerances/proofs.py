@@ -36,14 +36,15 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, kept, noticed
 from haptisym.judge.excess import Box, Excess, box_of, excess_of
 from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, spared, tick
-from haptisym.kernel.errors import LimitError
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.reals import ExactNumber, RealNumber, whole
 from haptisym.kernel.roots import chart
-from haptisym.kernel.where import Array, Batches, Cells, Columns, Search, halves, touching
+from haptisym.kernel.where import Array, Batches, Cells, Columns, Search, halves, touching, zeros
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
+from haptisym.programs.taylormodels import Model
 from haptisym.verbs.require.freeparameter import conditions, is_kept_anyway
 from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.stability.ranges import HeldInBox, held_in_box
@@ -55,6 +56,7 @@ _MOST_SPLITS = 6  # of a cell: then it is a leaf if crossings in it are regular,
 _MOST_BEYOND = 800  # cells that are looked at for one end
 _OVERLAP = 1e-8  # shares of the band: clusters nearer to each other are taken as one
 _FIRST = 32  # pieces of the band to begin with
+_NARROWER = 100  # times than another: a side that is not cut where nothing is known of a cell
 
 
 @dataclass(frozen=True)
@@ -184,28 +186,26 @@ def bounded(excess: Excess, cells: Array) -> _Bounded:
     model = excess.model(cells)
     low, high = model.bounds()
     signs = np.where(low > 0, 1, np.where(high < 0, -1, 0))
+    c0, c1, c2, r = (x[:, 0] for x in model.arrays)
+    with np.errstate(all="ignore"):  # what is not finite is unknown
+        rest = np.abs(c1[:, 1:]).sum(-1) + np.abs(c2[:, 1:, 1:]).sum((-1, -2)) + r
+    omega = zeros(cells[:, 0], c0, rest, (low[:, 1], high[:, 1]))
+    return _Bounded(cells, signs, omega, _widest(model, cells, signs, high - low))
+
+
+def _widest(model: Model, cells: Array, signs: Array, spread: Array) -> Array:
+    """The side of each cell along which the excess, and those of its slopes whose signs are open, change most."""
+    width = cells[:, :, 1] - cells[:, :, 0]
     with np.errstate(all="ignore"):
-        omega = _contracted(cells, model.c0[:, 0], model.c1[:, 0], model.c2[:, 0], model.r[:, 0], low[:, 1], high[:, 1])
-        weight = np.where((signs == 0) & np.isfinite(high), 1 / (high - low), 0.0)
+        weight = np.where((signs == 0) & np.isfinite(spread), 1 / spread, 0.0)
         changes = np.abs(model.c1)
         changes[:, : model.c2.shape[1]] += np.abs(model.c2).sum(-1)
-        score = np.where(
-            weight[:, :1] > 0, (weight[:, :, None] * changes).sum(1), changes[:, 0]
-        )  # near a pole the value's alone
-    width = cells[:, :, 1] - cells[:, :, 0]
-    score = np.where(np.isfinite(score).all(-1, keepdims=True) & (score > 0).any(-1, keepdims=True), score, width)
-    return _Bounded(cells, signs, omega, np.argmax(np.where(width > 0, score + 1e-300, -1), -1))
-
-
-def _contracted(cells: Array, c0: Array, c1: Array, c2: Array, r: Array, least: Array, most: Array) -> Array:
-    """Where in each cell the excess may vanish, in shares of the band: F = F(t_0 = 0) + dF/dt_0 t_0 for one slope of the cell."""
-    rest = np.abs(c1[:, 1:]).sum(-1) + np.abs(c2[:, 1:, 1:]).sum((-1, -2)) + r
-    ends = np.stack([-(c0 + a * rest * (1 + 1e-13)) / g for a in (-1, 1) for g in (least, most)])
-    steady = (least * most > 0) & np.isfinite(ends).all(0)
-    low = np.where(steady, np.clip(ends.min(0) - 1e-13, -1, 1), -1)
-    high = np.where(steady, np.clip(ends.max(0) + 1e-13, -1, 1), 1)
-    middle, radius = cells[:, 0].mean(-1), (cells[:, 0, 1] - cells[:, 0, 0]) / 2
-    return np.stack([middle + radius * low, middle + radius * high], -1) + np.array([-1e-15, 1e-15])
+        known = weight[:, :1] > 0
+        score = np.where(known, (weight[:, :, None] * changes).sum(1), changes[:, 0])
+        # near a pole the value's alone tell, but cutting one side for ever does not help where another is too wide
+        score[~known & (width * _NARROWER < width.max(-1, keepdims=True))] = 0.0
+    told = np.isfinite(score).all(-1, keepdims=True) & (score > 0).any(-1, keepdims=True)
+    return np.argmax(np.where(width > 0, np.where(told, score, width) + 1e-300, -1), -1)
 
 
 def beyond(excess: Excess, cells: Array, reached: float, *, highest: bool) -> float:
@@ -637,18 +637,35 @@ class Tolerances(Answer):
         """Whether for no values any frequency is, as where a ratio just reaches its threshold for some.
 
         Where a cluster is steady, the values along which r grows everywhere lead to one corner, and r - c, once above 0, stays so
-        on the way: outside of clusters it is nowhere 0. So nothing is noticed if nothing is at those corners. The same holds of
-        open cells that hang together, of which several may have the same frequencies, where r < c in all others: the way does not
-        leave them.
+        on the way: outside of clusters it is nowhere 0. So nothing is noticed if nothing is at those corners; and where a slope
+        does not keep its sign, if nothing is on the face to which all others lead. The same holds of open cells that hang
+        together, of which several may have the same frequencies, where r < c in all others: the way does not leave them.
         """
         searched = [own for x, own in self._search.items() if not self._is_kept_anyway(x)]
-        corners: Sequence[Mapping[str, Expr] | None] = [self._greatest(form, x) for form, own in searched for x in own]
-        if None in corners:
-            _, corners = self._by_cells
+        faces: Sequence[Mapping[str, Expr] | None] = [self._greatest(form, x) for form, own in searched for x in own]
+        if any(len(x or ()) < len(self.box.sides) for x in faces):
+            _, faces = self._by_cells
+        different = list({tuple((x or {}).items()): x for x in faces}.values())
         try:
-            return all(x is not None and self.one(x).transparent is True for x in [{}, *corners])
+            return self.nominal.transparent is True and all(x is not None and self._is_kept_on(x) for x in different)
         except LimitError:
             return False
+
+    def _is_kept_on(self, face: Mapping[str, Expr]) -> bool:
+        """Whether nothing is noticed on a face, given by what is fixed: of one value, or of all values of one parameter."""
+        free = [x for x in self.box.sides if x.name not in face]
+        if len(free) > 1:
+            return False
+        if not free:
+            return self.one(face).transparent is True
+        from haptisym.verbs.require.required import require  # which much else is loaded for
+
+        [side], scene = free, self.box.scene.with_values(face)
+        try:
+            found = require(scene, side.name, (side.low, side.high), limit=None)
+        except (SceneError, UndecidedError):
+            return False
+        return found.feasible == found.values.pieces
 
     def _is_kept_anyway(self, criterion: Criterion) -> bool:
         """Whether a criterion is kept for all values there are, also beyond the box."""
@@ -658,12 +675,10 @@ class Tolerances(Answer):
             return all(is_kept_anyway(self.box.scene, free, x, own) for x, own in found.items())
         return False
 
-    def _greatest(self, form: Excess, cluster: Cluster) -> dict[str, Expr] | None:
-        """The values for which r - c is greatest in a cluster; None where that is not known."""
+    def _greatest(self, form: Excess, cluster: Cluster) -> dict[str, Expr]:
+        """The values for which r - c is greatest in a cluster, of the parameters of which that is known."""
         signs = [x if matters else 1 for x, matters in zip(cluster.signs[1:], form.matters[1:], strict=True)]
-        if not all(signs):
-            return None
-        return self.box.values({x.name: Fraction(int(n > 0)) for x, n in zip(self.box.sides, signs, strict=True)})
+        return {x.name: x.at(Fraction(int(n > 0))) for x, n in zip(self.box.sides, signs, strict=True) if n}
 
     @cached_property
     def transparent(self) -> One | None:
@@ -695,8 +710,8 @@ class Tolerances(Answer):
     def _by_cells(self) -> tuple[Mapping[bool, Mapping[str, Expr]], Sequence[Mapping[str, Expr] | None]]:
         """Values in a cell that is kept, and in one that is broken, for all of its values, by whether it is kept.
 
-        And where none is broken, for all that hangs together of the open ones the corner at which r is greatest; None for one
-        that is not known.
+        And where none is broken, for all that hangs together of the open ones what is known of where r is greatest; None where
+        one is broken, or nothing is known.
         """
         forms = [form for form, _ in self._search.values() if not form.is_zero]
         band = np.linspace(0, 1, _FIRST + 1)
@@ -714,7 +729,7 @@ class Tolerances(Answer):
         return middles, [None] if False in middles else self._tops(forms, search.left)
 
     def _tops(self, forms: Sequence[Excess], left: Cells) -> list[dict[str, Expr] | None]:
-        """The values for which what hangs together of open cells is greatest."""
+        """What is known of the values for which what hangs together of open cells is greatest."""
         own = [(form, x.cells(left.outer)) for form, x in zip(forms, left.pieces, strict=True) if len(x)]
         with suppress(LimitError):
             return [self._greatest(form, x) for form, cells in own for x in _grouped(bounded(form, cells))]
