@@ -18,7 +18,7 @@ from haptisym.writing.html import fragment
 from haptisym_check import RefusedError, UnreadableError, check
 
 LIMIT = 120.0
-"""Seconds after which a question prints what it has so far."""
+"""Seconds (in a browser of the wall clock) after which a question prints what it has so far."""
 ON_PAGE = {
     r"<p>Next: .*?</p>": "",
     r"none given: --hand NAME; the package ships": "none given: choose one below, or write [hand] in the scene; there are",

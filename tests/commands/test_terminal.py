@@ -86,6 +86,43 @@ def test_ctrl_c_ends_a_verb_from_the_first_moment_on_without_a_traceback(seconds
     assert "Traceback" not in shown.text
 
 
+INTERRUPTED = """
+import os, signal, sys
+from haptisym.cli import main
+from haptisym.verbs.stability import entry
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job is born deaf to it
+times, found = int(sys.argv.pop(1)), entry.every_passive_hand
+def pressed(scene):
+    for _ in range(times):
+        os.kill(os.getpid(), signal.SIGINT)
+    return found(scene)
+entry.every_passive_hand = pressed
+main()
+"""
+"""Ctrl-C when the verdicts on hands are there, and neither passivity nor limits nor margins."""
+
+
+@pytest.mark.slow
+@pytest.mark.core
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("to", [(), ("--json",)])
+def test_the_first_ctrl_c_prints_what_is_proven_and_the_second_one_nothing(to: tuple[str, ...]) -> None:
+    asked = ("stability", "delayed-spring", "--hand", "postural-arm", *to)
+    once, twice = (
+        subprocess.run([sys.executable, "-c", INTERRUPTED, n, *asked], capture_output=True, text=True, check=False)
+        for n in "12"
+    )
+    assert (once.returncode, once.stderr) == (3, "")
+    assert "(interrupted)" in once.stdout
+    if to:
+        [held] = json.loads(once.stdout)["held"]
+        assert (held["stable"], held["critical"]) == (True, [])
+        assert {x["reason"] for x in held["undecided"]} == {"stopped at the limit (interrupted)"}
+    else:
+        assert "postural-arm  stable" in once.stdout
+    assert (twice.returncode, twice.stdout, twice.stderr) == (130, "", "")
+
+
 @pytest.mark.slow
 @pytest.mark.core
 def test_ctrl_c_that_a_package_drops_comes_again_with_the_next_report_of_progress() -> None:

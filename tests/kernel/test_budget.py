@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import count, pairwise
+from time import process_time, sleep
 from typing import Any
 
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import haptisym as hs
-from haptisym.kernel.budget import Waiting, afford, left, limited, share, spared, tick, timed_by
+from haptisym.kernel.budget import Waiting, afford, left, limited, share, spared, spent, tick, timed_by
 from haptisym.kernel.errors import LimitError, SceneError
 
 
@@ -89,7 +90,7 @@ def test_the_time_is_over_after_the_limit_and_not_at_it_for_the_nearer_of_two(cl
             assert (within.reached, around.reached) == (True, False)
             with spared():
                 assert (left(), over(tick)) == (None, False)
-        assert around.reached
+        assert around.reached == (own == outer)  # a nearer limit inside cuts nothing else short
     for wrong in (0, -1, float("inf"), float("nan"), "3"):
         with pytest.raises(SceneError, match="limit"), limited(wrong):  # type: ignore[arg-type]
             pass
@@ -135,17 +136,44 @@ def test_memory_is_bounded_without_a_limit_too() -> None:
         hs.evaluate(scene, limit=None)
 
 
-def test_a_share_of_a_limit_is_told_beside_the_limit_that_was_set(clock: Clock) -> None:
-    with limited(8), share(1 / 4), share(1 / 2):
-        clock.now += 1.01
-        with pytest.raises(LimitError, match=r"1 s.*limit of 8 s"):
+def test_a_share_of_a_limit_that_is_over_is_that_limit_and_a_nearer_limit_inside_is_not(clock: Clock) -> None:
+    reason = "^stopped at the limit of 8 s; a longer limit may decide it$"
+    with limited(8) as own:
+        clock.now += 0.5
+        with limited(1) as nearer:
+            clock.now += 2
+            assert over(tick)
+        assert (nearer.cut, own.cut, spent()) == (1, None, (2.5, 8))
+        with share(1 / 4), share(1 / 2):
+            assert (left(), spent()) == (5.5 / 8, (2.5, 8))
+            clock.now += 1
+            with pytest.raises(LimitError, match=reason), limited(60):
+                tick()
+        assert (own.cut, spent()) == (8, (3.5, 8))
+    assert spent() is None
+
+
+def test_work_that_is_stopped_ends_at_its_next_tick_in_whatever_limits_it_is_and_says_so(clock: Clock) -> None:
+    with limited(None) as outer, limited(60) as own, share(1 / 2):
+        assert not over(tick)
+        own.stop()
+        with limited(5), pytest.raises(LimitError, match=r"^stopped at the limit \(interrupted\)$"):
             tick()
-        with pytest.raises(LimitError, match=r"1 s.*limit of 8 s"), limited(60):
-            tick()
-    with limited(8):
-        clock.now += 9.5
-        with pytest.raises(LimitError, match="limit of 8 s"):
-            tick()
+        with spared():
+            assert not over(tick)
+        assert over(afford, 1)
+    assert (own.reached, own.cut, outer.cut) == (True, None, None)
+    assert not over(tick)
+
+
+def test_a_limit_counts_processor_time_not_how_long_one_waits() -> None:
+    with limited(0.05):
+        sleep(0.06)
+        tick()
+        began = process_time()
+        while process_time() - began < 0.06:
+            pass
+        assert over(tick)
 
 
 # Cells

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import cache
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from schemas import faults
 from scipy.optimize import brentq
 from sympy import Rational, lambdify
 
 import haptisym as hs
 from haptisym import effects, environments
+from haptisym.kernel.budget import forget, in_time, timed_by
 from haptisym.verbs.family.entry import WorstCase
 
 LAG, FLOATING = effects.first_order_lag(40), effects.shunt(m="0.05")
@@ -400,6 +403,45 @@ def test_values_that_do_for_all_environments_are_those_of_the_hardest_one(tmp_pa
     assert in_python.to_dict() == found
     _, out, _ = call("require", str(path), "--free", "omega_c")
     assert f"Limited by            {hardest} (imag)" in out
+
+
+def test_an_environment_that_stays_undecided_leaves_the_answers_of_the_others(tmp_path: Path) -> None:
+    path = tmp_path / "two.toml"
+    path.write_text(LAGGING)
+    family = hs.load_scenes(path)
+
+    def asked(scene: hs.Scene) -> Any:
+        if scene is family["hard"]:
+            raise hs.UndecidedError("stopped at the limit of 3 s")
+        return hs.require(scene, "omega_c")
+
+    found = hs.answer_each(family, asked)
+    assert (list(found.answers), found.left) == (["soft"], {"hard": "stopped at the limit of 3 s"})
+    assert (found.certified, found.settled, found.common) == (False, False, None)
+    assert faults(found.to_dict()) == []
+    assert "Undecided: hard: stopped at the limit of 3 s." in str(found)
+    with pytest.raises(hs.UndecidedError, match="3 s"):
+        hs.answer_each(family["hard"], lambda _: asked(family["hard"]))
+
+
+@pytest.mark.slow
+def test_where_what_is_common_is_not_decided_in_time_each_environment_has_its_answer(tmp_path: Path) -> None:
+    path = tmp_path / "two.toml"
+    path.write_text(LAGGING)
+    whole, seen = hs.evaluate_all(path), set[tuple[int, bool]]()
+    for ticks in range(50, 1000, 50):
+        forget()
+        with timed_by(count().__next__):
+            found = in_time(lambda n=ticks: hs.evaluate_all(path, limit=n), "", {})  # type: ignore[misc]
+        if found is None:
+            continue
+        seen.add((len(found.answers), found.settled))
+        assert faults(found.to_dict()) == []
+        for name, one in found.answers.items():
+            assert [float(x.omega) for x in one.crossings] == [float(x.omega) for x in whole.answers[name].crossings]
+        if not found.settled:
+            assert "stopped at the limit of" in str(found)
+    assert seen >= {(2, False), (2, True)}
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -15,6 +16,7 @@ import numpy as np
 import pytest
 from marks import QUICK_SCENES, often
 from matplotlib.figure import Figure
+from schemas import faults
 from strategies import Seeded, case, coincident_case, scene
 from sympy import Rational, symbols
 from sympy import sqrt as root
@@ -25,7 +27,7 @@ from haptisym import effects, environments
 from haptisym.figures import requirement as requirement_charts
 from haptisym.figures.layers import draw
 from haptisym.judge.bindings import Kind
-from haptisym.kernel.budget import timed_by
+from haptisym.kernel.budget import forget, in_time, timed_by
 from haptisym.model.parameters import values
 from haptisym.model.scene import THRESHOLD
 from haptisym.verbs.require.required import is_quick
@@ -851,6 +853,35 @@ QUESTIONS: dict[str, Callable[..., Any]] = {
 def test_a_question_whose_answer_is_whole_or_none_ends_at_its_limit(ask: Callable[..., Any]) -> None:
     with timed_by(count().__next__), pytest.raises(hs.UndecidedError, match="limit of 3 s"):
         ask("delayed-spring", limit=3)
+
+
+PARTS: dict[str, Callable[..., Any]] = {
+    "evaluate": lambda limit: hs.evaluate("fu2019", regions=True, movement="0:15", limit=limit),
+    "metrics": lambda limit: hs.metrics("fu2019", limit=limit),
+    "sensitivity": lambda limit: hs.sensitivity("fu2019", limit=limit),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ask", PARTS.values(), ids=PARTS)
+def test_a_limit_leaves_the_parts_of_an_answer_that_were_found(ask: Callable[..., Any]) -> None:
+    """Wherever it falls: the crossings first, then what stands on them; page and document are whole, the rest has a reason."""
+    seen, ticks = list[bool](), 20
+    while True not in seen:
+        forget()
+        with timed_by(count().__next__):
+            found = in_time(lambda n=ticks: ask(n), "", {})  # type: ignore[misc]
+        ticks += ticks // 2
+        if found is None:
+            assert not seen
+            continue
+        seen.append(found.settled)
+        evaluated = found if isinstance(found, hs.Evaluation) else found.evaluation
+        assert [float(x.omega) for x in evaluated.crossings] == pytest.approx([7.97891679, 11.93731092])
+        page, document = " ".join(str(found).split()), found.to_json()
+        assert faults(json.loads(document)) == []
+        assert {"stopped at the limit of" in x for x in (page, document)} == {not found.settled}
+    assert False in seen
 
 
 def test_slices_of_a_map_that_were_not_reached_are_undecided() -> None:

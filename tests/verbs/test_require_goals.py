@@ -222,12 +222,13 @@ def test_nothing_is_said_of_values_beyond_those_that_are_searched(m: Any) -> Non
     assert (found.undecided, found.certified) == ((), True)
 
 
-def test_a_limit_that_is_known_is_told_though_it_lies_beyond_what_is_searched() -> None:
+def test_an_end_of_what_is_searched_is_no_end_of_the_set() -> None:
     """s^2 + 10 + b s exp(-s/100) is 0 on the axis first at w = 50 pi, b = (w^2 - 10)/w: far more than a million times the scene's."""
     own = hs.Scene(
         environments.mass_spring_damper(b="1e-6"), (effects.delay("10 ms"),), hands=(hs.Hand("h", m=1, k=10),)
     )
-    [told] = ends(hs.require(own, "environment.b", that="stable"))
+    assert ends(hs.require(own, "environment.b", that="stable")) == [(0, None)]
+    [told] = ends(hs.require(own, "environment.b", (0, 1000), that="stable"))
     assert told == (0, pytest.approx((2500 * pi**2 - 10) / (50 * pi), rel=1e-14))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 import random
+from dataclasses import replace
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
@@ -22,9 +23,9 @@ import haptisym as hs
 from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.errors import LimitError, UndecidedError
-from haptisym.verbs.stability.critical import Nearest, critical
-from haptisym.verbs.stability.held import held
-from haptisym.verbs.stability.sampled import is_held, passages
+from haptisym.verbs.stability.held import drifts, held, moved
+from haptisym.verbs.stability.opened import Passage
+from haptisym.verbs.stability.sampled import Passages, is_held, passages
 from haptisym_check import RefusedError, check
 
 E, F = hs.environments, hs.effects
@@ -32,8 +33,19 @@ k = Symbol("k")
 VALUES = [sign * mantissa * 10.0**n for n in range(-3, 13) for mantissa in (1, 3.3) for sign in (1, -1)]
 
 
-def nearest(scene: hs.Scene, path: str) -> Nearest:
-    return critical(scene, scene.hands[0], scene.knobs[path])
+def nearest(scene: hs.Scene, path: str) -> Passages:
+    """The changes next to the present value, with the counts of roots that do not just drift."""
+    knob, hand = scene.knobs[path], scene.hands[0]
+    found = passages(scene, hand, knob)
+    beside = knob.value if found.beside is None else Rational(found.beside.numerator, found.beside.denominator)
+    still = drifts(*moved(scene, hand, knob, beside)) if found.found else 0
+    assert still is not None
+    rows = tuple(replace(x, below=x.below - still, above=x.above - still) for x in found.found)
+    return replace(found, found=rows)
+
+
+def side_of(x: Passage) -> str | None:
+    return "above" if x.above == 0 else "below" if x.below == 0 else None
 
 
 def counted(scene: hs.Scene, path: str, value: Any) -> int | None:
@@ -238,10 +250,10 @@ def spring(K: Any, B: Any = 0, hand: hs.Hand = NOTHING, T: Any = "1 ms", m: str 
 def test_the_stiffest_published_wall_is_found_from_a_softer_one(K: float, keys: dict[str, Any]) -> None:
     """Down to none at all, which lets a handle go that nothing holds."""
     *below, x = nearest(spring(round(K / 3), **keys), "environment.k").found
-    assert (float(x.value), x.stable_side) == (pytest.approx(K, rel=1e-14), "below")
+    assert (float(x.value), side_of(x)) == (pytest.approx(K, rel=1e-14), "below")
     assert 0 < float(x.omega) < 3141
     expected = [] if "hand" in keys else [(0, 0, "above")]
-    assert [(float(y.value), float(y.omega), y.stable_side) for y in below] == expected
+    assert [(float(y.value), float(y.omega), side_of(y)) for y in below] == expected
 
 
 def test_of_a_damper_that_leaves_its_place_free_the_other_roots_are_told() -> None:
@@ -276,7 +288,7 @@ def test_a_number_given_in_hertz_may_go_as_far_as_one_in_radians() -> None:
         felt = E.expression("k + b*s*w/(s + w)", parameters={"k": 300, "b": 3, "w": corner})
         chain = F.sampled_loop("1 ms", "backward-difference"), F.shunt(m="45 g")
         found = nearest(hs.Scene(felt, chain, hands=(NOTHING,)), "environment.w").found
-        return [(x.value.digits(15), x.stable_side) for x in found]
+        return [(x.value.digits(15), side_of(x)) for x in found]
 
     assert told("50 Hz") == told("314 rad/s")
     assert len(told("50 Hz")) == 1
@@ -527,12 +539,12 @@ def test_when_the_time_is_over_verdicts_are_there_and_the_rest_is_marked() -> No
     assert {y.imposed for y in parts} == {whole.imposed}
 
     def limits(found: hs.Stability) -> set[tuple[str, float]]:
-        return {(x.path, float(x.value)) for rows in found.critical for row in rows for x in row.found}
+        return {(path, float(x.value)) for sets in found.critical for path, y in sets.items() for x in y.ends}
 
     assert set() < limits(parts[-1]) <= limits(whole)
     left = parts[1].to_dict()["held"][1]["undecided"]
     assert {x["path"] for x in left} >= {"environment.k", "margins.gain", "margins.delay"}
-    assert all("limit of 100 s" in x["reason"] for x in left)
+    assert all("stopped at the limit" in x["reason"] for x in left)
     assert [x.settled for x in (whole, *parts)] == [True, False, False, False, False]
     with timed_by(count().__next__), pytest.raises(LimitError, match="stopped at the limit"):
         hs.stability(spring(301, hand=SUN), limit=3)

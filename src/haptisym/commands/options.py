@@ -25,10 +25,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import click
 from click.core import ParameterSource
 
-from haptisym.commands.terminal import note, progress, say, say_document, says_help, to_file
+from haptisym.commands.terminal import ends_with_what_is_proven, note, progress, say, say_document, says_help, to_file
 from haptisym.figures.pen import checked, checked_report
 from haptisym.kernel.budget import SECONDS, limited
-from haptisym.kernel.errors import NothingToDrawError, SceneError, meant
+from haptisym.kernel.errors import NothingToDrawError, SceneError, UndecidedError, meant
 from haptisym.model.files import write_whole
 
 if TYPE_CHECKING:
@@ -124,16 +124,14 @@ It is one of formulas, which names no file: ``--no-files`` has nothing to refuse
 JSON = option("--json", "Print one JSON document.")
 CERTIFICATE = output("--certificate FILE", "Write a certificate, for python -m haptisym_check FILE SCENE.toml.")
 FIGURES = option("--figures DIR", "Write the figures to this folder.", type=Place(file_okay=False, path_type=Path))
-_LIMIT: dict[str, Any] = {
-    "type": click.FloatRange(min=0, min_open=True, max=1e9),
-    "default": SECONDS,
-    "show_default": True,
-}
-_WORDS = "Stop after this time; print what is proven and mark the rest undecided."
-OWN_LIMIT = option("--limit SECONDS", _WORDS, **_LIMIT)
-"""Of a verb whose answer says what is proven so far: it takes ``ask.limit``."""
-LIMIT = option("--limit SECONDS", _WORDS, **_LIMIT)
-"""Of a verb whose answer is whole or none: LimitError when the time is over."""
+LIMIT = option(
+    "--limit SECONDS",
+    "Stop after this many seconds of processor time; print what is proven and mark the rest undecided.",
+    type=click.FloatRange(min=0, min_open=True, max=1e9),
+    default=SECONDS,
+    show_default=True,
+)
+"""Of a verb that one Ctrl-C ends as the limit does: with what is proven so far."""
 _DIGITS = option("--digits N", "Digits to print (4 if not given; 15 in --json).", type=click.IntRange(1, 10_000))
 _PAGES = (
     output("--latex FILE", "Write the page as a LaTeX document.", _checked_latex),
@@ -213,10 +211,11 @@ class Verb(click.Command):
         with ExitStack() as stack:
             if LIMIT in self.params:
                 told = stack.enter_context(progress())
-                stack.enter_context(limited(ask.limit, told))
+                budget = stack.enter_context(limited(ask.limit, told))
+                stack.enter_context(ends_with_what_is_proven(budget))
             found = self._answer(ask)
-            if found is not None:
-                hand_over(found, ask)
+        if found is not None:
+            hand_over(found, ask)
 
     def _opened(self, ask: Ask) -> Any:
         """The scene, or the family that is asked about as a whole."""
@@ -349,19 +348,24 @@ def keep_pages(found: Answer, ask: Ask) -> Callable[[], Any]:
 def hand_over(found: Answer, ask: Ask) -> None:
     """Write the files that were asked for, print the answer; exit status 3 where something in it is undecided.
 
-    Else 2 where a figure was asked for and could not be drawn.
+    Else 2 where a figure was asked for and could not be drawn. For a certificate there is the limit once more.
     """
-    is_drawn = draw(found, ask)
+    is_drawn, is_proven = draw(found, ask), True
     if getattr(ask, "certificate", None) is not None:
-        keep_text("certificate", ask.certificate, found.certificate)
+        try:
+            with limited(ask.limit):
+                keep_text("certificate", ask.certificate, found.certificate)
+        except UndecidedError as error:
+            note(f"no certificate: {error}")
+            is_proven = False
     page = keep_pages(found, ask)
     if ask.json:
         say_document(found.to_json())
     else:
         say(page(), ask.digits, formulas=bool(ask.formulas))
     end(found)
-    if not is_drawn:
-        sys.exit(2)
+    if not (is_drawn and is_proven):
+        sys.exit(2 if is_proven else 3)
 
 
 def draw(found: Answer, ask: Ask) -> bool:
@@ -369,13 +373,13 @@ def draw(found: Answer, ask: Ask) -> bool:
 
     False where a figure was asked for and is not there.
     """
-    if getattr(ask, "figures", None) is not None:
-        keep("figures", ask.figures, lambda: found.save_figures(ask.figures))
-    if (path := getattr(ask, "figure", None)) is None:
-        return True
+    figures, figure = (getattr(ask, name, None) for name in ("figures", "figure"))
     try:
-        keep("figure", path, lambda: found.save_figure(path))
-    except NothingToDrawError as error:
+        if figures is not None:
+            keep("figures", figures, lambda: found.save_figures(figures))
+        if figure is not None:
+            keep("figure", figure, lambda: found.save_figure(figure))
+    except (NothingToDrawError, UndecidedError) as error:
         note(f"no figure: {error}")
         return False
     return True

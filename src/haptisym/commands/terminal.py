@@ -25,6 +25,7 @@ from unicodedata import combining, name, normalize
 
 import click
 
+from haptisym.kernel.budget import Budget, spent
 from haptisym.kernel.errors import HaptisymError
 from haptisym.writing.characters import MISSING, is_hidden, printable
 
@@ -66,6 +67,9 @@ def progress(unit: str = "", *, kept: Callable[[str], str] = lambda _: "there is
 
 _BAR = "haptisym.progress"  # under which a call of the command line keeps its bar
 _pressed: ContextVar[Sequence[int]] = ContextVar("haptisym.pressed", default=())  # what ``interrupts`` yields
+_stop: ContextVar[Callable[[], None] | None] = ContextVar(
+    "haptisym.stop", default=None
+)  # what Ctrl-C calls, if anything
 
 
 def quiet() -> None:
@@ -99,7 +103,7 @@ class ProgressBar:
             self.bar.stop()
 
     def __call__(self, done: float, total: float | None = None, what: str = "") -> None:
-        if _pressed.get():  # something between caught it, as a package that is being imported may
+        if _pressed.get() and _stop.get() is None:  # something between caught it, as a package being imported may
             raise KeyboardInterrupt
         self.reached = self._count(done, total)
         if not self.seen or monotonic() - self.began < PATIENCE or (self.bar is None and done == total):
@@ -108,7 +112,7 @@ class ProgressBar:
             self.bar = _bar()
             self.bar.add_task(what, count="")
             self.bar.start()
-        self.bar.update(self.bar.task_ids[0], description=what, count=self.reached)
+        self.bar.update(self.bar.task_ids[0], description=what, count=", ".join(filter(None, (self.reached, _limit()))))
         self.bar.tasks[0].total = total  # ``update`` takes None for "as before"
         self.bar.update(self.bar.task_ids[0], completed=done)
 
@@ -122,6 +126,12 @@ class ProgressBar:
 
 def _figure(x: float) -> str:
     return f"{x:,.0f}" if x >= 999.5 else f"{x:.3g}"
+
+
+def _limit() -> str:
+    """How much of the limit is used; the clock beside it goes on while other programs have the processor."""
+    used = spent()
+    return "" if used is None else f"processor {used[0]:.0f} of {used[1]:g} s"
 
 
 def _bar() -> Progress:
@@ -386,6 +396,7 @@ def loading() -> Iterator[None]:
 def interrupts() -> Iterator[list[int]]:
     """Ctrl-C raises KeyboardInterrupt, once; what it yields then is not empty, even if an import made another error of it.
 
+    Inside of ``ends_with_what_is_proven`` it stops the work instead, which then answers.
     Whoever presses it again while things are being tidied up does not wait any longer: status 130 at once. Where it falls into
     code whose errors Python drops (a finalizer, a callback of an import's lock) it comes again a moment later; where a package
     caught it, with the next report of progress.
@@ -399,10 +410,13 @@ def interrupts() -> Iterator[list[int]]:
 
     def interrupted(number: int, _frame: object) -> None:
         if seen:
-            _tell("\x1b[?25h" if sys.stderr and sys.stderr.isatty() else "")  # a bar of progress hides the cursor
+            if sys.stderr and sys.stderr.isatty():
+                _tell("\x1b[?25h")  # a bar of progress hides the cursor
             os._exit(130)
         seen.append(number)
-        raise KeyboardInterrupt
+        if (stop := _stop.get()) is None:
+            raise KeyboardInterrupt
+        stop()
 
     def again(lost: sys.UnraisableHookArgs) -> None:
         if not issubclass(lost.exc_type, KeyboardInterrupt):
@@ -424,3 +438,13 @@ def interrupts() -> Iterator[list[int]]:
             _pressed.reset(token)
             sys.unraisablehook = dropped
             signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@contextmanager
+def ends_with_what_is_proven(budget: Budget) -> Iterator[None]:
+    """The first Ctrl-C inside lets the work end with what is proven by then; a second one ends the process."""
+    token = _stop.set(budget.stop)
+    try:
+        yield
+    finally:
+        _stop.reset(token)

@@ -22,7 +22,6 @@ from haptisym.commands.options import (
     JSON,
     LIMIT,
     NO_FILES,
-    OWN_LIMIT,
     SCENE,
     Ask,
     Place,
@@ -44,7 +43,6 @@ from haptisym.commands.options import (
 )
 from haptisym.commands.terminal import progress, say, say_document, write
 from haptisym.judge.answers import Answer
-from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.scenefile import chosen, felt_through, load_scene, open_scenes
@@ -69,7 +67,7 @@ from haptisym.model.scenefile import chosen, felt_through, load_scene, open_scen
     output("--response FILE", "Write the exact response, sampled on the band, as a CSV file that [perceived] reads."),
     number("--points N", "Number of frequency points of --response.", 2, 1_000_000, 200),
     CERTIFICATE,
-    OWN_LIMIT,
+    LIMIT,
     FORMULAS,
     needs=[
         ("--points", "--response", "the lines of a file"),
@@ -120,18 +118,12 @@ def evaluate(ask: Ask) -> Answer:
                 raise SceneError(f"{one} takes one environment: choose it with --environment NAME")
         from haptisym.verbs.family.entry import evaluate_all
 
-        with progress() as told, limited(ask.limit, told):
-            return evaluate_all(family, ask.digits or 15, **same)
+        return evaluate_all(family, ask.digits or 15, **same)
     from haptisym.verbs.evaluate.entry import evaluate as of
 
     scene = family[str(ask.environment)] if ask.environments else chosen(family, Path(ask.scene).name, ask.environment)
-    with progress() as told, limited(ask.limit, told):
-        own = {"tolerance": ask.tolerance, "movement": ask.movement, "discriminate": ask.discriminate}
-        result = of(scene, ask.digits or 15, **own, **same)
-        _ = result.bandwidths  # of a range of thresholds: within the limit
-        proof = result.certificate() if ask.certificate else ""
-    keep_text("certificate", ask.certificate, lambda: proof)
-    ask.certificate = None
+    own = {"tolerance": ask.tolerance, "movement": ask.movement, "discriminate": ask.discriminate}
+    result = of(scene, ask.digits or 15, **own, **same)
     if ask.response is not None:
         from haptisym.model.measuring import write_sampled
 
@@ -257,7 +249,9 @@ def effects(ask: Ask) -> Answer:
     """
     from haptisym.verbs.effects.relevance import relevance
 
-    return relevance(ask.scene, ask.tolerance, limit=None)
+    found = relevance(ask.scene, ask.tolerance, limit=None)
+    _ = found.effects, found.crossings, found.dominance  # within the limit
+    return found
 
 
 @verb(
@@ -283,7 +277,7 @@ def effects(ask: Ask) -> Answer:
     number("--slices N", "Largest number of exact slices of a map.", 3, 2000, 41),
     option("--uniform", "Space the slices of a map evenly."),
     option("--within SHARE", "Estimated error of a map between slices, as a share (0.5 % if not given)."),
-    OWN_LIMIT,
+    LIMIT,
     needs=[
         ("--hand", "--that", "the hand of --that stable"),
         ("--friction", "--resolution", "Abbott and Okamura's bound 2 f_c/Delta"),
@@ -315,19 +309,17 @@ def require(ask: Ask) -> Answer:
     from haptisym.verbs.require.required import require as of
 
     _refuse_contradictions(len(ask.free), len(ask.range))
-    with progress() as told:
-        same: dict[str, Any] = {
-            "part": Part(ask.part) if ask.part else None, "that": ask.that, "hand": ask.hand, "limit": ask.limit, "told": told,
-            "any_environment": ask.any_environment,
-        }  # fmt: skip
-        if len(ask.free) == 2:
-            from haptisym.verbs.require.designmap import design_map
+    same: dict[str, Any] = {
+        "part": Part(ask.part) if ask.part else None, "that": ask.that, "hand": ask.hand, "limit": None,
+        "any_environment": ask.any_environment,
+    }  # fmt: skip
+    if len(ask.free) == 2:
+        from haptisym.verbs.require.designmap import design_map
 
-            same |= {key: getattr(ask, key) for key in ("slices", "uniform", "within", "jnd", "friction", "resolution")}
-            return design_map(ask.scene, ask.free, ask.range, **same)
-        found = of(ask.scene, ask.free[0], *ask.range, digits=ask.digits or 15, **same)
-        with limited(None, told):
-            _ = found.nearest  # which may take its time too
+        same |= {key: getattr(ask, key) for key in ("slices", "uniform", "within", "jnd", "friction", "resolution")}
+        return design_map(ask.scene, ask.free, ask.range, **same)
+    found = of(ask.scene, ask.free[0], *ask.range, digits=ask.digits or 15, **same)
+    _ = found.nearest  # which may take its time, within the limit
     return found
 
 
@@ -353,7 +345,7 @@ def _refuse_contradictions(free: int, ranges: int) -> None:
     figure("the hand's plane: where the display is stable"),
     JSON,
     CERTIFICATE,
-    OWN_LIMIT,
+    LIMIT,
     each=True,
 )
 def stability(ask: Ask) -> Answer:
@@ -377,8 +369,7 @@ def stability(ask: Ask) -> Answer:
     """
     from haptisym.verbs.stability.entry import stability as of
 
-    with progress() as told, limited(None, told):
-        return of(ask.scene, ask.hand or None, ask.free, digits=ask.digits or 15, limit=ask.limit)
+    return of(ask.scene, ask.hand or None, ask.free, digits=ask.digits or 15, limit=None)
 
 
 @verb(
@@ -395,7 +386,7 @@ def stability(ask: Ask) -> Answer:
     option("--gap SHARE", "Relative gap between the proven bounds (0.1 % if not given, 1 % for three parameters)."),
     JSON,
     figure("the bandwidth over one or two parameters"),
-    OWN_LIMIT,
+    LIMIT,
     needs=[("--hand", "--keep", "the hand of --keep stable")],
 )  # fmt: skip
 def design(ask: Ask) -> Answer:
@@ -419,11 +410,8 @@ def design(ask: Ask) -> Answer:
     if isinstance(found, MeasuredScene):
         raise SceneError("a measured scene has no parameters to choose: haptisym identify fits a model to it")
     scene = found if ask.environment is None else chosen(found, Path(ask.scene).name, ask.environment)
-    with progress() as told:
-        return of(
-            scene, dict(map(_range_of, ask.free)), keep=ask.keep, hand=ask.hand, robust=ask.robust, gap=ask.gap,
-            limit=ask.limit, told=told,
-        )  # fmt: skip
+    free = dict(map(_range_of, ask.free))
+    return of(scene, free, keep=ask.keep, hand=ask.hand, robust=ask.robust, gap=ask.gap, limit=None)
 
 
 def _range_of(text: str) -> tuple[str, tuple[str, str] | None]:
@@ -464,7 +452,7 @@ def sensitivity(ask: Ask) -> Answer:
     option("--seed", "Seed of the random sets.", type=int, default=2019, show_default=True),
     option("--hand NAME", "Test stability in this hand, for all values; repeatable.", multiple=True),
     figure("enclosures and samples, with a hand the plane of hands below them"),
-    OWN_LIMIT,
+    LIMIT,
     each=True,
 )
 def tolerances(ask: Ask) -> Answer:
@@ -489,8 +477,7 @@ def tolerances(ask: Ask) -> Answer:
     if ask.samples == 0 and given("--seed"):
         what = "--seed is about the random numbers of the estimates, and --samples 0 draws none"
         raise SceneError(f"{what}: leave out one of them")
-    with progress() as told:
-        return of(ask.scene, ask.samples, ask.seed, hand=ask.hand or None, limit=ask.limit, told=told)
+    return of(ask.scene, ask.samples, ask.seed, hand=ask.hand or None, limit=None)
 
 
 @verb(

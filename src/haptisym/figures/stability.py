@@ -76,10 +76,7 @@ def wall(found: Stability) -> Chart:
     hand = found.held[0].hand if found.held else Hand(NOBODY)
     k_knob, b_knob = (found.scene.knobs[path] for path in WALL)
     own = float(k_knob.value), float(b_knob.value)
-    near = [
-        [float(x.value) for rows in found.critical[:1] for row in rows for x in row.found if x.path == path]
-        for path in WALL
-    ]
+    near = [[float(x.value) for sets in found.critical[:1] for x in sets[path].ends] for path in WALL]
     k = _ROOM * max([2 * own[0], *(x for x in near[0] if x < _NEAR * own[0])]) or 1.0
     b = _ROOM * max([2 * own[1], k * float(clocks(found.scene)[0]), *(x for x in near[1] if x < _NEAR * own[1])])
     try:
@@ -129,7 +126,7 @@ def _window(found: Stability, shown: Iterable[Hand]) -> Window:
     ends = [[(p.interval or (p.value, p.value))[1] for p in x.parameters] for x in shown]
     most = [max((float(x[i]) for x in ends), default=0.0) for i in (1, 2)]
     b, k = (x or other for x, other in zip(most, (1.0, 100.0), strict=True))
-    near = [(x.path, float(x.value)) for rows in found.critical for row in rows for x in row.found]
+    near = [(path, float(x.value)) for sets in found.critical for path, values in sets.items() for x in values.ends]
     b = max([b, *(v for path, v in near if path.startswith("hand") and path.endswith(".b") and v < _NEAR * b)])
     k = max([k, *(v for path, v in near if path.startswith("hand") and path.endswith(".k") and v < _NEAR * k)])
     at_0 = float(found.scene.closed.compile(of=("perceived_real",))(np.array([0.0])).perceived_real[0])

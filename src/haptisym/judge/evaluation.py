@@ -6,7 +6,7 @@ Beside it: whether the conclusion survives another JND model: square, disc and d
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, TypeVar
@@ -42,6 +42,7 @@ from haptisym.judge.percepts import (
     without_friction,
 )
 from haptisym.judge.regions import Cornered
+from haptisym.kernel.budget import Left, in_time
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber, whole
@@ -252,7 +253,7 @@ class Evaluation(Answer):
     ``digits`` : decimal digits shown of each crossing.
     ``relevance``, ``regions``, ``movement``, ``discrimination`` : where a tolerance was given, what was left out (all answers are
     then those of the pruned scene, ``scene``); what other JND regions say; what a fit to a movement reports; which changes would
-    decide between JND regions. None where they were not asked for.
+    decide between JND regions. None where they were not asked for. ``left`` : those not found in time, with the reason.
 
     Guaranteed: each number is proven, no crossing on the band is missing and none invented, but for what ``undecided`` names.
 
@@ -276,6 +277,7 @@ class Evaluation(Answer):
     regions: tuple[Compared, ...] = ()
     movement: Reported | None = None
     discrimination: Deciding | None = None
+    left: Left = field(default_factory=dict)
 
     def _line(self) -> str:
         width = "no bandwidth" if self.bandwidth is None else f"bandwidth {self.bandwidth.digits(5)} rad/s"
@@ -396,7 +398,9 @@ class Evaluation(Answer):
     def certified(self) -> bool:
         """Whether every number here is proven, none estimated, and nothing was left undecided."""
         is_fitted = self.movement is None or not self.movement.undecided
-        return not self.undecided and is_fitted and (self.bandwidths is None or self.bandwidths.certified)
+        return (
+            not (self.undecided or self.left) and is_fitted and (self.bandwidths is None or self.bandwidths.certified)
+        )
 
     def _body(self) -> dict[str, Any]:
         changeovers = {"environment": self.changeovers_environment, "perceived": self.changeovers_perceived}
@@ -421,7 +425,10 @@ class Evaluation(Answer):
         }
 
     def _left(self) -> dict[str, Any]:
-        rows = [{"part": x.name, "enclosure": list(p.omega.enclosure(self.digits))} for x, p in self.undecided]
+        rows: list[Any] = [
+            {"part": x.name, "enclosure": list(p.omega.enclosure(self.digits))} for x, p in self.undecided
+        ]
+        rows += [{"name": name, "reason": why} for name, why in self.left.items()]
         found: dict[str, Any] = {"undecided": rows} if rows else {}
         found |= {"regions": [x.row(self.digits) for x in self.regions]} if self.regions else {}
         found |= {} if self.movement is None else {"movement": self.movement.row()}
@@ -456,8 +463,9 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut |
     scene.knobs.need_numbers()
     distortion = scene.distortion()
     table = chart(curves(distortion, noticed(scene.threshold)), *scene.band)
-    stable = force_is_stable(scene, distortion)
-    return Evaluation(scene, distortion, table, stable, digits, left_out)
+    left = Left()
+    stable = in_time(lambda: force_is_stable(scene, distortion), "stability under prescribed motion", left)
+    return Evaluation(scene, distortion, table, stable, digits, left_out, left=left)
 
 
 def _interval(x: Interval) -> list[float]:

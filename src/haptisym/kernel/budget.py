@@ -2,7 +2,9 @@
 
 Whatever may take long ticks the limit, and whoever asked is told how far it is. It is scoped: ``limited`` sets it for what is
 called inside and puts back what was there before. Nothing else reads the clock, and a question that is asked without a limit is
-never cut short. The clock is the machine's, unless ``timed_by`` sets another one.
+cut short only by ``Budget.stop``. The clock counts the processor time of this process, all of its threads together, so that an
+answer does not depend on what else the machine does; ``timed_by`` sets another one. In a browser, which does not tell processor
+time, it is the wall clock. What other processes compute for this one, such as the workers of a sweep, is not counted.
 
 Branch and bound: cells are examined until each is settled; what is not is cut, and its pieces wait their turn. Every loop of that
 kind runs on ``Waiting``, so that each has a limit in number and in time, and says what it leaves open.
@@ -19,24 +21,26 @@ from heapq import heappop, heappush
 from importlib import import_module
 from math import isfinite
 from threading import Lock
-from time import monotonic
-from typing import Any, Generic, TypeAlias, TypeVar
+from time import monotonic, process_time
+from typing import Any, Generic, NoReturn, TypeAlias, TypeVar
 
-from haptisym.kernel.errors import LimitError, SceneError
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 
 Told: TypeAlias = Callable[[float, float | None, str], None]
 """Is called with what is done, of how much (None: nobody knows), and with what it is that is done."""
 
 SECONDS = 60.0
 """The limit of a question that is asked without one."""
-_PAUSE = 0.1  # s between two words to whoever is told
+_PAUSE = 0.1  # s, on the wall clock, between two words to whoever is told
 
-_clock: ContextVar[Callable[[], float]] = ContextVar("clock", default=monotonic)
+_clock: ContextVar[Callable[[], float]] = ContextVar("clock", default=process_time)
 
 
 @contextmanager
 def timed_by(clock: Callable[[], float]) -> Iterator[None]:
-    """Limits that are set inside are measured by that clock, in s; one that counts its readings is the same on every machine.
+    """Limits that are set inside are measured by that clock, in s, and so is the pause between two words.
+
+    A clock that counts its readings is the same on every machine.
 
     >>> from itertools import count
     >>> with timed_by(count().__next__), limited(3):  # a second passes whenever the clock is read
@@ -52,34 +56,54 @@ def timed_by(clock: Callable[[], float]) -> Iterator[None]:
 
 @dataclass(eq=False)
 class Budget:
-    """What a question may take: ``seconds`` of it, None without a limit, and who is told.
+    """What a question may take: ``seconds`` of processor time, None without a limit, and who is told.
 
-    ``whole`` : the limit that was set, where the seconds are a share of it.
+    ``began``, ``deadline`` : when the limit was set, and when the time is over: for a share of it, before the limit is reached.
     """
 
     seconds: float | None
+    began: float
     deadline: float | None
     told: Told | None = None
     outer: Budget | None = None
-    whole: float | None = None
-    clock: Callable[[], float] = monotonic
-    reached: bool = False
-    """Whether something was cut short."""
+    clock: Callable[[], float] = process_time
+    stopped: bool = False
+    why: str = ""
+    """Why something was cut short; empty where nothing was."""
+    cut: float | None = None
+    """The seconds of the limit that cut something short."""
     _last: tuple[float, float | None, str] = field(default=(0, None, ""), repr=False)
     _next: float = field(default=0.0, repr=False)
 
+    @property
+    def outermost(self) -> Budget:
+        """The budget around all others."""
+        return self if self.outer is None else self.outer.outermost
+
+    @property
+    def reached(self) -> bool:
+        """Whether something was cut short."""
+        return bool(self.why)
+
+    def stop(self) -> None:
+        """End the work at its next tick, with what is proven by then, as at a limit; also from a signal or another thread."""
+        self.outermost.stopped = True
+
     def tick(self, done: float | None, total: float | None, what: str) -> None:
-        """LimitError when the time is over; else now and then a word to whoever is told."""
+        """LimitError when the time is over, or the work was stopped; else now and then a word to whoever is told."""
         now = self.clock()
+        if self.outermost.stopped:
+            self.end("stopped at the limit (interrupted)")
         if self.deadline is not None and now > self.deadline:
-            self.reached = True
-            own = "" if self.whole is None else f"{self.seconds:.2g} s, its share of "
-            raise LimitError(
-                f"stopped at {own}the limit of {self.whole or self.seconds:g} s; a longer limit may decide it"
-            )
+            self.end(f"stopped at the limit of {self.seconds:g} s; a longer limit may decide it", self.seconds)
         if done is not None and (what or not self._last[2]):  # an inner loop without a name leaves the outer one's word
             self._last = done, total, what
         self._tell_now_and_then(now)
+
+    def end(self, why: str, cut: float | None = None) -> NoReturn:
+        """LimitError, which is remembered."""
+        self.why, self.cut = why, cut
+        raise LimitError(why)
 
     def say(self, done: float, total: float | None, what: str) -> None:
         """How far the work is; never a LimitError."""
@@ -87,6 +111,7 @@ class Budget:
         self._tell_now_and_then(self.clock())
 
     def _tell_now_and_then(self, now: float) -> None:
+        now = monotonic() if self.clock is process_time else now
         if now >= self._next:
             self._next = now + _PAUSE
             self._tell(*self._last)
@@ -103,10 +128,10 @@ _budget: ContextVar[Budget | None] = ContextVar("budget", default=None)
 
 
 @contextmanager
-def limited(seconds: float | None = None, told: Told | None = None, whole: float | None = None) -> Iterator[Budget]:
-    """What is called inside may take that many seconds (None: as long as it likes), and no longer than what is around it may.
+def limited(seconds: float | None = None, told: Told | None = None) -> Iterator[Budget]:
+    """What is called inside may take that many seconds of processor time, and no longer than what is around it may.
 
-    ``whole`` : the limit of which they are a share.
+    ``seconds`` : None for as long as it likes.
 
     >>> with limited(3600) as outer, limited(None) as inner:
     ...     inner.deadline == outer.deadline
@@ -115,23 +140,37 @@ def limited(seconds: float | None = None, told: Told | None = None, whole: float
     if seconds is not None and not (isinstance(seconds, int | float) and isfinite(seconds) and seconds > 0):
         raise SceneError(f"limit: {seconds}: give a number of seconds > 0, or None for no limit")
     outer, clock = _budget.get(), _clock.get()
-    own = None if seconds is None else clock() + seconds
-    if outer is not None and outer.deadline is not None and (own is None or outer.deadline < own):
-        seconds, own, whole = outer.seconds, outer.deadline, outer.whole
-    budget = Budget(seconds, own, told, outer, whole, clock)
+    now = clock()
+    own = None if seconds is None else now + seconds
+    same = outer if own is None or (outer and outer.deadline is not None and outer.deadline < own) else None
+    limit = (same.seconds, same.began, same.deadline) if same else (seconds, now, own)
+    with _inside(Budget(*limit, told, outer, clock), same) as budget:
+        yield budget
+
+
+@contextmanager
+def _inside(budget: Budget, same: Budget | None = None) -> Iterator[Budget]:
+    """``same`` : of which it is the limit, or a share: it is cut short by what cuts this one short."""
     mark = _budget.set(budget)
     try:
         yield budget
     finally:
         _budget.reset(mark)
-        if outer is not None:
-            outer.reached |= budget.reached
+        if same is not None and budget.why:
+            same.why, same.cut = budget.why, budget.cut
 
 
 def left() -> float | None:
     """Seconds until the time is over, None without a limit."""
     budget = _budget.get()
     return None if budget is None or budget.deadline is None else max(budget.deadline - budget.clock(), 0.0)
+
+
+def spent() -> tuple[float, float] | None:
+    """Processor time since the outermost limit was set, and that limit, s; None without one."""
+    budget = _budget.get()
+    outer = None if budget is None else budget.outermost
+    return None if outer is None or outer.seconds is None else (outer.clock() - outer.began, outer.seconds)
 
 
 def tick(done: float | None = None, total: float | None = None, what: str = "") -> None:
@@ -150,11 +189,8 @@ def afford(terms: int, others: int = 1) -> None:
     if budget is not None and budget.deadline is not None:
         budget.tick(None, None, "")
         if terms * others > _PRODUCTS * (budget.deadline - budget.clock()):
-            budget.reached = True
-            raise LimitError(
-                f"formulas so long that the limit of {budget.whole or budget.seconds:g} s would probably be exceeded; a longer "
-                "limit may decide it"
-            )
+            why = "which formulas as long as these would probably exceed; a longer limit may decide it"
+            budget.end(f"stopped at the limit of {budget.seconds:g} s, {why}", budget.seconds)
 
 
 def room(terms: int) -> None:
@@ -163,17 +199,34 @@ def room(terms: int) -> None:
     Memory is bounded without a limit in time, too.
     """
     if terms > MOST_TERMS:
-        budget = _budget.get()
-        if budget is not None:
-            budget.reached = True
-        raise LimitError(
-            f"formulas of {terms:,} terms, which memory would not hold: at most {MOST_TERMS:,} are computed with"
-        )
+        why = f"formulas of {terms:,} terms, which memory would not hold: at most {MOST_TERMS:,} are computed with"
+        (_budget.get() or Budget(None, 0, None)).end(why)
 
 
 _PRODUCTS = 5e7
 MOST_TERMS = 1_000_000
 """Of one polynomial, some hundred bytes each; a quotient needs several."""
+
+
+T = TypeVar("T")
+Left: TypeAlias = dict[str, str]
+"""Parts of an answer that were not found in time, each with the reason."""
+
+
+def in_time(part: Callable[[], T], name: str, left: Left) -> T | None:
+    """A part of an answer; None, and the reason in ``left``, where it stays undecided.
+
+    >>> left = {}
+    >>> with limited(1e-9):
+    ...     in_time(tick, "the rest", left)
+    >>> left
+    {'the rest': 'stopped at the limit of 1e-09 s; a longer limit may decide it'}
+    """
+    try:
+        return part()
+    except UndecidedError as error:
+        left[name] = str(error)
+        return None
 
 
 @contextmanager
@@ -197,7 +250,9 @@ def share(part: float) -> Iterator[None]:
     if budget is None or budget.deadline is None:
         yield
         return
-    with limited(max(part * (budget.deadline - budget.clock()), 1e-9), budget.told, budget.whole or budget.seconds):
+    now = budget.clock()
+    own = now + part * (budget.deadline - now)
+    with _inside(Budget(budget.seconds, budget.began, own, budget.told, budget, budget.clock), budget):
         yield
 
 

@@ -41,7 +41,7 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property
-from itertools import groupby, pairwise
+from itertools import pairwise
 from typing import Any
 
 import flint
@@ -59,6 +59,7 @@ UNSEARCHED = "not searched"
 """Why nothing is known of values that nobody looked at: they are no part of what was searched."""
 NOT_NEEDED = "beyond the nearest ends"
 """The same of a set of which only what lies near to the present value was asked for."""
+_UNASKED = UNSEARCHED, NOT_NEEDED
 _UNTOLD = "where a verdict changes is not known closely enough"
 _ALONE = "whether it holds at this one value is not known"
 
@@ -170,6 +171,13 @@ class Piece(Shown):
         """Whether it is one value."""
         return self.first is not None and self.first == self.last
 
+    def is_open_beyond(self, end: RealNumber | None, side: int) -> bool:
+        """Whether nothing is known of it, and all of it lies beyond a value on a side, without an end there."""
+        inner, outer = (self.low, self.high)[::side]
+        if self.verdict is not Verdict.UNDECIDED or outer is not None or inner is None or end is None:
+            return False
+        return ordered(end, inner) * side >= 0
+
     def _line(self) -> str:
         return spanned(self)
 
@@ -229,7 +237,10 @@ class ValueSet(Shown):
 
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:
-        """All that was asked about, in order, as few pieces as possible."""
+        """All that was asked about, in order, as few pieces as possible.
+
+        What is open beyond what was searched is no piece: the last one that is then has no end on that side.
+        """
         found: list[Piece] = []
         for stretch, point in zip(self.stretches, (*self.points, None), strict=True):
             before = found[-1].last if found else None
@@ -237,6 +248,11 @@ class ValueSet(Shown):
                 _append(found, Piece(before, point, (False, False), _VERDICTS[stretch.holds], stretch.reason))
             if point is not None:
                 _append(found, Piece(point, point, (True, True), _VERDICTS[point.holds], point.reason))
+        low, high = self.searched.ends
+        if len(found) > 1 and found[-1].is_open_beyond(high, 1):
+            found[-2:] = [replace(found[-2], last=None, closed=(found[-2].closed[0], False))]
+        if len(found) > 1 and found[0].is_open_beyond(low, -1):
+            found[:2] = [replace(found[1], first=None, closed=(False, found[1].closed[1]))]
         return tuple(found)
 
     @property
@@ -246,22 +262,14 @@ class ValueSet(Shown):
 
     @property
     def undecided(self) -> tuple[Piece, ...]:
-        """The pieces of which nothing is proven, as far as they were searched."""
-        return tuple(
-            x
-            for x in self.pieces
-            if x.verdict is Verdict.UNDECIDED and x.reason not in (UNSEARCHED, NOT_NEEDED) and self._is_searched(x)
-        )
-
-    def _is_searched(self, x: Piece) -> bool:
-        """Whether one of its values was, if only an end of what was."""
-        own = replace(self.searched, holds_low=True, holds_high=True)
-        return own.holds(x.first.value) if x.is_single and x.first else not own.misses(x.low, x.high)
+        """The pieces of which nothing is proven, of those that were asked about."""
+        left = (x for x in self.pieces if x.verdict is Verdict.UNDECIDED)
+        return tuple(x for x in left if x.reason not in _UNASKED)
 
     @property
     def reason(self) -> str:
         """Why something is undecided, each reason once."""
-        return "; ".join(dict.fromkeys(x.reason for x in self.undecided if x.reason))
+        return _joined(*(x.reason for x in self.undecided))
 
     @property
     def ends(self) -> tuple[Point, ...]:
@@ -363,11 +371,20 @@ def _bounded(domain: Domain, stretches: Sequence[Stretch]) -> tuple[Stretch | No
 def _append(pieces: list[Piece], piece: Piece) -> None:
     """Put a piece to those before it; as one with the last of them if that has the same verdict."""
     last = pieces[-1] if pieces else None
-    if last is None or last.verdict is not piece.verdict:
+    is_alike = last is not None and last.verdict is piece.verdict
+    if last is None or not is_alike or (last.reason in _UNASKED) is not (piece.reason in _UNASKED):
         pieces.append(piece)
         return
-    reasons = dict.fromkeys(x for x in (*last.reason.split("; "), piece.reason) if x)
-    pieces[-1] = replace(last, last=piece.last, closed=(last.closed[0], piece.closed[1]), reason="; ".join(reasons))
+    reason = _joined(last.reason, piece.reason)
+    if piece.reason in _UNASKED:
+        reason = UNSEARCHED if UNSEARCHED in (last.reason, piece.reason) else NOT_NEEDED
+    pieces[-1] = replace(last, last=piece.last, closed=(last.closed[0], piece.closed[1]), reason=reason)
+
+
+def _joined(*reasons: str) -> str:
+    """Each reason once."""
+    every = (x for reason in reasons for x in reason.split("; "))
+    return "; ".join(dict.fromkeys(x for x in every if x))
 
 
 Rule = Callable[[Sequence[bool | None]], bool | None]
@@ -406,8 +423,7 @@ def _together(found: Sequence[Point | Stretch | None], rule: Rule) -> Stretch | 
     if len(known) < len(found):
         return None
     holds = rule([x.holds for x in known])
-    reasons = dict.fromkeys(x.reason for x in known if x.holds is None and x.reason)
-    return Stretch(holds, "; ".join(reasons) if holds is None else "")
+    return Stretch(holds, "" if holds is not None else _joined(*(x.reason for x in known if x.holds is None)))
 
 
 @dataclass(frozen=True)
@@ -496,7 +512,7 @@ def solve(question: Question, domain: Domain, searched: Domain | None = None, *,
         return work.found()
 
 
-_UNASKED = Stretch(None, STOPPED)
+_TO_ASK = Stretch(None, STOPPED)
 """A stretch of which one verdict tells all, before that is asked for: it is told from what is open by its identity."""
 
 
@@ -564,8 +580,7 @@ class _Solving:
         try:
             for changes in self.question.changes():
                 self._cut(changes)
-                self._ask_between()
-                if not any(map(self._is_left, range(len(self.stretches)))):
+                if self._ask_between():
                     break
         except UndecidedError as error:
             open_ = Stretch(None, _reason(error))
@@ -592,12 +607,16 @@ class _Solving:
         for x in self.asked.values():
             if x.holds is not None and not _is_up_to(x.value, low) and not _is_up_to(high, x.value):
                 return Stretch(x.holds)
-        return _UNASKED
+        return _TO_ASK
 
-    def _ask_between(self) -> None:
-        """Ask a value of each stretch that is not open, the nearest first; of a near set no more than it takes."""
+    def _ask_between(self) -> bool:
+        """Ask a value of each stretch that is not open, the nearest first; of a near set no more than it takes.
+
+        Whether nothing is left to be found, of what is searched.
+        """
         home = self._home()
         own = self._asked(home)
+        is_done = own.holds is not None
         for ahead in (range(home + 1, len(self.stretches)), range(home - 1, -1, -1)):
             verdicts = [own.holds]
             for i in ahead:
@@ -605,6 +624,8 @@ class _Solving:
                     self._leave_out(i, i - (ahead.step > 0))
                 elif self.stretches[i] is not None:
                     verdicts.append(self._asked(i).holds)
+                    is_done &= verdicts[-1] is not None or self.searched.misses(*self._ends(i))
+        return is_done
 
     def _home(self) -> int:
         """The stretch in which the question's own value lies, or which ends there; the first one where it has none."""
@@ -616,7 +637,7 @@ class _Solving:
 
     def _asked(self, i: int) -> Stretch:
         """What is known of a stretch, by a verdict on one of its values where that tells all."""
-        if self.stretches[i] is _UNASKED:
+        if self.stretches[i] is _TO_ASK:
             found = self._ask(rational_between(*self._ends(i), self.question.own))
             self.stretches[i] = Stretch(found.holds, found.reason)
         own = self.stretches[i]
@@ -625,13 +646,10 @@ class _Solving:
 
     def _leave_out(self, i: int, before: int) -> None:
         """Ask nothing of a stretch that is not needed, nor of the point before it."""
-        if self.stretches[i] is not None:
+        own = self.stretches[i]
+        if own is not None and own.reason != UNSEARCHED:
             self.stretches[i] = Stretch(None, NOT_NEEDED)
         self.points[before] = replace(self.points[before], reason=NOT_NEEDED)
-
-    def _is_left(self, i: int) -> bool:
-        """Whether a stretch is open, needed, and searched."""
-        return _is_open(self.stretches[i]) and not self.searched.misses(*self._ends(i))
 
     # Cells
 
@@ -656,9 +674,16 @@ class _Solving:
                 self._splice(i, cells)
 
     def _splice(self, i: int, cells: Sequence[Cell]) -> None:
-        """Put cells in place of a stretch. What is between two of them is told by the one that is settled, as both hold it."""
-        alike = (list(own) for _, own in groupby(cells, lambda x: (x.holds, x.reason)))
-        merged = [replace(own[0], high=own[-1].high) for own in alike]
+        """Put cells in place of a stretch: neighbours of one verdict as one.
+
+        What is between two of them is told by the one that is settled, as both hold it.
+        """
+        merged = list[Cell]()
+        for x in cells:
+            if merged and merged[-1].holds is x.holds:
+                merged[-1] = replace(merged[-1], high=x.high, reason=_joined(merged[-1].reason, x.reason))
+            else:
+                merged.append(x)
         for j, x in ((i - 1, merged[0]), (i, merged[-1])):  # what is rational is asked
             if 0 <= j < len(self.points) and _rational(self.points[j]) is None:
                 self.points[j] = replace(self.points[j], holds=x.holds)
@@ -698,7 +723,9 @@ class _Solving:
                 holds, reason = self._told(i, ask=ask)
                 self.points[i] = replace(x, holds=holds, reason=reason)
             around = self.stretches[i : i + 2]
-            if None in around and Stretch(holds=True) in around:  # it is the range that ends there
+            if (
+                None in around and Stretch(holds=True) in around and self.points[i].holds
+            ):  # it is the range that ends there
                 self.points[i] = replace(self.points[i], bindings=())
 
     def _told(self, i: int, *, ask: bool) -> tuple[bool | None, str]:

@@ -148,8 +148,8 @@ def _proven(a: Design) -> Iterator[Phrase]:
 
 
 def _why(a: Design) -> str:
-    if a.limit is not None:
-        return f": the limit of {a.limit:g} s was reached; --limit allows more"
+    if a.why:
+        return f": {a.why}"
     exact = " and how passive a display is far above the band" if PASSIVE in a.keep else ""
     return f": cells became too narrow{exact}; narrower ranges help"
 

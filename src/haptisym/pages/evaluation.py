@@ -688,6 +688,7 @@ def _energy(e: Evaluation) -> Iterator[Phrase]:
 
 
 def _proven(e: Evaluation) -> Iterator[Phrase]:
+    yield from w.left_open(e.left)
     if e.undecided:
         where = listed((w.both(point.omega), f" ({x.name})") for x, point in e.undecided)
         yield w.undecided(

@@ -19,8 +19,9 @@ def page(many: FamilyAnswers) -> Document:
         doc.Section(name, (*x[:-2], *w.noted(y for y in notes[name] if y not in shared))) for name, x in pages.items()
     )
     proof = "Proven: the values common to all environments." if many.common else "Each environment is examined alone."
+    proven = *w.left_open(many.left), *shared, proof
     further = ("haptisym evaluate SCENE",)
-    return w.page_about(many.family, _common(many), sections, (*shared, proof), "Several environments", None, further)
+    return w.page_about(many.family, _common(many), sections, proven, "Several environments", None, further)
 
 
 def _common(many: FamilyAnswers) -> Iterator[tuple[Phrase, Phrase]]:

@@ -191,7 +191,9 @@ def formulated(words: str) -> Phrase:
 
 
 def _proven(m: Metrics) -> Iterator[Phrase]:
-    if not m.certified:
+    if not m.decided:
+        yield "Proven: all else."
+    elif not m.certified:
         yield w.undecided(
             "whether some function is tangent to its limit, crosses it twice or stays clear of it, at the precision limit"
         )

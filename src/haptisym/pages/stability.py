@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from fractions import Fraction
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from math import inf, log10
 
 from sympy import Expr, Integer, Rational, exp
 
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity
-from haptisym.kernel.reals import ExactNumber, Way, in_unit
+from haptisym.kernel.reals import ExactNumber, RealNumber, Way, in_unit
 from haptisym.kernel.rootcount import RootChain
+from haptisym.kernel.sets import UNSEARCHED, Point, ValueSet, Verdict
 from haptisym.model.catalogue import Hand, hands
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.pages import words as w
 from haptisym.pages.evaluation import not_looked_at
-from haptisym.verbs.stability.critical import Critical, Nearest, Window
 from haptisym.verbs.stability.entry import Stability, has_plane
 from haptisym.verbs.stability.held import Box, Held, Share
-from haptisym.verbs.stability.margins import MOST_DELAY, MOST_GAIN, Limit, Margins
+from haptisym.verbs.stability.limits import looked_at, open_beside
+from haptisym.verbs.stability.margins import MOST_DELAY, MOST_GAIN, Margins
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
@@ -78,53 +78,34 @@ def _verdict(x: Held) -> Phrase:
     return Strong("unstable"), f" ({x.unstable} unstable pole{'' if x.unstable == 1 else 's'})"
 
 
-def _nearest_limits(found: Stability, x: Held, rows: Sequence[Nearest]) -> Phrase:
+def _nearest_limits(found: Stability, x: Held, sets: Mapping[str, ValueSet]) -> Phrase:
     """Of a stable display how far the nearest parameters may go; of an unstable one what makes it stable."""
     if not (x.stable or x.shakes):
         return ""
     told: list[tuple[float, Phrase]] = []
-    for row in rows:
-        knob = found.scene.knobs[row.path]
-        for low, high in (y for y in row.windows if y[0] is not y[1]):  # a single value is in the table alone
+    for path, values in sets.items():
+        knob = found.scene.knobs[path]
+        for piece in (y for y in values.feasible if not y.is_single):  # a single value is in the table alone
+            limits = [y for y in piece.ends if y in values.ends]
             if x.stable:
-                ends = (("down to ", low, Way.UP), ("up to ", high, Way.DOWN))
+                ends = ((("down to ", Way.UP) if y is piece.first else ("up to ", Way.DOWN), y) for y in limits)
                 told += [
                     (_distance(knob, y), (words, _name(knob), " = ", w.value_of(knob, y.value, way)))
-                    for words, y, way in ends if y
-                ]  # fmt: skip
+                    for (words, way), y in ends
+                ]
             else:
                 now = w.value_of(knob, ExactNumber(knob.value), Way.NEAREST)
-                reach = min(_distance(knob, y) for y in (low, high) if y)
-                unit = f"\xa0{now.unit.text}" if now.unit.text else ""
-                told.append((reach, (*_between(knob, low, high), unit, " (is ", now, ")")))
+                reach = min((_distance(knob, y) for y in limits), default=inf)
+                told.append((reach, (w.values_of([piece], knob, _name(knob)), " (is ", now, ")")))
     few = [words for _, words in sorted(told, key=lambda y: y[0])[:_FEW]]
     so = ": " if x.stable else ": does not shake for " if x.drifts else ": needs "
     return (so, listed(few, "and" if x.stable else "or")) if few else ""
 
 
-def _distance(knob: Knob, x: Critical) -> float:
+def _distance(knob: Knob, x: Point) -> float:
     """From the value that a parameter has, relative to it."""
     now = float(knob.value)
     return abs(float(x.value) - now) / (abs(now) or 1)
-
-
-def _between(knob: Knob, low: Critical | None, high: Critical | None) -> tuple[Phrase, ...]:
-    """``hand.b > 2``, ``2 < hand.b < 5``, without a unit."""
-    least, most = _ends(knob, low, high)
-    if low and high:
-        return least, "\xa0<\xa0", _name(knob), "\xa0<\xa0", most
-    return (_name(knob), " > ", least) if low else (_name(knob), " < ", most)
-
-
-def _ends(knob: Knob, low: Critical | None, high: Critical | None) -> tuple[Phrase, Phrase]:
-    """As printed, without a unit, rounded inward."""
-    least, most = low and w.value_of(knob, low.value, Way.UP), high and w.value_of(knob, high.value, Way.DOWN)
-    return (least and w.bare(least)) or "", (most and w.bare(most)) or ""
-
-
-def _name(knob: Knob) -> Phrase:
-    """A parameter by its symbol; a hand's by its path."""
-    return f"hand.{knob.key}" if knob.is_of_hand else named(knob.symbol.name)
 
 
 def _any_operator(found: Stability) -> Phrase:
@@ -213,49 +194,60 @@ def _box(hand: Hand, box: Box) -> Phrase:
 
 
 def _limits(found: Stability) -> Iterator[Block]:
-    """The limits of each parameter, one varied at a time, the nearest first; those that change nothing in a line."""
-    pairs = [
-        (x, row)
-        for x, rows in zip(found.held, found.critical, strict=True)
-        for row in sorted(rows, key=lambda row: _reach(found, row))
-    ]
-    shown = [(x, row) for x, row in pairs if any(row.windows)]
-    first = {x.hand.name: row for x, row in reversed(shown)}
-    lines = [
-        (x.hand.name if first[x.hand.name] is row else "", found.scene.knobs[row.path], [*row.windows])
-        for x, row in shown
-    ]
+    """What is stable of each parameter, one varied at a time, the nearest first; those that change nothing in a line."""
+    lines: list[tuple[str, Knob, ValueSet]] = []
     notes: list[Phrase] = []
-    for x in found.held:
-        of_hand = [row for y, row in pairs if y is x]
-        none = [row for row in of_hand if not row.reason and not any(row.windows)]
-        crowded = [row for row in none if any(y.is_crowded for y in row.found)]
-        for rows, words in (
-            ([row for row in none if not row.found], _kept(x)),
-            ([row for row in none if row.found and row not in crowded], _CROSSED),
-            (crowded, "a chain of poles leaves open what is stable next to the limit of "),
-        ):
-            names, ends = (listed(x) for x in (_names(found, rows), _searched(found, rows)))
-            notes += [(f"{x.hand.name}: {words}", names, (" (", ends, ")") if ends else "", ".")] if rows else []
-        if ends := listed(_searched(found, [row for row in of_hand if any(_is_open(row, *y) for y in row.windows)])):
-            notes.append((f"{x.hand.name}: searched ", ends, "."))
-        for why in dict.fromkeys(row.reason for row in of_hand if row.reason):
-            names = listed(_names(found, [row for row in of_hand if row.reason == why]))
-            notes.append(w.undecided((names, f" in {x.hand.name}: {why}")))
+    for x, sets in zip(found.held, found.critical, strict=True):
+        rows = [(found.scene.knobs[path], values) for path, values in sets.items()]
+        shown = sorted(((knob, y) for knob, y in rows if y.ends), key=lambda row: _reach(*row))
+        lines += [("" if i else x.hand.name, *row) for i, row in enumerate(shown)]
+        notes += _notes(x, rows)
     holds = "does not shake for" if any(x.drifts for x in found.held) else "stable for"
     limits = w.table(
-        lines, "The nearest values, either way, at which stability changes, and the frequency of the pole there.",
+        lines, "The values, next to the present ones, for which it is stable, and the frequency of the pole at each end.",
         w.Field("hand", lambda x: x[0]), w.Field("parameter", lambda x: _name_and_unit(x[1])),
         w.Field("is", lambda x: w.bare(w.value_of(x[1], ExactNumber(x[1].value), Way.NEAREST))),
-        w.Field(holds, lambda x: listed((_stable_for(x[1], *y) for y in x[2]), "or")),
-        w.Field(("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: listed(_places(x[2]))),
+        w.Field(holds, lambda x: (_least(*x[1:]), w.values_of(x[2].feasible, x[1], _name(x[1]), in_table=True))),
+        w.Field(("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: listed(_place(y) for y in x[2].ends)),
     )  # fmt: skip
     if lines or notes:
         blocks = (limits,) if lines else ()
         yield doc.Section("Stability limits, one parameter varied at a time", (*blocks, *w.noted(notes)))
 
 
-_CROSSED = "stays unstable past the nearest pole crossing of "
+def _notes(x: Held, rows: Sequence[tuple[Knob, ValueSet]]) -> Iterator[Phrase]:
+    """Of a hand: which parameters change nothing, how far was searched, and what stayed open."""
+    looked = [(knob, looked_at(knob, values), values) for knob, values in rows]
+    none = [(knob, ends) for knob, ends, values in looked if not (values.ends or any(open_beside(knob, values)))]
+    if none:
+        ends, kept = listed(_searched(none)), listed(_name(knob) for knob, _ in none)
+        yield f"{x.hand.name}: {_kept(x)}", kept, (" (", ends, ")") if ends else "", "."
+    further = [(knob, ends) for knob, ends, values in looked if values.ends and _least(knob, values)]
+    if ends := listed(_searched(further)):
+        yield f"{x.hand.name}: searched ", ends, "."
+    why: dict[str, list[Phrase]] = {}
+    for knob, values in rows:
+        for reason in open_beside(knob, values):
+            why.setdefault(reason, []).append(_name(knob))
+    for reason, names in why.items():
+        yield w.undecided((listed(names), f" in {x.hand.name}: {reason}"))
+
+
+def _least(knob: Knob, values: ValueSet) -> str:
+    """Whether what is stable may go on beyond what is known of it."""
+    open_ = [y for side in (-1, 1) if (y := values.unknown(ExactNumber(knob.value), side)) is not None]
+    points = [y for piece in open_ for y in piece.ends]
+    return "at least " if any(y in points for piece in values.feasible for y in piece.ends) else ""
+
+
+def _name(knob: Knob) -> Phrase:
+    """A parameter by its symbol; a hand's by its path."""
+    return f"hand.{knob.key}" if knob.is_of_hand else named(knob.symbol.name)
+
+
+def _name_and_unit(knob: Knob) -> Phrase:
+    shown = knob.shown_unit(knob.motion).text
+    return _name(knob), f" ({shown})" if shown else ""
 
 
 def _kept(x: Held) -> str:
@@ -265,15 +257,26 @@ def _kept(x: Held) -> str:
     return f"{'stable' if x.stable else 'unstable'} for all values searched of "
 
 
-def _is_open(row: Nearest, low: Critical | None, high: Critical | None) -> bool:
-    """Whether what is stable may have an end beyond what was searched."""
-    return (low is None and row.low is not None) or (high is None and row.high is not None)
-
-
-def _reach(found: Stability, row: Nearest) -> float:
+def _reach(knob: Knob, values: ValueSet) -> float:
     """How near its nearest limit is, relative to the value."""
-    knob = found.scene.knobs[row.path]
-    return min((_distance(knob, x) for x in row.found), default=inf)
+    return min(_distance(knob, x) for x in values.ends)
+
+
+def _searched(rows: Iterable[tuple[Knob, tuple[RealNumber | None, RealNumber | None]]]) -> Iterator[Phrase]:
+    """Parameters of which not all values were searched, and which were."""
+    for knob, (low, high) in rows:
+        if low is not None or high is not None:
+            first: Phrase = "" if low is None else (" from ", w.bare(w.value_of(knob, low, Way.UP)))
+            last: Phrase = "" if high is None else (" up to ", w.value_of(knob, high, Way.DOWN))
+            yield _name(knob), first, last
+
+
+def _place(x: Point) -> Phrase:
+    omega = x.bindings[0].omega
+    return "from infinity" if omega is None else w.cell(omega)
+
+
+# Margins.
 
 
 def _margins(found: Stability) -> Iterator[Block]:
@@ -282,37 +285,51 @@ def _margins(found: Stability) -> Iterator[Block]:
     if not rows:
         return
 
-    def sides(of: Callable[[Limit, Way], Phrase]) -> w.Cell:
-        def cell(row: tuple[str, Margins]) -> Phrase:
-            below, above = row[1].below, row[1].above
-            if "gain" in dict(row[1].undecided):
-                return Strong("undecided")
-            low, high = below and of(below, Way.UP), above and of(above, Way.DOWN)
-            return (low, " to ", high) if low and high else ("> ", low) if low else ("< ", high) if high else "any"
+    def gain(of: Callable[[RealNumber, Way], Phrase]) -> w.Cell:
+        return lambda row: _factors(row[1], of)
 
-        return cell
-
-    def one(name: str, of: Callable[[Margins], Limit | None], size: Expr) -> w.Cell:
-        def cell(row: tuple[str, Margins]) -> Phrase:
-            x = of(row[1])
-            none = Strong("undecided") if name in dict(row[1].undecided) else "any"
-            return none if x is None else doc.Real(in_unit(x.value, size), Way.DOWN)
-
-        return cell
-
-    phase = [w.number("phase (deg)", one("phase_deg", lambda x: x.phase, Integer(1)))] * (not clocks(found.scene))
+    phase = [w.number("phase (deg)", lambda x: _up_to(x[1].phase, Integer(1)))] * (not clocks(found.scene))
     yield doc.Section(
         "Margins: how much the rendered force may change",
         (
             w.table(
                 rows, "By which factor, and by how much more delay or angle at one frequency, until it is unstable.",
-                w.Field("hand", lambda x: x[0]), w.Field("factor", sides(lambda x, way: doc.Real(x.value, way))),
-                w.Field("dB", sides(lambda x, way: doc.Real(20 * log10(float(x.value)), way, most=3))),
-                w.number("more delay (ms)", one("delay", lambda x: x.delay, Rational(1, 1000))), *phase,
+                w.Field("hand", lambda x: x[0]), w.Field("factor", gain(doc.Real)),
+                w.Field("dB", gain(lambda x, way: doc.Real(20 * log10(float(x)), way, most=3))),
+                w.number("more delay (ms)", lambda x: _up_to(x[1].delay, Rational(1, 1000))), *phase,
             ),
             *w.noted([_SEARCHED, *map(w.undecided, _open_margins(rows))]),
         ),
     )  # fmt: skip
+
+
+def _factors(x: Margins, of: Callable[[RealNumber, Way], Phrase]) -> Phrase:
+    """From which factor to which one it is stable; of a side on which that is not known as far as it is."""
+    about, at_1 = x.gain.about(ExactNumber(Integer(1))), ExactNumber(Integer(1))
+    if about.verdict is Verdict.UNDECIDED or about.low is None or about.high is None:
+        return Strong("undecided")
+    low, high = of(about.low, Way.UP), of(about.high, Way.DOWN)
+    if any(x.gain.unknown(at_1, side) for side in (-1, 1)):
+        return "at least ", low, " to ", high
+    if x.below is None:
+        return "any" if x.above is None else ("< ", high)
+    return ("> ", low) if x.above is None else (low, " to ", high)
+
+
+def _up_to(x: ValueSet | None, size: Expr) -> Phrase:
+    """The delay, or the angle, up to which it is stable, or is known to be."""
+    zero = ExactNumber(Integer(0))
+    if x is None:
+        return ""
+    about, end, more = x.about(zero), x.end(zero, 1), x.unknown(zero, 1)
+    if end is not None:
+        return doc.Real(in_unit(end.value, size), Way.DOWN)
+    if more is None:
+        return "any"
+    if about.verdict is Verdict.UNDECIDED or about.is_single or about.high is None:
+        return Strong("undecided")
+    beyond = "; not searched above" if more.reason == UNSEARCHED else ""
+    return "at least ", doc.Real(in_unit(about.high, size), Way.DOWN), beyond
 
 
 _SEARCHED = f"Searched: factors from 0.001 to {MOST_GAIN}, delays up to {MOST_DELAY} s; any: no limit in that range."
@@ -328,46 +345,6 @@ def _open_margins(rows: Sequence[tuple[str, Margins]]) -> Iterator[Phrase]:
     for why, found in left.items():
         hands_, names = (listed(dict.fromkeys(x)) for x in zip(*found, strict=True))
         yield names, " in ", hands_, f": {why}"
-
-
-def _name_and_unit(knob: Knob) -> Phrase:
-    shown = knob.shown_unit(knob.motion).text
-    return _name(knob), f" ({shown})" if shown else ""
-
-
-def _names(found: Stability, rows: Sequence[Nearest]) -> Iterator[Phrase]:
-    return (_name(found.scene.knobs[row.path]) for row in rows)
-
-
-def _searched(found: Stability, rows: Sequence[Nearest]) -> Iterator[Phrase]:
-    """Parameters of which not all values were searched, and which were."""
-    for row in rows:
-        if row.low is not None or row.high is not None:
-            knob = found.scene.knobs[row.path]
-            yield _name(knob), _range(knob, row.low, row.high)
-
-
-def _range(knob: Knob, low: Fraction | None, high: Fraction | None) -> Phrase:
-    first: Phrase = (" from ", w.bare(w.value_of(knob, low, Way.UP))) if low else ""
-    return (first, " up to ", w.value_of(knob, high, Way.DOWN)) if high is not None else (first, "")
-
-
-def _stable_for(knob: Knob, low: Critical | None, high: Critical | None) -> Phrase:
-    """Values for which it is stable, in a row of the parameter."""
-    least, most = _ends(knob, low, high)
-    if low is high:
-        return least, " alone"
-    return _between(knob, low, high) if low and high else ("> ", least) if low else ("< ", most)
-
-
-def _places(windows: Sequence[Window]) -> Iterator[Phrase]:
-    """The frequencies of the poles at the ends of what is stable."""
-    for low, high in windows:
-        yield from (_place(x) for x in dict.fromkeys((low, high)) if x)
-
-
-def _place(x: Critical) -> Phrase:
-    return "from infinity" if x.omega is None else w.cell(x.omega)
 
 
 # Prescribed motion, and passivity.

@@ -192,5 +192,5 @@ def _proven(a: Tolerances) -> Iterator[Phrase]:
         yield "Proven: ", what, ", for every value in the ranges."
     if a.verdict is Verdict.UNDECIDED:
         yield w.undecided("whether the display is transparent on the whole band for all values, some or none")
-    if a.limit is not None:
-        yield f"Stopped after {a.limit:g} s: intervals may be wider than they need be, and {len(a.samples)} sets were drawn."
+    if a.why:
+        yield w.undecided(f"whether intervals are narrower; {len(a.samples)} of {a.count} sets were drawn: {a.why}")

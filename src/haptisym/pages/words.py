@@ -17,6 +17,7 @@ from haptisym.kernel import reals
 from haptisym.kernel.reals import Printable, RealNumber, Way, in_unit
 from haptisym.kernel.rings import RationalFunction, omega
 from haptisym.kernel.roots import Interval, Point
+from haptisym.kernel.sets import Piece
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.quantities import Dimension, MotionKind, Unit, unit_text
 from haptisym.model.scene import Knob, Scene
@@ -177,6 +178,11 @@ def undecided(what: Phrase) -> Phrase:
     return Strong("Undecided"), ": ", what, "."
 
 
+def left_open(left: Mapping[str, str]) -> Iterator[Phrase]:
+    """Parts of an answer that were not found in time."""
+    return (undecided((name, ": ", why)) for name, why in left.items())
+
+
 def near(x: Printable, *, unit: Unit | None = None, most: int = 1000) -> doc.Real:
     """A number to the nearest: of a place, a value, an estimate with so many digits at most."""
     return doc.Real(x, Way.NEAREST, unit=unit or Unit(""), most=most)
@@ -247,6 +253,28 @@ def value_of(knob: Knob, x: Printable, way: Way) -> doc.Real:
 def bare(x: doc.Real) -> doc.Real:
     """A number without the name of its unit, which follows or stands in the heading."""
     return doc.Real(in_unit(x.value, x.unit.size), x.way)
+
+
+def values_of(pieces: Iterable[Piece], knob: Knob, name: Phrase = "", *, in_table: bool = False) -> Phrase:
+    """The values of a parameter, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none. Ends are rounded inward.
+
+    ``in_table`` : without the unit, which stands in the heading.
+    """
+    shown = bare if in_table else lambda x: x
+    return listed((_piece(x, knob, name or named(knob.symbol.name), shown) for x in pieces), "or") or "no value"
+
+
+def _piece(x: Piece, knob: Knob, name: Phrase, shown: Callable[[doc.Real], doc.Real]) -> Phrase:
+    if x.low is None and x.high is None:
+        return "every value of ", name
+    if x.low is not None and x.is_single:
+        return name, " = ", shown(value_of(knob, x.low, Way.NEAREST)), " alone"
+    least = None if x.low is None else value_of(knob, x.low, Way.UP)
+    most = "" if x.high is None else shown(value_of(knob, x.high, Way.DOWN))
+    signs = [" ≤ " if closed else " < " for closed in x.closed]
+    if least is not None and x.high is None:
+        return name, " ≥ " if x.closed[0] else " > ", shown(least)
+    return (bare(least), signs[0]) if least is not None else (), name, signs[1], most
 
 
 _SYMBOLS = {"|G - 1|": Absolute(Sum(((1, named("G")), (-1, Numeral("1")))))}

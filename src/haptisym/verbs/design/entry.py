@@ -11,7 +11,8 @@ is left is said.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -83,7 +84,7 @@ class Design(Answer):
     ``given`` : what the scene's own values attain. ``best`` : what the best values found attain, exactly, and that they keep what
     must be kept; None where no values were found that do. ``bandwidth`` : between which numbers the largest one lies,
     rad/s. ``where`` : cells, (cells, parameters, 2), SI, outside of which nothing is better than ``best``. ``limit`` : as
-    in ``Requirement``.
+    in ``Requirement``; ``why`` : the reason, where something was cut short.
     """
 
     _schema: ClassVar[str] = "haptisym.design/1"
@@ -103,6 +104,7 @@ class Design(Answer):
     loss: tuple[Loss, ...] = ()
     limit: float | None = None
     question: Question | None = field(default=None, repr=False)
+    why: str = ""
 
     def _line(self) -> str:
         if self.best is None:
@@ -198,7 +200,8 @@ class Design(Answer):
 
     def _left(self) -> dict[str, Any]:
         robust = {"robust": float(self.robust)} if self.robust else {}
-        return robust | ({"limit": self.limit} if self.limit is not None else {})
+        limit = {"limit": self.limit} if self.limit is not None else {}
+        return robust | limit | ({"reason": self.why} if self.why else {})
 
 
 @dataclass(frozen=True)
@@ -476,21 +479,13 @@ def design(
     question = Question(family, knobs, ranges, wanted, off, float(within))
     search = _Search(question, float(within))
     with limited(limit, told) as budget:
-        cut = _reached(search.go)
+        with suppress(LimitError):
+            search.go()
         losses = tuple(search.losses())
     return Design(
         family, knobs, ranges, wanted, off, within, search.given, search.best, search.bounds(), search.where(), losses,
-        budget.seconds if cut or budget.reached else None, question,
+        budget.cut, question, budget.why,
     )  # fmt: skip
-
-
-def _reached(work: Callable[[], None]) -> bool:
-    """Whether the time was over before the work was done."""
-    try:
-        work()
-    except LimitError:
-        return True
-    return False
 
 
 def _share(what: str, given: Number) -> Expr:

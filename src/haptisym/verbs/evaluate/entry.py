@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 from haptisym.judge import evaluation
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.budget import SECONDS, in_time, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.quantities import Number
@@ -66,7 +67,8 @@ def evaluate(
     ``proportion`` : of right answers, to which a JND that tells its own is converted. ``movement`` : such as "0:15" (rad/s),
     of which ``movement`` is to tell what a fit of k, b and m to it reports (``verbs.evaluate.movement``). ``discriminate`` :
     whether ``discrimination`` is to tell which changes would decide between square, disc and tilted ellipses.
-    ``limit`` : seconds after which a LimitError says that it is not decided; None for none.
+    ``limit`` : seconds of processor time after which ``left`` names what is not decided; None for none. LimitError where the
+    crossings are not.
     A scene whose perceived dynamics is measured is judged at its lines alone, and gives a ``MeasuredEvaluation``.
     Raises SceneError if a parameter is still a symbol.
 
@@ -92,16 +94,20 @@ def evaluate(
         given = as_scene(given).at_proportion(proportion)
     with limited(limit):
         found = _evaluated(given, digits, tolerance)
-        found = found.with_regions() if regions or discriminate else found
+        left = found.left
+        if regions or discriminate:
+            found = in_time(found.with_regions, "regions", left) or found
         if discriminate:
             from haptisym.verbs.evaluate.discriminate import discriminate as deciding  # loaded where it is asked for
 
-            found = replace(found, discrimination=deciding(found))
-        if movement is None:
-            return found
-        from haptisym.verbs.evaluate.movement import movement as fitted  # loaded where it is asked for
+            discrimination = in_time(partial(deciding, found), "discriminate", left)
+            found = replace(found, discrimination=discrimination)
+        if movement is not None:
+            from haptisym.verbs.evaluate.movement import movement as fitted  # loaded where it is asked for
 
-        return replace(found, movement=fitted(found.scene, movement))
+            found = replace(found, movement=in_time(partial(fitted, found.scene, movement), "movement", left))
+        _ = found.bandwidths  # of a range of thresholds, which tell themselves where the time for them is over
+    return found
 
 
 def _evaluated(scene: Scene, digits: int, tolerance: Number | None) -> Evaluation:

@@ -7,12 +7,14 @@ environments bind that have an end of their own there. A value that no environme
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
+from haptisym.kernel.budget import Left, share
+from haptisym.kernel.errors import UndecidedError, within
 from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.sets import ValueSet, combined
 from haptisym.model.scene import Scene
@@ -24,7 +26,8 @@ class FamilyAnswers(Answer):
     """The result of one command for each environment of a scene: ``answers``, by the names of the environments.
 
     ``common`` : where they are sets of values of one parameter, their intersection, SI, proven; else None. ``binding`` : at each
-    end of it the environments that limit it. Each result is that of its environment alone. Made by ``answer_each``.
+    end of it the environments that limit it. Each result is that of its environment alone. ``left`` : the environments without
+    a result, each with the reason. Made by ``answer_each``.
     """
 
     _schema: ClassVar[str] = "haptisym.answers/1"
@@ -33,6 +36,7 @@ class FamilyAnswers(Answer):
 
     family: SceneFamily
     answers: Mapping[str, Any]
+    left: Left = field(default_factory=dict)
 
     def _line(self) -> str:
         return f"{titled(self.family.title)}: {counted(len(self.answers), 'answer')}"
@@ -45,19 +49,19 @@ class FamilyAnswers(Answer):
     def certified(self) -> bool:
         """Whether all answers are, and nothing that they share was left undecided."""
         shared = self.common is None or not self.common.undecided
-        return all(x.certified for x in self.answers.values()) and shared
+        return all(x.certified for x in self.answers.values()) and shared and not self.left
 
     @property
     def settled(self) -> bool:
         """Whether no answer has a question that stayed undecided."""
-        return all(x.settled for x in self.answers.values())
+        return all(x.settled for x in self.answers.values()) and not self.left
 
     @cached_property
     def common(self) -> ValueSet | None:
         """The values that do for all environments; None where the answers are no such sets."""
         found = list(self.answers.values())
         domains: set[Any] = {getattr(x, "domain", None) for x in found}
-        if len(domains) > 1 or None in domains or not all(hasattr(x, "values") for x in found):
+        if self.left or len(domains) > 1 or None in domains or not all(hasattr(x, "values") for x in found):
             return None  # no sets of values, or of different ranges: a parameter of the environments themselves
         return combined([x.values for x in found])
 
@@ -83,6 +87,10 @@ class FamilyAnswers(Answer):
             **({"common": self._common()} if self.common else {}),
         }
 
+    def _left(self) -> dict[str, Any]:
+        rows = [{"name": name, "reason": why} for name, why in self.left.items()]
+        return {"undecided": rows} if rows else {}
+
     def _common(self) -> dict[str, Any]:
         def pair(low: Any, high: Any) -> list[float | None]:
             return [None if x is None else float(x) for x in (low, high)]
@@ -100,7 +108,8 @@ def answer_each(family: SceneFamily | Scene | str | Path, question: Callable[[Sc
 
     ``family`` : scenes, or their name or file. ``question`` : what is asked of each scene, such as ``hs.stability``, or a
     lambda with its arguments. Guaranteed: each answer is that of its environment alone; ``common``, of ``hs.require``, is the
-    intersection of the proven sets. Raises what the question raises.
+    intersection of the proven sets. Raises what the question raises; where it is undecided for some environments, for all others
+    there is an answer.
 
     >>> from haptisym import load_scenes, require
     >>> family = load_scenes("fu2019", ["fu2019", "helicopter-cyclic"])
@@ -109,4 +118,13 @@ def answer_each(family: SceneFamily | Scene | str | Path, question: Callable[[Sc
     True
     """
     family = as_family(family)
-    return FamilyAnswers(family, {name: question(scene) for name, scene in family.scenes.items()})
+    answers, left = dict[str, Any](), Left()
+    for i, (name, scene) in enumerate(family.scenes.items()):
+        try:
+            with share(1 / (len(family) - i)), within(f'environment "{name}"'):
+                answers[name] = question(scene)
+        except UndecidedError as error:
+            left[name] = str(error)
+            if len(left) == len(family):
+                raise
+    return FamilyAnswers(family, answers, left)

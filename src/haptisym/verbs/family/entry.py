@@ -14,8 +14,7 @@ from typing import Any, ClassVar
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, noticed
 from haptisym.judge.evaluation import OWN, Compared, Evaluation, evaluate
-from haptisym.kernel.budget import SECONDS, limited
-from haptisym.kernel.errors import within
+from haptisym.kernel.budget import SECONDS, in_time, limited
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, Key, Signed, Signs, chart
@@ -24,6 +23,7 @@ from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import SceneFamily, as_family
+from haptisym.verbs.family.answers import FamilyAnswers, answer_each
 
 
 @dataclass(frozen=True)
@@ -225,14 +225,15 @@ def evaluate_all(
     regions: bool = False,
     proportion: Number | None = None,
     limit: float | None = SECONDS,
-) -> FamilyEvaluation:
+) -> FamilyEvaluation | Any:
     """Evaluate one display with several environments: each, the band on which all are transparent, and who binds there.
 
     ``digits`` : decimal digits of each crossing. ``regions`` : whether ``regions`` is to tell what square, disc and diamond of
     the JND's half widths say. ``proportion`` : of right answers, to which a JND that tells its own is converted. Guaranteed: the
     common transparent set is the intersection of the environments' own; its ends are proven, and which environment they belong
-    to. ``limit`` : seconds after which a LimitError says that it is not decided; None for none. Raises SceneError if a parameter
-    is still a symbol, UndecidedError where two ends could not be told apart.
+    to. ``limit`` : seconds of processor time, None for none. Where they are over before that, or two ends cannot be told apart,
+    the answers of single environments are returned, as of ``answer_each``; LimitError where there is not even one. Raises
+    SceneError if a parameter is still a symbol.
 
     >>> from haptisym.model.scenefile import load_scenes
     >>> found = evaluate_all(load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]))
@@ -246,11 +247,17 @@ def evaluate_all(
         return _evaluated(family, digits, regions=regions)
 
 
-def _evaluated(family: SceneFamily, digits: int, *, regions: bool) -> FamilyEvaluation:
-    answers = {}
-    for name, scene in family.scenes.items():
-        with within(f'environment "{name}"'):
-            answers[name] = evaluate(scene, digits)
+def _evaluated(family: SceneFamily, digits: int, *, regions: bool) -> FamilyEvaluation | FamilyAnswers:
+    each = answer_each(family, lambda scene: evaluate(scene, digits))
+    found = None if each.left else in_time(lambda: _together(each, digits, regions=regions), _ALL, each.left)
+    return each if found is None else found
+
+
+_ALL = "what all environments have in common"
+
+
+def _together(each: FamilyAnswers, digits: int, *, regions: bool) -> FamilyEvaluation:
+    family, answers = each.family, each.answers
     worst = WorstCase.of(family, family.threshold)
     if not regions:
         return FamilyEvaluation(family, answers, worst, digits)

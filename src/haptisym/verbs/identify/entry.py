@@ -474,8 +474,8 @@ def identify(
     ``response`` : what was measured, or the file of it; or a scene with ``[perceived]``, of which what should be felt is known
     and the effects are fitted. ``environment``, ``effects`` : models of the catalogue, ``"shunt:m"`` with some parameters alone,
     ``"second-order-lowpass:zeta=0.5"`` with a given value. ``degrees`` : of a numerator and denominator, in place of a model.
-    ``band`` : only lines on it. ``averages``, ``confidence`` : of a file's. ``limit`` : seconds that it may take, LimitError
-    after them; None for none. SceneError for what cannot be fitted.
+    ``band`` : only lines on it. ``averages``, ``confidence`` : of a file's. ``limit`` : seconds of processor time that it may
+    take, LimitError after them; None for none. SceneError for what cannot be fitted.
 
     >>> import haptisym as hs
     >>> felt = hs.sampled("fu2019", [2, 4, 6, 8, 10, 12])

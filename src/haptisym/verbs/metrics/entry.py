@@ -5,13 +5,14 @@ Each with its closed form, proven numbers, its source and how well that is known
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from pathlib import Path
 
 from haptisym.judge.crossings import Criterion, kept
 from haptisym.judge.evaluation import evaluate
 from haptisym.judge.peaks import largest
-from haptisym.kernel.budget import SECONDS, limited
+from haptisym.kernel.budget import SECONDS, Left, in_time, limited
 from haptisym.kernel.dynamics import RealFunction, squared_modulus
 from haptisym.kernel.reals import RealNumber, SquareRoot, short
 from haptisym.kernel.rings import RationalFunction
@@ -72,8 +73,9 @@ def metrics(scene: Scene | str | Path, *, absolute_stability: bool = False, limi
 
     Transmitted impedance ratio and relative distortion, Z_min, Z_max and Z_width, sensitivity, passivity and absolute
     stability at all frequencies, effective stiffness, mass and damping, free response. ``absolute_stability`` : whether the page
-    tells it where it fails, too, as it does for most displays. ``limit`` : seconds after which a
-    LimitError says that it is not decided; None for none. Raises SceneError if a parameter is still a symbol.
+    tells it where it fails, too, as it does for most displays. ``limit`` : seconds of processor time after which all
+    further measures are undecided; None for none. LimitError where the crossings are. Raises SceneError if a parameter is still a
+    symbol.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = metrics(load_scene("fu2019"))
@@ -83,13 +85,13 @@ def metrics(scene: Scene | str | Path, *, absolute_stability: bool = False, limi
     scene = as_scene(scene)
     with limited(limit):
         m = Measured(evaluate(scene))
-        found = (
-            _ratio(m), _relative(m), _range(m), _sensitivity(m),
-            passivity_measure(m), absolute_stability_measure(m), _effective(m),
-            _free(m.free, m, "aeroplanes", "A, attachment 2, table A2A, 2.b"),
-            _free(m.free_of_a_helicopter, m, "helicopters", "C, attachment 2, table C2A, 2.a.5"),
-        )  # fmt: skip
-        return Metrics(m.evaluation, found, tuple(disagreements(m)), m, absolute_stability)
+        left = Left()
+        found = tuple(
+            in_time(partial(measure, m), name, left) or Metric(name, (), (), "", "", f"undecided: {left[name]}")
+            for name, measure in _MEASURES.items()
+        )
+        notes = in_time(lambda: tuple(disagreements(m)), "notes", left) or ()
+        return Metrics(m.evaluation, found, notes, m, absolute_stability)
 
 
 def _modulus_at_ends(function: RationalFunction, m: Measured, what: str) -> list[Value]:
@@ -215,3 +217,18 @@ def _free(found: FreeResponse, m: Measured, of: str, table: str) -> Metric:
         f"free response, {of}", (), tuple(values), f"14 CFR Part 60, appendix {table}",
         "verified; the whole response from rest", f"{passed}{how}",
     )  # fmt: skip
+
+
+_MEASURES: Mapping[str, Callable[[Measured], Metric]] = {
+    "transmitted impedance ratio": _ratio,
+    "relative distortion": _relative,
+    "impedance range": _range,
+    "sensitivity": _sensitivity,
+    "passivity": passivity_measure,
+    "absolute stability": absolute_stability_measure,
+    "effective impedance": _effective,
+    "free response, aeroplanes": lambda m: _free(m.free, m, "aeroplanes", "A, attachment 2, table A2A, 2.b"),
+    "free response, helicopters": lambda m: _free(
+        m.free_of_a_helicopter, m, "helicopters", "C, attachment 2, table C2A, 2.a.5"
+    ),
+}

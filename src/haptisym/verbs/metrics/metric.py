@@ -497,7 +497,12 @@ class Metrics(Answer):
     @property
     def certified(self) -> bool:
         """Whether nothing that a measure is read off was left undecided."""
-        return self.measured.certified
+        return self.decided and self.measured.certified
+
+    @property
+    def decided(self) -> bool:
+        """Whether every measure was found in time."""
+        return not any(x.verdict.startswith("undecided") for x in self.metrics)
 
     def __getitem__(self, name: str) -> Metric:
         for metric in self.metrics:

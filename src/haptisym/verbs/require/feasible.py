@@ -23,7 +23,7 @@ from haptisym.kernel.roots import ascending, is_told, ordered
 from haptisym.kernel.sets import Domain, Point, Stretch, ValueSet
 
 if TYPE_CHECKING:  # only what is asked of a hand has gaps
-    from haptisym.verbs.stability.loops import Gap
+    from haptisym.kernel.sets import Open as Gap
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,7 @@ class Question:
         low, high = (None if x is None else x.value for x in (a, b))
         if self._is_beyond(high):
             return self._failed(low, high, _BEYOND)
-        if (gap := next((x for x in self.gaps if x.holds(low, high)), None)) is not None:
+        if (gap := next((x for x in self.gaps if x.covers(low, high)), None)) is not None:
             return self._failed(low, high, gap.reason or "critical values come as near to one as one likes")
         return self._told(rational_between(low, high, self.own), low, high)
 

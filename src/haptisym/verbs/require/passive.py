@@ -14,9 +14,9 @@ verdict tells.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cached_property, partial
-from itertools import count, pairwise
+from itertools import count
 
 import flint
 from flint import arb
@@ -26,12 +26,12 @@ from haptisym.judge.bindings import Binding, Kind
 from haptisym.judge.colgate import SampledPassivity, loop_of, sampled_passivity
 from haptisym.judge.crossings import PASSIVE
 from haptisym.judge.passivity import environment_alone, passivity
-from haptisym.kernel.budget import Waiting, spared, tick
+from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction, Ring
-from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.errors import LimitError, UndecidedError
+from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
-from haptisym.kernel.sets import Change, Changes, Domain, Open, Question, ValueSet, solve
+from haptisym.kernel.sets import STOPPED, Cell, Change, Changes, Domain, Open, Question, ValueSet, solve
 from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import Rule, values
 from haptisym.model.scene import Knob, Scene
@@ -43,8 +43,6 @@ from haptisym.verbs.require.freeparameter import (
     conditions,
     critical,
     irreducible,
-    is_between,
-    keeps_sign,
     missing,
     pieces,
     real_roots,
@@ -54,236 +52,190 @@ from haptisym.verbs.stability.ranges import count_at
 
 _BITS = 256
 
-_FAR = 1000  # times the value that a parameter has, where the range has no end
-_FURTHER = Rational(1, 64)  # of a range, beyond an end at which signs may change
-_FINEST, _LEAST = Rational(1, 1 << 11), Rational(1, 1 << 24)  # of the values, and of the range
+_FAR = 1000
+"""How many times the value that a parameter has cells go, where the range has no end."""
+_FINEST, _LEAST = Rational(1, 1 << 11), Rational(1, 1 << 14)
+"""Cells are cut no further: shares of their values, and of the value that the parameter has."""
 _MOST = 200
 _ROUNDING_BITS = 64
-
-
-@dataclass(frozen=True)
-class _Cell:
-    """Values, and whether all are passive; None: not shown, and if it ``is_last`` no part of it will be.
-
-    ``turn`` : where they turn at a root of G(0, q). ``alone`` : ends that are to be asked about by themselves.
-    """
-
-    low: Rational
-    high: Rational
-    verdict: bool | None
-    turn: RealNumber | None = None
-    alone: tuple[Rational, ...] = ()
-    is_last: bool = False
-
-
-def solve_by_cells(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
-    """All values for which a display is passive, where cells prove it."""
-    search = _Search(scene, free)
-    start, end = _window(free, asked, search.openings)
-    if not any(search.is_told(x) for x in (_near(free.value), start + (end - start) / 3, end)):
-        raise UndecidedError(_TOO_NEAR)
-    cells = list(search.cells(start, end))
-    alone = {x: search.holds_at(x) for x in _alone(search, cells)}
-    turns = [*_turns(search, cells), *(Change(ExactNumber(end), ()) for end in alone)]
-
-    def verdict(value: Expr) -> bool | None:
-        if value in alone:
-            return alone[value]
-        if search.is_active(value):
-            return False
-        if not start <= value <= end:
-            return further[value > end]
-        own = [x for x in cells if x.low <= value <= x.high]
-        if any(x.turn for x in own):
-            return True  # but where it begins active, which was asked already
-        told = {x.verdict for x in own}
-        if not told - {None}:
-            raise UndecidedError(_LEFT)
-        return True in told
-
-    first, last = (not search.is_active(x) if y.turn else y.verdict for x, y in ((start, cells[0]), (end, cells[-1])))
-    below = asked.low is None and search.beyond(start, -1, here=first)
-    above = asked.high is None and search.beyond(end, 1, here=last)
-    further = {False: below, True: above}
-    beyond = list[tuple[RealNumber | None, RealNumber | None]]()
-    if below is None:
-        beyond.append((None, ExactNumber(start)))
-    if above is None:
-        beyond.append((ExactNumber(end), None))
-    open_ = [Open(low, high, _BEYOND) for low, high in beyond]
-    with spared():  # what is told is put in order even where the time is over
-        return _between(scene, free, asked, turns, verdict, open_)
-
-
-def _turns(search: _Search, cells: Sequence[_Cell]) -> Iterator[Change]:
-    """Where verdicts may change: at the ends of cells that are left, and where the sign just above frequency 0 does."""
-    for value in (*(x.turn for x in cells if x.turn), *search.openings):
-        yield Change(value, (Binding(PASSIVE, ExactNumber(Integer(0)), Kind.START),))
-    for mark, kind in search.marks.items():
-        yield Change(
-            ExactNumber(mark), (Binding(PASSIVE, ExactNumber(Integer(0)) if kind is Kind.START else None, kind),)
-        )
-    for x in cells:
-        if x.verdict is None and not x.turn:
-            yield from (Change(ExactNumber(end), ()) for end in (x.low, x.high))
-
-
-def _alone(search: _Search, cells: Sequence[_Cell]) -> set[Rational]:
-    """The values that are asked about by themselves."""
-    here = {x.value for x in search.openings if isinstance(x, ExactNumber) and x.value.is_Rational}
-    return {end for x in cells for end in x.alone} | here - {
-        x.turn.value for x in cells if isinstance(x.turn, ExactNumber)
-    }
-
 
 _TOO_NEAR = "passivity: Im H_perc comes too near to 0 somewhere for cells to decide"
 _LEFT = "passivity: the sign of Im H_perc is not proven there"
 _BEYOND = "values further out are not tested"
 
 
-def _window(free: Knob, asked: Domain, openings: Sequence[RealNumber]) -> tuple[Rational, Rational]:
-    """As far as cells go: beyond ends that are not rational by hardly more than a rounding, and beyond ends that are openings."""
-    own = abs(_near(free.value)) or Rational(1)
-    low = -_FAR * own if asked.low is None else _enclosed(asked.low)[0]
-    high = _FAR * own if asked.high is None else _enclosed(asked.high)[1]
-    turning, more = {x.value for x in openings if isinstance(x, ExactNumber)}, (high - low) * _FURTHER
-    ends = (x + y if x in turning and free.rule.allows(x + y) else x for x, y in ((low, -more), (high, more)))
-    return next(ends), next(ends)
+def _by_cells(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
+    """All values for which a display is passive, where cells prove it."""
+    display = _Display(scene, free)
+    return _between(scene, free, asked, display.changes(), display.holds_at, cells=display.cells)
 
 
-def _enclosed(value: Expr) -> tuple[Rational, Rational]:
-    """Rational numbers between which one lies."""
-    if value.is_Rational:
-        return value, value
-    low, high = ExactNumber(value).bounds(_ROUNDING_BITS)
+def _enclosed(value: RealNumber) -> tuple[Rational, Rational]:
+    """Rational numbers between which one lies; itself where it is rational."""
+    if isinstance(value, ExactNumber) and value.value.is_Rational:
+        return value.value, value.value
+    low, high = value.bounds(_ROUNDING_BITS)
     return Rational(low.numerator, low.denominator), Rational(high.numerator, high.denominator)
 
 
-def _near(value: Expr) -> Rational:
-    return _enclosed(value)[0]
-
-
-class _Search:
-    """One parameter of one scene."""
+class _Display:
+    """A display with delays or powers of s and one open number, and for which of its values it is passive."""
 
     def __init__(self, scene: Scene, free: Knob) -> None:
         self.scene, self.free = scene, free
-        display = scene.chain.at(values(x for x in scene.parameters if x.path != free.path))
-        self.H: RationalFunction = Distortion.of(display).perc
+        chain = scene.chain.at(values(x for x in scene.parameters if x.path != free.path))
+        self.H: RationalFunction = Distortion.of(chain).perc
         assert isinstance(self.H.ring, Ring)
         self.ring, self.energy = self.H.ring, Energy.of(self.H, free.symbol)
         self.gone = missing(scene, free)
+        self.scale = abs(_enclosed(ExactNumber(free.value))[0]) or Rational(1)
 
-    def cells(self, start: Rational, end: Rational) -> Iterator[_Cell]:
-        """Cells that fill a range, in order."""
-        places = sorted({start, end, *(x for x in self.marks if start < x < end)})
-        waiting, in_time = Waiting(pairwise(places), most=_MOST, what="cells of values"), True
-        try:
-            for low, high in waiting:
-                found = self._told_if_it_can_be(low, high)
-                is_small = high - low <= max(_FINEST * max(-low, high), _LEAST * (end - start))
-                if found.verdict is not None or found.turn or found.is_last or is_small:
-                    yield found
-                else:
-                    waiting.add((low, (low + high) / 2), ((low + high) / 2, high))
-        except LimitError:
-            in_time = False
-        for low, high in sorted(waiting.rest):  # far out a wide cell may be told as it is
-            yield self._told_if_it_can_be(low, high) if in_time else _Cell(low, high, None)
+    def holds_at(self, value: Rational) -> bool | None:
+        """The exact verdict on one value."""
+        return passivity(self.free.put(self.scene, value)).holds
 
-    def _told_if_it_can_be(self, low: Rational, high: Rational) -> _Cell:
-        try:
-            return self._told(low, high)
-        except UndecidedError:
-            return _Cell(low, high, None)
-
-    def is_told(self, value: Rational) -> bool:
-        """Whether a sign is shown for one value, be it which it may."""
-        q = float(value), float(value)
-        return self.energy.active_at(q) is not None or self.energy.clear(q)
-
-    def beyond(self, end: Rational, side: int, *, here: bool | None) -> bool | None:
-        """Of all values from an end on, where the last cell is told; None where it is not known."""
-        if any(x.between(*((None, end) if side < 0 else (end, None))) == -1 for x in self._ends):
-            return False
-        found = self.energy.beyond(span(end, end)[side < 0], side)
-        return found if found == here else None
-
-    def _told(self, low: Rational, high: Rational) -> _Cell:
-        if any(x.between(low, high) == -1 for x in self._ends):
-            return _Cell(low, high, verdict=False, alone=tuple(x for x in (low, high) if not self.is_active(x)))
-        q = span(low, high)
-        if self.energy.active_at(q) is not None:
-            return _Cell(low, high, verdict=False)
-        if not self.energy.clear(q):
-            return _Cell(low, high, None, self._turn(low, high))
-        if not self._has_steady_poles(low, high):
-            return _Cell(low, high, None)
-        if not self._has_no_pole_right((low + high) / 2):
-            return _Cell(low, high, None, is_last=True)  # of poles on the right some may be hidden at single values
-        if not self._is_steady(low, high):
-            return _Cell(low, high, None)
-        holds = self._holds(low, high)
-        return _Cell(low, high, holds, alone=(low, high) if holds is False else ())
+    # Signs that are those of polynomials: they are told for all values between two of their zeros at once
 
     @cached_property
-    def _opening(self) -> ExactSign | None:
+    def _at_rest(self) -> ExactSign | None:
         """The sign of Im H_perc just above frequency 0, where it is that of a polynomial."""
         try:
             form = self.energy.at_0
         except UndecidedError:
             return None
-        return ExactSign(form, self.free.symbol) if form.is_polynomial(self.free.symbol) else None
+        return ExactSign(form, self.free.symbol) if self._is_polynomial(form) else None
 
     @cached_property
-    def _ends(self) -> list[ExactSign]:
-        """What must not be negative: Im H_perc just above 0 rad/s and far out, where it turns, too, and H_perc for large s."""
+    def _signs(self) -> list[ExactSign]:
+        """What must not be negative: Im H_perc at rest and far out, where it turns, and H_perc for large s."""
         far = self.energy.far
-        return [x for x in (self._opening, far and far[1], self.energy.turning, self.energy.far_right) if x]
+        found = self._at_rest, far and far[1], self.energy.turning, self.energy.far_right
+        return [x for x in found if x]
 
     @cached_property
-    def openings(self) -> tuple[RealNumber, ...]:
-        """The values at which that just above frequency 0 may change."""
-        return self._opening.zeros if self._opening else ()
+    def _stiffness(self) -> Expr:
+        """What has the sign of H_perc(0) where no pole is there, to a factor that is nowhere 0."""
+        first = self.ring.size + len(self.ring.lags)
+        powers = dict.fromkeys(range(first, first + len(self.ring.orders)), 0)
+        return self.ring.expression(self.ring.at_0(self.H.numerator).subs(powers))
 
-    def is_active(self, value: Expr) -> bool:
-        """Whether one of these is negative, proven."""
-        return any(x.at(value) < 0 for x in self._ends)
+    def _is_polynomial(self, form: Expr) -> bool:
+        return bool(form.is_polynomial(self.free.symbol))
 
-    def _turn(self, low: Rational, high: Rational) -> RealNumber | None:
-        """The one value at which Im H_perc ceases to be negative just above frequency 0, and so everywhere; None: not shown."""
-        sign, q = self._opening, span(low, high)
-        inside = {x.digits(30): x for x in self.openings if is_between(low, x, high)}
-        if sign is None or len(inside) != 1:
-            return None
-        ends = [sign.at(x) for x in (low, high)]
-        if ends[0] * ends[1] >= 0:
-            return None
-        [turn] = inside.values()
-        risen = self.energy.rises(q)
-        if risen is None or not self.energy.clear(q, risen) or not self._has_steady_poles(low, high):
-            return None
-        if not self._is_steady(low, high):
-            return None
-        passive = low if ends[0] > 0 else high
-        return turn if self._holds(passive, Rational(float(turn))) else None
+    def changes(self) -> Iterator[Change]:
+        """The zeros of these, of H_perc(0), and of the highest power of the numerator."""
+        rest = self._at_rest
+        forms = [(x.form, Kind.START if x is rest else Kind.FAR) for x in self._signs]
+        forms.append((self._stiffness, Kind.START))
+        if self.energy.top is not None:
+            forms.append((self.energy.top, Kind.FAR))
+        for form, kind in forms:
+            if form.has(self.free.symbol) and self._is_polynomial(form):
+                omega = ExactNumber(Integer(0)) if kind is Kind.START else None
+                for value in zeros_of(form, self.free.symbol):
+                    yield Change(value, (Binding(PASSIVE, omega, kind),))
 
-    def holds_at(self, value: Rational) -> bool | None:
-        """Of one value; None also where the time is over, and where there is no scene."""
+    # Cells of values between two of these zeros
+
+    def cells(self, low: RealNumber | None, high: RealNumber | None) -> Iterator[Cell]:
+        """Cells that fill the values between two, in order."""
+        inner = rational_between(low, high, self.free.value)
+        if any(x.at(inner) < 0 for x in self._signs):
+            yield Cell(low, high, holds=False)
+            return
+        start, end = self._window(low, high)
+        tried = inner, start + (end - start) / 3, end
+        if not any(self._is_told(x) for x in tried):
+            yield Cell(low, high, None, _TOO_NEAR)
+            return
+        found = [*self._within(start, end)]
+        found[0] = replace(found[0], low=low or found[0].low)
+        found[-1] = replace(found[-1], high=high or found[-1].high)
+        if low is None:
+            yield Cell(None, found[0].low, *self._beyond(start, -1, here=found[0].holds))
+        yield from found
+        if high is None:
+            yield Cell(found[-1].high, None, *self._beyond(end, 1, here=found[-1].holds))
+
+    def _window(self, low: RealNumber | None, high: RealNumber | None) -> tuple[Rational, Rational]:
+        """As far as cells go; beyond an end that is not rational by hardly more than a rounding."""
+        reach = _FAR * self.scale
+        start = None if low is None else _enclosed(low)[0]
+        end = None if high is None else _enclosed(high)[1]
+        if start is None:
+            start = -reach if end is None else min(-reach, end - self.scale)
+        return start, max(reach, start + self.scale) if end is None else end
+
+    def _within(self, start: Rational, end: Rational) -> Iterator[Cell]:
+        """Cells from one value to another. Where the time is over, what is left is open."""
+        waiting = Waiting([(start, end)], most=_MOST, what="cells of values")
+        why = _LEFT
         try:
-            tick()
-            return passivity(self.free.put(self.scene, value)).holds
-        except (LimitError, SceneError, UndecidedError):
-            return None
+            for low, high in waiting:
+                holds, is_last = self._told_if_it_can_be(low, high)
+                width = high - low
+                is_small = width <= max(_FINEST * max(-low, high), _LEAST * self.scale)
+                if holds is not None or is_last or is_small:
+                    yield self._cell(low, high, holds=holds, why=_LEFT)
+                else:
+                    middle = (low + high) / 2
+                    waiting.add((low, middle), (middle, high))
+        except LimitError:
+            why = STOPPED
+        for low, high in sorted(waiting.rest):  # far out a wide cell may be told as it is
+            holds = self._told_if_it_can_be(low, high)[0] if why is _LEFT else None
+            yield self._cell(low, high, holds=holds, why=why)
+
+    @staticmethod
+    def _cell(low: Rational, high: Rational, *, holds: bool | None, why: str) -> Cell:
+        return Cell(ExactNumber(low), ExactNumber(high), holds, why if holds is None else "")
+
+    def _is_told(self, value: Rational) -> bool:
+        """Whether a sign is shown for one value, be it which it may."""
+        q = float(value), float(value)
+        return self.energy.active_at(q) is not None or self.energy.clear(q)
+
+    def _beyond(self, end: Rational, side: int, *, here: bool | None) -> tuple[bool | None, str]:
+        """Of all values from an end on, where the cell before it is told; else why that is not known."""
+        found = self.energy.beyond(span(end, end)[side < 0], side)
+        return (found, "") if found is not None and found == here else (None, _BEYOND)
+
+    def _told_if_it_can_be(self, low: Rational, high: Rational) -> tuple[bool | None, bool]:
+        try:
+            return self._told(low, high)
+        except UndecidedError as error:
+            if isinstance(error, LimitError):
+                raise
+            return None, False
+
+    def _told(self, low: Rational, high: Rational) -> tuple[bool | None, bool]:
+        """Whether all values are passive, None where it is not shown; and whether no part of them will be shown either."""
+        q = span(low, high)
+        if self.energy.active_at(q) is not None:
+            return False, False
+        if not (self.energy.clear(q) or self._is_clear_above_rest(q)):
+            return None, False
+        if not self._has_steady_poles(low, high):
+            return None, False
+        if count_at(self.ring, self.H.denominator, {self.free.symbol: (low + high) / 2}) != 0:
+            return None, True  # of poles on the right some may be hidden at single values
+        return (self._holds(low, high), False) if self._is_steady(low, high) else (None, False)
+
+    def _is_clear_above_rest(self, q: tuple[float, float]) -> bool:
+        """Whether Im H_perc > 0 at all frequencies for all values at which it is so at rest.
+
+        From rest it rises up to a frequency from which on it is positive: so it is where it comes to 0 at rest.
+        """
+        if self._at_rest is None:
+            return False
+        risen = self.energy.rises(q)
+        return risen is not None and self.energy.clear(q, risen)
 
     def _holds(self, low: Rational, high: Rational) -> bool | None:
         """Of a value between two, at which the scene exists."""
+        known = {x.value for x in self.gone if isinstance(x, ExactNumber)}
         shares = (low + (high - low) / n for n in count(2))
-        value = next(x for x in shares if not any(isinstance(y, ExactNumber) and y.value == x for y in self.gone))
-        return passivity(self.free.put(self.scene, value)).holds
-
-    def _has_no_pole_right(self, value: Rational) -> bool:
-        return count_at(self.ring, self.H.denominator, {self.free.symbol: value}) == 0
+        return self.holds_at(next(x for x in shares if x not in known))
 
     def _has_steady_poles(self, low: Rational, high: Rational) -> bool:
         """Whether no pole comes to the axis, nor from infinity, for all values."""
@@ -291,30 +243,15 @@ class _Search:
         return below.reach is not None and not len(below.left())
 
     def _is_steady(self, low: Rational, high: Rational) -> bool:
-        """Whether H_perc(0) keeps its sign and no highest power of its numerator is lost, but at an end, for all values."""
-        if self._at_0 != 0 and not keeps_sign(self._at_0, self.free.symbol, low, high):
+        """Whether H_perc(0) keeps its sign and no highest power of its numerator is lost, but at an end, for all values.
+
+        The zeros of polynomials that tell it are critical values, and lie in no cell.
+        """
+        if not self._is_polynomial(self._stiffness):
             return False
-        top = self.energy.top
-        steady = top is not None and keeps_sign(top, self.free.symbol, low, high)
-        return steady or OnAxis(self.ring, self.H.numerator, {self.free.symbol: (low, high)}).reach is not None
-
-    @cached_property
-    def _at_0(self) -> Expr:
-        """What has the sign of H_perc(0) where no pole is there, to a factor that is nowhere 0."""
-        first = self.ring.size + len(self.ring.lags)
-        powers = dict.fromkeys(range(first, first + len(self.ring.orders)), 0)
-        return self.ring.expression(self.ring.at_0(self.H.numerator).subs(powers))
-
-    @cached_property
-    def marks(self) -> dict[Rational, Kind]:
-        """Fractions at which that, the highest power of the numerator, or a sign far out may change: cells end there."""
-        found: dict[Rational, Kind] = {}
-        far = [x.form for x in self._ends if x is not self._opening]
-        for form, kind in (*((x, Kind.FAR) for x in (self.energy.top, *far)), (self._at_0, Kind.START)):
-            if form is not None and form.has(self.free.symbol) and form.is_polynomial(self.free.symbol):
-                zeros = (x for x in zeros_of(form, self.free.symbol) if isinstance(x, ExactNumber))
-                found |= {x.value: kind for x in zeros if x.value.is_Rational}
-        return found
+        if self.energy.top is not None and self._is_polynomial(self.energy.top):
+            return True
+        return OnAxis(self.ring, self.H.numerator, {self.free.symbol: (low, high)}).reach is not None
 
 
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
@@ -326,11 +263,11 @@ def solve_passive(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
         if condition.axis.functions:
             if _is_of_passive_parts(scene, free, asked):
                 return _all(scene, free, asked)
-            return solve_by_cells(scene, free, asked)
+            return _by_cells(scene, free, asked)
         turns = [*_of_signs(condition, free), *turns_of_poles(perceived, free)]
         lone = partial(_alone_by_signs, condition, free)
 
-    def verdict(value: Expr) -> bool | None:
+    def verdict(value: Rational) -> bool | None:
         return passivity(free.put(scene, value)).holds
 
     return _between(scene, free, asked, turns, verdict, lone=lone)
@@ -341,12 +278,15 @@ def _between(
     free: Knob,
     asked: Domain,
     turns: Iterable[Change],
-    verdict: Callable[[Expr], bool | None],
-    open_: Sequence[Open] = (),
+    verdict: Callable[[Rational], bool | None],
     at: Callable[[Change], bool | None] | None = None,
     lone: Callable[[Change], bool | None] | None = None,
+    cells: Callable[[RealNumber | None, RealNumber | None], Iterable[Cell]] | None = None,
 ) -> ValueSet:
-    """The values with a verdict that changes at some alone, but in what is open; none at which there is no scene."""
+    """The values with a verdict that changes at some alone; none at which there is no scene.
+
+    ``cells`` : settle the values between these, where one verdict does not.
+    """
     gone = missing(scene, free)
     ends = {x.value for x in (*gone, *asked.ends) if isinstance(x, ExactNumber)}
 
@@ -355,8 +295,9 @@ def _between(
             return False
         return verdict(value)
 
-    changes = Changes([*turns, *map(Change, gone)], open_)
-    question = Question(exact, free.value, changes=lambda: [changes], at=at, lone=lone)
+    values_ = [*turns, *map(Change, gone)]
+    changes = Changes(values_, [Open(None, None, _LEFT)] if cells else [])
+    question = Question(exact, free.value, changes=lambda: [changes], at=at, cells=cells, lone=lone)
     return solve(question, asked).without(gone)
 
 
@@ -463,7 +404,7 @@ def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
     for held in (loop.mass, loop.stiffness, loop.damping):  # of a device they may be negative
         turns += [Change(x, ()) for x in zeros_of(held, free.symbol)] if held.has(free.symbol) else []
 
-    def verdict(value: Expr) -> bool | None:
+    def verdict(value: Rational) -> bool | None:
         return sampled_verdict(free.put(scene, value))
 
     def spared_at(x: Change) -> bool:

@@ -410,7 +410,8 @@ def require(
     package ships; in all hands of the scene if not given), "steady" (so but for a drift, as in free air),
     "passive" (stable with any passive operator).
 
-    ``limit`` : seconds after which what is proven so far is answered, all other values being undecided; None for no limit.
+    ``limit`` : seconds of processor time after which what is proven so far is answered, all other values being undecided; None
+    for no limit.
     ``told`` : is called now and then with how much is done, of how much, and what it is.
 
     The answer is certified, by floats with bounds and by balls; values at which a ratio only touches its threshold, and what
@@ -434,8 +435,7 @@ def require(
     criteria = (*judged, *further(scene, wanted))
     with limited(limit, told) as budget:
         found = solve_all(scene, free, asked, criteria)
-    cut = budget.seconds if budget.reached else None
-    return Requirement(scene, free, asked, found, criteria, digits, cut, tuple(wanted))
+    return Requirement(scene, free, asked, found, criteria, digits, budget.cut, tuple(wanted))
 
 
 def is_quick(scene: Scene) -> bool:

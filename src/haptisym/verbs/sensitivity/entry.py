@@ -24,6 +24,7 @@ from haptisym.judge.crossings import Criterion, Crossing, CrossingKind, Curve
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.dynamics import RealFunction
+from haptisym.kernel.errors import LimitError
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, at_rising_precision
 from haptisym.kernel.rings import c, omega
@@ -202,8 +203,7 @@ def at(
     factors: Factors,
     where: RealNumber,
     known: dict[Symbol, RealNumber],
-    flat: str = "",
-    *,
+    flat: str,
     multiplicity: int,
 ) -> Sensitivity:
     """The sensitivity of a frequency at which one or more of these factors vanish.
@@ -226,6 +226,14 @@ def at(
     if not slope.is_clear():
         return Sensitivity(p.knob, None, None, _NOT_CLEAR if is_simple or not slope.changes() else STEEP)
     return _one_sided(p, slope, where)
+
+
+def _in_time(p: VariedParameter, of: Criterion | Piece | str, *where: Any) -> Sensitivity:
+    """The sensitivity of a frequency; undecided where the time is over before it is found."""
+    try:
+        return at(p, p.factors(of), *where)
+    except LimitError as error:
+        return Sensitivity(p.knob, None, None, f"undecided: {error}")
 
 
 def _depends(equation: Equation, x: Symbol) -> bool:
@@ -347,7 +355,7 @@ class Sensitivities(Answer):
         of = self._deciding(x)
         if of is None:
             return Sensitive(x.omega, none(places, flat or _SEVERAL), x.criterion, x.kind)
-        rows = (at(p, p.factors(of), x.omega, known, flat, multiplicity=x.multiplicity) for p in places)
+        rows = (_in_time(p, of, x.omega, known, flat, x.multiplicity) for p in places)
         return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.criterion, x.kind)
 
     def _deciding(self, x: Crossing) -> Criterion | Piece | None:
@@ -375,7 +383,7 @@ class Sensitivities(Answer):
 
     def _changeover(self, system: str, curve: Curve, x: Point) -> Sensitive:
         multiplicity = abs(x.orders[curve, Part.REAL])
-        rows = (at(p, p.factors(system), x.omega, {}, multiplicity=multiplicity) for p in self._parameters)
+        rows = (_in_time(p, system, x.omega, {}, "", multiplicity) for p in self._parameters)
         return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows))
 
     def _in_band(self, row: Sensitivity, where: RealNumber) -> Sensitivity:
@@ -457,8 +465,9 @@ def sensitivity(scene: Scene | str | Path, digits: int = 15, *, limit: float | N
     """How each crossing, changeover and the bandwidth of a scene moves with each parameter and the threshold.
 
     Guaranteed: every number is a certified enclosure of the exact derivative, to as many ``digits`` as wanted; None, with the
-    reason, where there is no derivative. Works for every scene that can be evaluated. ``limit`` : seconds after which a
-    LimitError says that it is not decided; None for none. Raises SceneError if a parameter is still a symbol.
+    reason, where there is no derivative. Works for every scene that can be evaluated. ``limit`` : seconds of
+    processor time after which all further derivatives are undecided; None for none. LimitError where the crossings are. Raises
+    SceneError if a parameter is still a symbol.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> first = sensitivity(load_scene("fu2019")).crossings[0]

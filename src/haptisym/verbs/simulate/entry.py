@@ -643,7 +643,7 @@ def simulate(
     ``duration``: s, or with a unit (a step is not cut short); as long as transient and lock-in need if not given. ``extras``:
     encoder quantisation or force saturation; of a recording or a chirp ``error`` then gives what they make of the force, by
     further runs. ``progress`` is called with the simulated time and, as far as it is known, the
-    time to simulate, s. ``limit`` : seconds that it may take, LimitError after them; None for none.
+    time to simulate, s. ``limit`` : seconds of processor time that it may take, LimitError after them; None for none.
     Guaranteed: events are hit exactly, and linear parts are integrated without a stability limit; the error of each estimate is
     estimated, not proven.
     Raises SceneError for scenes that are not stable or not causal, for symbols, for motions whose derivatives do not exist or
@@ -699,7 +699,7 @@ def check(
 ) -> Simulations:
     """Simulate along the band of a scene, at ``count`` frequencies: all at once, or, with friction, one after the other.
 
-    ``limit`` : seconds that all may take, LimitError after them; None for none.
+    ``limit`` : seconds of processor time that all may take, LimitError after them; None for none.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> [run] = check(load_scene("zener-tissue"), count=4)

@@ -360,10 +360,10 @@ def release(
 
     ``displacement`` : m or rad, or with a unit. ``hand`` : one of the scene, or one that the package ships, by name, or a
     ``Hand``; the scene's if it has one and none is given. ``duration`` : s, or with a unit; as long as a verdict needs
-    if not given. ``extras`` : encoder quantisation or force saturation. ``limit`` : seconds that it may take, LimitError after
-    them; None for none.
-    Guaranteed: ``held``, the verdict on the linear loop. What is read from the motion, ``rattle`` with it, is computed.
-    Raises SceneError where nothing holds the display (no static stiffness), and for what cannot be simulated.
+    if not given. ``extras`` : encoder quantisation or force saturation. ``limit`` : seconds of processor time that it may take,
+    LimitError after them; None for none. Guaranteed: ``held``, the verdict on the linear loop. What is read from the motion,
+    ``rattle`` with it, is computed. Raises SceneError where nothing holds the display (no static stiffness), and for what cannot
+    be simulated.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = release(load_scene("delayed-spring"), "1 cm", Hand("light", m="0.5 kg", b="3.3 N*s/m"))

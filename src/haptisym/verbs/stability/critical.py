@@ -1,19 +1,16 @@
-"""How far a number may go before the display shakes: the nearest values at which the number of roots that shake changes.
+"""The values of a number that put roots of a display in a hand on the imaginary axis: all of them, but in what is named as open.
 
-Those are roots in Re s >= 0 but for what drifts, as nothing holds the handle in place; counted once, and from there on by those
-that come and go. Where one equation in omega does not tell all values with roots on the axis, they are searched over frequency
-and value: in windows about a value that grow, cells are left out where C(j omega; q) is nowhere 0, proven in Taylor models, and
-in the others Newton's step in balls proves that there is just one pair. What is neither is a gap.
+One equation in omega tells them, where there is one. Where there is none they are searched over frequency and value: in
+windows about a value that grow, cells are left out where C(j omega; q) is nowhere 0, proven in Taylor models, and in the
+others Newton's step in balls proves that there is just one pair. What is neither is open.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cache, cached_property
-from typing import TypeAlias
+from functools import cached_property
 
 from flint import arb
 from sympy import Expr, Integer, Rational
@@ -23,26 +20,20 @@ from haptisym.kernel.arrays import np
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
-from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.objects import Shown
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, Way, in_unit, printed
-from haptisym.kernel.rootcount import RootChain
-from haptisym.kernel.roots import each_once, is_told, ordered
+from haptisym.kernel.errors import LimitError, UndecidedError
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
+from haptisym.kernel.sets import Change, Changes, Domain, Open
 from haptisym.kernel.where import Array, halves
-from haptisym.model.catalogue import Hand
-from haptisym.model.scene import Knob, Scene, clocks, unclocked
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Model
-from haptisym.verbs.stability.held import drifts, held, need_roots
+from haptisym.verbs.stability.held import need_roots
 from haptisym.verbs.stability.loops import (
-    ALLOWED,
+    ENDLESS,
     BesideChains,
     Characteristic,
     Curve,
-    Gap,
     Loop,
     Meeting,
-    Meetings,
     Pair,
     Switches,
     clear_of_chains,
@@ -50,18 +41,13 @@ from haptisym.verbs.stability.loops import (
     from_infinity,
     minus,
 )
-from haptisym.verbs.stability.opened import Passage
-from haptisym.verbs.stability.sampled import passages
 
 _WINDOWS = 7
 _SMALLEST = Rational(1, 1024)  # as what a value of 0 counts for the first window
 _MOST_CELLS, _DEEPEST = 80_000, 60  # of one strip of values, and how often one is cut
 _THINNEST = 64  # part of the first window, for which a bound on the frequency must be known
-_NEAR, _STRAIGHT, _WIDER = (
-    1.6,
-    0.05,
-    3.0,
-)  # in halves of a cell: how far a pair is off, C bends, and the proof's box goes
+_NEAR, _STRAIGHT, _WIDER = 1.6, 0.05, 3.0
+"""In halves of a cell: how far a pair is off, C bends, and the proof's box goes."""
 _ROUNDING = 1e-14  # in shares
 _BITS = 96
 
@@ -70,62 +56,74 @@ _FAR = "where roots meet the imaginary axis: no bound on their frequencies is kn
 _BEYOND = "no limit found within it"
 
 
-def searched(loop: Loop, value: Expr, reason: str) -> Iterator[Meetings]:
-    """All of them in windows about a value, but for those in gaps. UndecidedError, for a ``reason``, where they have no bound."""
+def searched(loop: Loop, value: Expr, asked: Domain, reason: str) -> Iterator[Changes]:
+    """All of them in windows about a value, but for those in what is open.
+
+    UndecidedError, for a ``reason``, where they have no bound.
+    """
     need_roots(loop.top, loop.ring)
     form, start = Characteristic(loop), Rational(f"{float(value):.3g}")
-    found = [Meeting(x, ExactNumber(Integer(0))) for x in form.at_0()]
-    gaps: list[Gap] = []
-    ends = [_end(loop, start, side, 0) for side in (-1, 1)]
+    found = [Meeting(x, omega=ExactNumber(Integer(0))) for x in form.at_0()]
+    left: list[Open] = []
+    ends = [_end(asked, start, side, 0) for side in (-1, 1)]
     if _Cells(form, *(start + (x - start) / _THINNEST for x in ends)).axis.reach is None:
         raise UndecidedError(reason)
     strips = [(ends[0], ends[1])]
     for j in range(1, _WINDOWS + 1):
         for strip in strips:
             cells = _Cells(form, *strip)
-            gaps += [_gap(*strip, _FAR)] if cells.axis.reach is None else _joined(cells.settle())
+            left += [_open(*strip, _FAR)] if cells.axis.reach is None else _joined(cells.settle())
             found += cells.found
-        yield Meetings(tuple(found), ends[0], ends[1], tuple(gaps))
+        yield Changes(tuple(found), (*left, *_outside(ends, asked)))
         strips = []
         for i, side in enumerate((-1, 1)):
-            further = _end(loop, start, side, j)
-            if j < _WINDOWS and further != ends[i] and not any(_ends(gap)[i] == ends[i] for gap in gaps):
+            further = _end(asked, start, side, j)
+            if j < _WINDOWS and further != ends[i] and not any(_ends(x)[i] == ends[i] for x in left):
                 strips.append((further, ends[i]) if side < 0 else (ends[i], further))
                 ends[i] = further
-    low, high = (None if x is None else ExactNumber(x) for x in (loop.low, loop.high))
-    gaps += [] if ends[0] == loop.low else [Gap(low, ExactNumber(ends[0]), _BEYOND)]
-    gaps += [] if ends[1] == loop.high else [Gap(ExactNumber(ends[1]), high, _BEYOND)]
-    yield Meetings(tuple(found), loop.low, loop.high, tuple(gaps))
 
 
-def _end(loop: Loop, start: Rational, side: int, j: int) -> Rational:
-    """Of the j-th window, on one side: four times as far as the one before it, or as near to what is allowed."""
-    last = loop.low if side < 0 else loop.high
-    if last is None:
-        return start + side * (abs(start) * Rational(4) ** (j - 1) or _SMALLEST * Rational(64) ** j)
-    return last if j + 1 >= _WINDOWS else last + (start - last) * Rational(3, 4) / 4**j
+def _outside(ends: Sequence[Rational], asked: Domain) -> Iterator[Open]:
+    """What is asked about beyond a window."""
+    low, high = map(ExactNumber, ends)
+    if asked.low != ends[0]:
+        yield Open(None, low, _BEYOND)
+    if asked.high != ends[1]:
+        yield Open(high, None, _BEYOND)
 
 
-def _gap(low: Expr, high: Expr, reason: str) -> Gap:
-    return Gap(ExactNumber(low), ExactNumber(high), reason)
+def _end(asked: Domain, start: Rational, side: int, j: int) -> Rational:
+    """Of the j-th window, on one side: four times as far as the one before it, or as near to what is asked about."""
+    last = asked.low if side < 0 else asked.high
+    far = start + side * (abs(start) * Rational(4) ** (j - 1) or _SMALLEST * Rational(64) ** j)
+    if last is None or not last.is_Rational:
+        return far
+    if j + 1 >= _WINDOWS:
+        return last
+    near = last + (start - last) * Rational(3, 4) / 4**j
+    return min(far, near) if side > 0 else max(far, near)
 
 
-def _ends(gap: Gap) -> tuple[Expr, Expr]:
+def _open(low: Expr, high: Expr, reason: str) -> Open:
+    return Open(ExactNumber(low), ExactNumber(high), reason)
+
+
+def _ends(x: Open) -> tuple[Expr, Expr]:
     """Of one that is bounded by exact numbers, as all of these are."""
-    assert isinstance(gap.low, ExactNumber)
-    assert isinstance(gap.high, ExactNumber)
-    return gap.low.value, gap.high.value
+    assert isinstance(x.low, ExactNumber)
+    assert isinstance(x.high, ExactNumber)
+    return x.low.value, x.high.value
 
 
-def _joined(gaps: list[Gap]) -> list[Gap]:
+def _joined(parts: list[Open]) -> list[Open]:
     """Those that touch as one."""
-    found: list[Gap] = []
-    for gap in sorted(gaps, key=_ends):
-        low, high = _ends(gap)
+    found: list[Open] = []
+    for part in sorted(parts, key=_ends):
+        low, high = _ends(part)
         if found and low <= (last := _ends(found[-1]))[1]:
-            found[-1] = _gap(last[0], max(last[1], high), found[-1].reason)
+            found[-1] = _open(last[0], max(last[1], high), found[-1].reason)
         else:
-            found.append(gap)
+            found.append(part)
     return found
 
 
@@ -152,8 +150,8 @@ class _Cells:
         start, size = self._scale
         return _ROUNDING * (abs(start) + size)
 
-    def settle(self) -> list[Gap]:
-        """Find all pairs; values in cells that are left are in gaps."""
+    def settle(self) -> list[Open]:
+        """Find all pairs; values in cells that are left are open."""
         columns = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 64)])
         start = np.zeros((len(columns) - 1, 2, 2))
         start[:, 0, 0], start[:, 0, 1], start[:, 1, 1] = columns[:-1], columns[1:], 1.0
@@ -172,7 +170,7 @@ class _Cells:
                 waiting.add(halves(part[open_ones], np.argmax(rates[open_ones], -1)))
         width = self.high - self.low
         left = {tuple(map(Fraction, cell[1])) for cells in waiting.rest for cell in cells}
-        return [_gap(self.low + width * Rational(a), self.low + width * Rational(b), _LEFT) for a, b in left]
+        return [_open(self.low + width * Rational(a), self.low + width * Rational(b), _LEFT) for a, b in left]
 
     def _box(self, cells: Array) -> tuple[Array, Array]:
         """Middles of cells in rad/s and as values, and halves of them with what was lost by rounding."""
@@ -201,7 +199,7 @@ class _Cells:
             if pair is not None and (value := self._value(pair)) is not None:
                 place = np.array([float(x.mid()) for x in pair.at(_BITS)])
                 if not _inside(place, self._lost, *self._known).any():
-                    self.found.append(Meeting(value, pair.frequency))
+                    self.found.append(Meeting(value, omega=pair.frequency))
                 self._known = np.concatenate([self._known, np.array(box)[:, None]], 1)
 
     def _value(self, pair: Pair) -> RealNumber | None:
@@ -239,121 +237,130 @@ def _balls(middle: Array, half: Array) -> tuple[Ball, Ball]:
     return omega, q
 
 
-_WINDOWS_CRITICAL = 12
-_MOST_TURNING_CRITICAL = 400  # radians that a delay turns up to where roots are looked for
+_WINDOWS_OF_CURVE = 12
+_MOST_TURNING = 400  # radians that a delay turns up to where roots are looked for
 _LOWS = (Rational(15, 16), Rational(1, 2))
 _SETTLED = (Sense.POSITIVE, Sense.NEGATIVE)
 
 
-def meetings(loop: Loop, value: Expr) -> Iterator[Meetings]:
+def meetings(loop: Loop, value: Expr, asked: Domain) -> Iterator[Changes]:
     """Where an open number puts roots on the axis: all, or in windows that grow. UndecidedError where that is open.
 
-    By one equation in omega as far as that goes, and from there on by a search over both.
+    By one equation in omega as far as that goes; else by a search over both.
     """
     if not loop.moves:
-        yield Meetings(())
+        yield Changes()
         return
-    is_whole = True
+    is_begun = False
     try:
         for window in _eliminated(loop, value):
             yield window
-            is_whole = not window.gaps
+            is_begun = True
     except LimitError:
         raise
     except UndecidedError as error:
-        if not is_whole:
+        if is_begun:
             raise
-        yield from searched(loop, value, str(error))
+        yield from searched(loop, value, asked, str(error))
 
 
-def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
+def _eliminated(loop: Loop, value: Expr) -> Iterator[Changes]:
     """By one equation in omega."""
     if loop.rests and not loop.ring.lags:  # nor does a root come from infinity, or a chain
-        yield _at_0(loop, ())
+        yield Changes(at_0(loop))
         return
-    far_out = from_infinity(loop)
+    found = from_infinity(loop)
     if loop.turns:
-        yield _of_a_delay(loop, value, far_out)
+        yield _of_a_delay(loop, value, found)
         return
-    home, others = None, tuple[Gap, ...]()
+    clear: list[Open] | None = None
     if any(any(turns) for turns in loop.leading):
         ends = (ExactNumber(x) for x in (loop.low, loop.high) if x is not None)
-        far_out += tuple(Meeting(x, None) for x in ends)  # at an end alone what is delayed may be lost
-        clear = tuple(Gap(a, b) for a, b in clear_of_chains(loop, far_out))
-        home, is_own = _home(clear, value)
-        others = tuple(x for x in clear if x is not home)
-        if not is_own:
-            yield Meetings(far_out, gaps=clear)
-            if home is None or BesideChains.of(loop) is None:
-                return
-    if loop.rests:
-        yield _at_0(loop, far_out)
-        return
-    far_out = _at_0(loop, far_out).found
-    curve = curve_of(loop)
-    if curve is None:
-        yield Meetings(far_out)
+        found += tuple(Meeting(x) for x in ends)  # at an end alone what is delayed may be lost
+        clear = [Open(a, b, ENDLESS) for a, b in clear_of_chains(loop, found)]
+    found += at_0(loop)
+    if loop.rests or (curve := curve_of(loop)) is None:
+        yield Changes(found)
         return
     if curve.condition.is_zero:  # one value alone puts roots there, everywhere
         alone = ValueAt(RealFunction(curve.value.reduced()), ExactNumber(Integer(1)))
-        yield Meetings((*far_out, Meeting(alone, None)))
+        yield Changes((*found, Meeting(alone)))
         return
     settled = asymptotic_sign(curve.condition)
     if settled.sense in _SETTLED:
-        yield Meetings((*far_out, *curve.meetings(_near(settled.radius, loop))))
-        return
-    if home is not None and home.low is not None and (beside := BesideChains.of(loop)) is not None:
-        for near in beside.meetings(curve, home.low, home.high):
-            yield Meetings((*far_out, *near.found), gaps=(*others, *near.gaps))
-        return
-    yield from _windows(loop, curve, value, far_out)
+        yield Changes((*found, *curve.meetings(_near(settled.radius, loop))))
+    elif clear is not None:
+        yield from _beside_chains(loop, curve, value, found, clear)
+    else:
+        yield from _windows(loop, curve, value, found)
 
 
-def _home(clear: tuple[Gap, ...], value: Expr) -> tuple[Gap | None, bool]:
-    """Of the intervals that no chain of roots reaches the one about a value, and True; else the first bounded one."""
+def _beside_chains(
+    loop: Loop, curve: Curve, value: Expr, found: Sequence[Meeting], clear: Sequence[Open]
+) -> Iterator[Changes]:
+    """In one interval after the other that no chain reaches, the one about a value first."""
     here = ExactNumber(value)
-    own = next((x for x in clear if x.holds(here, here)), None)
-    return own or next((x for x in clear if x.low is not None), None), own is not None
+    left = sorted(clear, key=lambda x: not x.covers(here, here))
+    values: Sequence[Change] = found
+    yield Changes(values, left)
+    beside = BesideChains.of(loop)
+    if beside is None or (left and left[0].low is None):
+        if left and left[0].covers(here, here):
+            yield from _windows(loop, curve, value, found)
+        return
+    for own in [x for x in left if x.low is not None]:
+        assert own.low is not None
+        others, known = [x for x in left if x is not own], Changes()
+        for known in beside.meetings(curve, own.low, own.high):
+            yield Changes((*values, *known.values), (*others, *known.open))
+        values, left = (*values, *known.values), [*others, *known.open]
 
 
-def _of_a_delay(loop: Loop, value: Expr, far_out: tuple[Meeting, ...]) -> Meetings:
+def _of_a_delay(loop: Loop, value: Expr, far_out: tuple[Meeting, ...]) -> Changes:
     """Or of an order of s."""
     if _has_chain(loop, value):  # whatever the delay, as long as there is one
-        return Meetings((*far_out, Meeting(ExactNumber(Integer(0)), None)))
+        return Changes((*far_out, Meeting(ExactNumber(Integer(0)))))
     if loop.rests:
-        return _at_0(loop, far_out)
+        return Changes((*far_out, *at_0(loop)))
     found, last = Switches.of(loop).up_to(value)
-    return Meetings((*_at_0(loop, far_out).found, *found), below=last)
+    left = [] if last is None else [Open(ExactNumber(last), None, _BEYOND)]
+    return Changes((*far_out, *at_0(loop), *found), left)
 
 
-def _at_0(loop: Loop, far_out: tuple[Meeting, ...]) -> Meetings:
-    """With the values that put a root at 0."""
-    return Meetings((*far_out, *(Meeting(x, ExactNumber(Integer(0))) for x in Characteristic(loop).at_0())))
+def at_0(loop: Loop) -> tuple[Meeting, ...]:
+    """The values that put a root at 0."""
+    return tuple(Meeting(x, omega=ExactNumber(Integer(0))) for x in Characteristic(loop).at_0())
 
 
 def _near(radius: Expr, loop: Loop) -> Expr:
     """How far to look; UndecidedError where delays turn too often on the way."""
-    if any(float(radius * lag) > _MOST_TURNING_CRITICAL for lag in loop.ring.lags):
+    if any(float(radius * lag) > _MOST_TURNING for lag in loop.ring.lags):
         raise UndecidedError("where roots meet the imaginary axis: its delays turn very often")
     return max(radius, Integer(1))
 
 
-def _windows(loop: Loop, curve: Curve, value: Expr, far_out: tuple[Meeting, ...]) -> Iterator[Meetings]:
-    """Where frequencies never end: as far as values lie in a window, about the value that is asked about."""
-    done = False
-    for j in range(_WINDOWS_CRITICAL):
-        high, low = (
-            abs(value) + (1 + abs(value)) * Rational(4) ** (j - 2),
-            value * _LOWS[min(j, 1)] / 4 ** max(j - 1, 0),
-        )
-        for end, sense in ((high, Sense.POSITIVE), (low, Sense.NEGATIVE)):
+def _windows(loop: Loop, curve: Curve, value: Expr, found: Sequence[Meeting]) -> Iterator[Changes]:
+    """Where frequencies never end: as far as values lie in a window, about the value that is asked about.
+
+    Beyond some frequency all values on the axis are larger than one end of it, or all smaller than the other one.
+    """
+    reach, low, high = Integer(0), None, None
+    for j in range(_WINDOWS_OF_CURVE):
+        further = abs(value) + (1 + abs(value)) * Rational(4) ** (j - 2)
+        nearer = value * _LOWS[min(j, 1)] / 4 ** max(j - 1, 0)
+        for end, sense in ((further, Sense.POSITIVE), (nearer, Sense.NEGATIVE)):
             ahead = asymptotic_sign(minus(curve.square, end**2))
             if ahead.sense is sense and end > 0:
-                found = (*far_out, *curve.meetings(_near(ahead.radius, loop)))
-                done = True
-                yield Meetings(found, -high, high) if end is high else Meetings(found, low)
-    if not done:
-        raise UndecidedError("where roots meet the imaginary axis at ever higher frequencies")
+                reach = max(reach, _near(ahead.radius, loop))
+                high, low = (end, low) if sense is Sense.POSITIVE else (high, end)
+        if high is not None or low is not None:
+            least = low if high is None else -high
+            left = [Open(None, ExactNumber(least), ENDLESS)]
+            if low is None:
+                left.append(Open(ExactNumber(high), None, ENDLESS))
+            yield Changes((*found, *curve.meetings(reach)), left)
+    if high is None and low is None:
+        raise UndecidedError(ENDLESS)
 
 
 # A delay that is open
@@ -364,409 +371,3 @@ def _has_chain(loop: Loop, value: Expr) -> bool:
     with suppress(UndecidedError):
         return loop.at(Rational(value) if value.is_Rational and value else Integer(1)).chain is not None
     return False
-
-
-@dataclass
-class Tally:
-    """Of a loop and its open number; ``window`` : where that is known to put roots on the axis. None: nowhere.
-
-    ``known`` : the numbers that were counted, by value. ``drifts`` : of a value, how many
-    roots at 0 are not counted, as they only drift.
-    """
-
-    loop: Loop
-    window: Meetings | None = None
-    known: dict[Expr, int] = field(default_factory=dict)
-    drifts: Callable[[Expr], int | None] = lambda _: 0
-
-    def at(self, value: Expr) -> tuple[int | None, RootChain | None]:
-        """The number of roots, None if they are infinitely many, or as near to the axis as one likes; and their chain."""
-        if (found := self._from_another(value)) is not None:
-            return found, None
-        roots = self.loop.at(Rational(value))
-        number = roots.number
-        if number and roots.on_axis and not ordered(roots.on_axis[0], ExactNumber(Integer(0))):
-            number -= _decided(self.drifts(value))
-        if number is not None and roots.chain is None:
-            self.known[value] = number
-        return number, roots.chain
-
-    def _from_another(self, value: Expr) -> int | None:
-        """From the nearest value that was counted, where all that moves over the axis on the way there is known."""
-        if value in self.known or not self.known or self.window is None or not self._is_inside(value, self.window):
-            return self.known.get(value)
-        nearest = min(self.known, key=lambda x: abs(x - value))
-        low, high = (ExactNumber(x) for x in sorted((nearest, value)))
-        if not self._is_inside(nearest, self.window) or any(_meets(gap, low, high) for gap in self.window.gaps):
-            return None
-        between = [x for x in self.window.found if ordered(low, x.value) >= 0 and ordered(x.value, high) >= 0]
-        senses = [x.sense for x in between if x.sense is not None]
-        if len(senses) < len(between) or any(not ordered(x.value, end) for x in between for end in (low, high)):
-            return None
-        return self.known[nearest] + (1 if value > nearest else -1) * 2 * sum(senses)
-
-    @staticmethod
-    def _is_inside(value: Expr, window: Meetings) -> bool:
-        """Whether all that puts roots on the axis is known about there."""
-        above, below = window.above, window.below
-        return (above is None or value > above) and (below is None or value < below)
-
-
-def _decided(drifts: int | None) -> int:
-    if drifts is None:
-        raise UndecidedError("how many roots at rest only drift")
-    return drifts
-
-
-def _meets(gap: Gap, low: ExactNumber, high: ExactNumber) -> bool:
-    before = gap.high is not None and ordered(gap.high, low) >= 0
-    return not before and not (gap.low is not None and ordered(high, gap.low) >= 0)
-
-
-Count: TypeAlias = tuple[int | None, RootChain | None]
-
-
-@dataclass(frozen=True, repr=False)
-class Critical(Shown):
-    """A value of a number at which the count of unstable roots changes: ``below`` and ``above`` it, None if infinite.
-
-    ``omega`` : the frequency at which roots then lie on the axis, rad/s; None where they come from infinity.
-    ``is_crowded`` : whether the count is that of one value only, as more and more roots of a chain that leaves may stay behind.
-    ``itself`` : the side, -1 or 1, of which the count is that of the value itself, as nothing is allowed there, or as another
-    limit tells of that side; 0 where each count is that of a side.
-    """
-
-    path: str
-    value: RealNumber
-    omega: RealNumber | None
-    below: int | None
-    above: int | None
-    is_crowded: bool = False
-    itself: int = 0
-
-    def _line(self) -> str:
-        return f"{self.path} = {self.value.digits(6)}"
-
-    @property
-    def chain_side(self) -> str | None:
-        """``above`` or ``below``, where infinitely many roots lie on the right on that side."""
-        return "above" if self.above is None else "below" if self.below is None else None
-
-    @property
-    def stable_side(self) -> str | None:
-        """``above``, ``below``, or None where it is stable on neither side, or a chain leaves that open."""
-        if self.is_crowded:
-            return None
-        return (
-            "above"
-            if self.above == 0 and self.itself < 1
-            else "below"
-            if self.below == 0 and self.itself > -1
-            else None
-        )
-
-    @property
-    def is_alone(self) -> bool:
-        """Whether it is stable at the value itself, and beside it not."""
-        return self.itself != 0 and (self.above if self.itself > 0 else self.below) == 0
-
-
-Window: TypeAlias = tuple[Critical | None, Critical | None]
-
-
-@dataclass(frozen=True)
-class Nearest:
-    """The nearest values below and above at which the count changes, as far as they are there; ``reason`` : what stayed open.
-
-    Where it is unstable now, the other end of what is stable beyond one of them is there as well, if it was found.
-    ``low``, ``high`` : between which values was looked, None where that has no end; up to a value that was found all are.
-    """
-
-    path: str
-    found: tuple[Critical, ...] = ()
-    reason: str = ""
-    low: Fraction | None = None
-    high: Fraction | None = None
-
-    @property
-    def windows(self) -> Iterator[Window]:
-        """The values beside the limits for which it is stable: intervals with their ends, None where none was found.
-
-        Of a single value both ends are the same.
-        """
-        low: Critical | None = None
-        for x in self.found:
-            if x.is_alone:
-                yield x, x
-            elif x.stable_side == "below":
-                yield low, x
-            low = x if x.stable_side == "above" else None
-        if low is not None:
-            yield low, None
-
-
-def critical(scene: Scene, hand: Hand, free: Knob, *, brief: bool = False) -> Nearest:
-    """How far a number of the hand or of the display may go, either way, before the count of unstable roots changes.
-
-    Roots that only drift are not counted if there are some at the value that the number has. ``brief`` : with a clock, as far as
-    few cells go.
-    """
-    drifting = cache(lambda: drifts(scene, hand))
-
-    def is_there(value: Expr) -> bool:  # with nothing to feel there is no scene, unless that is what is asked about
-        with suppress(SceneError):
-            display, _ = moved(scene, hand, free, value)
-            return scene.closed.env.is_zero or bool(drifting()) or not display.closed.env.is_zero
-        return False
-
-    try:
-        bare = unclocked(moved(scene, hand, free, free.symbol)[0])
-        if not clocks(bare) and clocks(scene):
-            scene = unclocked(scene)
-            if not (free.is_of_hand or free.path in {x.path for x in scene.knobs}):
-                return Nearest(free.path)
-        if clocks(bare):
-            found = passages(scene, hand, free, brief=brief)
-            beside = found.beside
-            start = free.value if beside is None else Rational(beside.numerator, beside.denominator)
-            there = moved(scene, hand, free, start)
-            # for all of the values: no way sets out from one at z = 1 alone
-            still = _decided(drifts(*there) if found.found or beside is not None else 0)
-            if not found.found and beside is not None and not held(scene, hand).shakes and held(*there).shakes:
-                raise UndecidedError("the limits of a parameter that only drifts, and shakes next to its value")
-            rows = tuple(_passed(free, x, still) for x in found.found)
-            return Nearest(free.path, rows, low=found.low, high=found.high)
-        tally = Tally(Loop.of(scene, hand, free), drifts=lambda x: drifting() and drifts(*moved(scene, hand, free, x)))
-        return _Walk(tally, free, is_there).nearest()
-    except UndecidedError as error:
-        return Nearest(free.path, reason=str(error))
-
-
-def _passed(free: Knob, x: Passage, still: int) -> Critical:
-    """A limit of a loop with a clock, as ``Critical`` has it; ``still`` roots only drift, on both sides of it."""
-    low = ALLOWED[free.rule][0]
-    is_end = low is not None and not ordered(x.value, ExactNumber(low))
-    return Critical(free.path, x.value, x.omega, x.below - still, x.above - still, itself=-is_end)
-
-
-def moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Hand]:
-    """Display and hand at a value of a number of either."""
-    if any(p.symbol == free.symbol for p in hand.parameters):
-        return scene, hand.with_values({free.symbol.name: value})
-    return scene.with_values({free.path: value}), hand
-
-
-@dataclass(frozen=True)
-class _Ahead:
-    """What was ``found`` on one side, the nearest first, and for which ``reason`` it is not known whether there is anything.
-
-    ``last`` : up to where what holds beyond all of it is known; None where that has no end.
-    """
-
-    found: Sequence[Critical] = ()
-    reason: str = ""
-    last: Fraction | None = None
-
-
-def _known(x: RealNumber | None, side: int) -> Fraction | None:
-    """A fraction next to a number, none beyond it."""
-    return None if x is None else x.bounds(_BITS)[side < 0]
-
-
-@dataclass(frozen=True)
-class _Line:
-    """Different meetings in order, between two ends; None where nothing bounds them.
-
-    ``is_whole`` : whether nothing is allowed beyond the low end, and beyond the high one. ``gaps`` : in which others may lie.
-    """
-
-    places: list[Meeting]
-    low: RealNumber | None
-    high: RealNumber | None
-    is_whole: tuple[bool, bool]
-    gaps: tuple[Gap, ...]
-
-    def cell(self, i: int) -> tuple[RealNumber | None, RealNumber | None]:
-        """Before the i-th meeting."""
-        low = self.places[i - 1].value if i else self.low
-        return low, self.places[i].value if i < len(self.places) else self.high
-
-    def gap(self, i: int) -> Gap | None:
-        """The one in which the cell before the i-th meeting lies, whole as they are."""
-        low, high = self.cell(i)
-        return next((x for x in self.gaps if x.holds(low, high)), None)
-
-
-class _Walk:
-    """From a value on, meeting after meeting, until the count changes."""
-
-    def __init__(self, tally: Tally, free: Knob, is_there: Callable[[Expr], bool]) -> None:
-        self.tally, self.loop, self.free, self.is_there = tally, tally.loop, free, is_there
-        self.start = ExactNumber(free.value)
-        self.low, self.high, self.closed = ALLOWED[free.rule]
-
-    def nearest(self) -> Nearest:
-        """Below and above, as far as they are there: what was found stays so where the rest cannot be told."""
-        here: list[Critical] = []
-        sides: dict[int, _Ahead] = {}
-        left = [_ENDLESS]
-        try:
-            for line in map(self._line, meetings(self.loop, self.free.value)):
-                if not here and (here := self._here(line)):  # beside a limit only what is stable there ends somewhere
-                    sides |= {side: _Ahead() for side in (-1, 1) if not any(_opens(x, side) for x in here)}
-                left = list(self._look(line, sides))
-                if len(sides) == 2 and all(x.last is None for x in sides.values()):
-                    break
-        except UndecidedError as error:
-            left = [str(error)]
-        below, above = (sides.get(side, _Ahead()) for side in (-1, 1))
-        rows = (*reversed(below.found), *here, *above.found)
-        return Nearest(self.free.path, rows, "; ".join(dict.fromkeys(left)), below.last, above.last)
-
-    def _look(self, line: _Line, sides: dict[int, _Ahead]) -> Iterator[str]:
-        """Put down what lies on either side; of a side that stays open the reason."""
-        for side in (x for x in (-1, 1) if x not in sides or sides[x].last is not None):
-            found = self._side(line, side)
-            if not found.reason:  # a wider window may hold a gap that another one had not
-                sides[side] = max(found, sides.get(side, found), key=lambda x: len(x.found))
-            elif side not in sides:
-                yield found.reason
-
-    def _crowded(self, gap: Gap, side: int) -> str:
-        """Why the nearest value was not found: where it may lie, or how far was searched."""
-        unit = self.free.shown_unit(self.free.motion)
-        low, high = (
-            "" if x is None else f"{printed(in_unit(x, unit.size), 4, way)} {unit.text}".rstrip()
-            for x, way in ((gap.low, Way.DOWN), (gap.high, Way.UP))
-        )
-        if gap.reason == _BEYOND:
-            return f"searched {f'up to {low}' if side > 0 else f'down to {high}'}, {_BEYOND}"
-        where = (
-            f", from {low} to {high}"
-            if low and high
-            else f", above {low}"
-            if low
-            else f", below {high}"
-            if high
-            else ""
-        )
-        return f"{gap.reason or _ENDLESS}{where}"
-
-    def _line(self, window: Meetings) -> _Line:
-        self.tally.window = window
-        ends = [Meeting(x, None) for gap in window.gaps for x in (gap.low, gap.high) if x is not None]
-        apart = each_once((x for x in (*window.found, *ends) if is_told(x.value)), lambda x: x.value)
-        low, low_is_whole = _nearer(window.above, self.low, -1)
-        high, high_is_whole = _nearer(window.below, self.high, 1)
-        within = [
-            x for x in apart
-            if (low is None or ordered(low, x.value) >= 0) and (high is None or ordered(x.value, high) >= 0)
-        ]  # fmt: skip
-        return _Line(within, low, high, (low_is_whole, high_is_whole), window.gaps)
-
-    def _here(self, line: _Line) -> list[Critical]:
-        """What changes at the very value, where it puts roots on the axis."""
-        for i, x in enumerate(line.places):
-            if not ordered(x.value, self.start):
-                below, above = (
-                    self._beyond(line, k, side) if line.gap(k) else self._count(line, k)
-                    for side, k in ((-1, i), (1, i + 1))
-                )
-                if (line.gap(i) or line.gap(i + 1)) and not any(y and y[1] for y in (below, above)):
-                    return []
-                return self._limits(line, i, below, above)
-        return []
-
-    def _side(self, line: _Line, side: int) -> _Ahead:
-        """The nearest change on one side; where it is stable from there on, the next one, too."""
-        ahead = [i for i, x in enumerate(line.places) if ordered(self.start, x.value) == side]
-        found, home = list[Critical](), None
-        for i in ahead if side > 0 else ahead[::-1]:
-            near, beyond = (i, i + 1) if side > 0 else (i + 1, i)
-            if gap := line.gap(near):
-                return self._left(line, side, found, gap)
-            try:
-                home = home or self._count(line, near)
-                if home and not home[1] and line.gap(beyond):
-                    continue
-                other = self._beyond(line, beyond, side) if line.gap(beyond) else self._count(line, beyond)
-            except UndecidedError:
-                if not found:
-                    raise
-                return _Ahead(found, last=_known(line.places[i].value, side))
-            changes = self._limits(line, i, *((home, other) if side > 0 else (other, home)))
-            found += changes[:1] if side > 0 else changes[-1:]
-            if changes and not _opens(found[-1], side):
-                return _Ahead(found)
-            home = other
-        return self._left(line, side, found, line.gap(len(line.places) if side > 0 else 0))
-
-    def _left(self, line: _Line, side: int, found: list[Critical], gap: Gap | None) -> _Ahead:
-        """What was found on one side, after which there is a gap, the end of a window, or nothing that is allowed."""
-        if gap is None and line.is_whole[side > 0]:
-            return _Ahead(found)
-        if not found:
-            return _Ahead(found, self._crowded(gap, side) if gap else _ENDLESS)
-        low, high = (gap.low, gap.high) if gap else (line.high, line.low)
-        return _Ahead(found, last=_known(low if side > 0 else high, side))
-
-    def _beyond(self, line: _Line, i: int, side: int) -> Count | None:
-        """The first that can be told from a gap on, as more and more values there put roots on the axis."""
-        ahead = range(i, len(line.places) + 1) if side > 0 else range(i, -1, -1)
-        for x in (x for x in ahead if not line.gap(x)):
-            with suppress(UndecidedError):
-                return self._count(line, x)
-        return self._count(line, i)
-
-    def _count(self, line: _Line, i: int) -> Count | None:
-        """Before the i-th meeting; None where that is an end of what is allowed, or of a window."""
-        low, high = line.cell(i)
-        if low is None or high is None or ordered(low, high):
-            return self.tally.at(self.loop.between(low, high, self.free.value))
-        return None
-
-    def _limits(self, line: _Line, i: int, below: Count | None, above: Count | None) -> list[Critical]:
-        """What changes at the i-th meeting, between the counts of both sides; two limits where only the value itself differs."""
-        is_plain = below and above and below != above and 0 in (below[0], above[0])
-        at = None if is_plain else self._at(line.places[i])
-        rows: list[tuple[Count | None, Count | None, int]] = [(below, above, 0)]
-        if below is None or above is None:
-            side = -1 if below is None else 1
-            is_end = self.closed and line.is_whole[side > 0]  # what is beyond the end of a window is not known
-            rows = [(below or at, above or at, side)] if is_end else []
-        elif below == above and below[0] == 0:
-            rows = [(below, at, 1), (at, above, -1)]
-        elif at and at[0] == 0:
-            rows = [(below, at, 1)]
-        return [self._critical(line, i, x, y, own) for x, y, own in rows if x and y and x != y]
-
-    def _at(self, x: Meeting) -> Count | None:
-        """At a value itself; None where that is not known."""
-        if not (isinstance(x.value, ExactNumber) and isinstance(x.value.value, Rational)):
-            return (2, None) if x.omega is not None and ordered(ExactNumber(Integer(0)), x.omega) > 0 else None
-        with suppress(UndecidedError):  # what is asked about need not end there
-            is_allowed = self.free.rule.allows(x.value.value) and self.is_there(x.value.value)
-            return self.tally.at(x.value.value) if is_allowed else None
-        return None
-
-    def _critical(self, line: _Line, i: int, below: Count, above: Count, itself: int) -> Critical:
-        x, chain = line.places[i], None in (below[0], above[0])
-        crowded = self.loop.turns or any(y[0] is not None and line.gap(k) for k, y in ((i, below), (i + 1, above)))
-        return Critical(self.free.path, x.value, x.omega, below[0], above[0], chain and crowded, itself)
-
-
-def _opens(x: Critical, side: int) -> bool:
-    """Whether it is stable on one side of a limit."""
-    return x.stable_side == ("above" if side > 0 else "below")
-
-
-_ENDLESS = "where roots meet the imaginary axis at ever higher frequencies"
-
-
-def _nearer(window: Expr | None, allowed: Expr | None, side: int) -> tuple[RealNumber | None, bool]:
-    """Of the ends of a window and of what is allowed the nearer one, and whether it is the latter."""
-    if window is None or allowed is None:
-        end = window if allowed is None else allowed
-        return None if end is None else ExactNumber(end), window is None
-    is_whole = ordered(ExactNumber(allowed), ExactNumber(window)) * side >= 0
-    return ExactNumber(allowed if is_whole else window), is_whole

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
+from haptisym.judge.bindings import STABLE, STEADY, stable_in
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.kernel.budget import SECONDS, limited, share, tick
 from haptisym.kernel.dynamics import ring_of
 from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.kernel.objects import titled
-from haptisym.kernel.reals import whole
+from haptisym.kernel.reals import RealNumber, whole
+from haptisym.kernel.sets import ValueSet
 from haptisym.model.catalogue import NOBODY, Hand, hands, how_to_give
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.model.scenefile import as_scene, read_scenes
+from haptisym.model.valueranges import ALLOWED
 from haptisym.verbs.evaluate.certificate import document, inverse, name_in_file, zeros
 from haptisym.verbs.evaluate.products import NOT_RATIONAL
-from haptisym.verbs.stability.critical import Critical, Nearest, critical
 from haptisym.verbs.stability.held import (
     Box,
     EveryPassiveHand,
@@ -31,6 +32,7 @@ from haptisym.verbs.stability.held import (
     imposed,
     whole_box,
 )
+from haptisym.verbs.stability.limits import looked_at, open_beside, stable_values
 from haptisym.verbs.stability.margins import Margins, margins
 
 WALL = ("environment.k", "environment.b")
@@ -51,9 +53,10 @@ class Stability(Answer):
     for any passive operator: H_perc/s is positive real.
 
     ``imposed`` : under prescribed motion: ``stable``, ``unstable`` (number of poles). ``held`` : for each hand ``stable``,
-    ``unstable``, ``shakes``, ``drifts`` (poles at 0, where nothing holds the handle in place). ``critical`` : for each hand and
-    free parameter the stability limits nearest to its value, SI, with the pole there, rad/s. ``margins`` : for each hand the
-    factors on the rendered force, and the delay, s, up to which it is stable; None where it is not, or that is undecided.
+    ``unstable``, ``shakes``, ``drifts`` (poles at 0, where nothing holds the handle in place). ``critical`` : for each hand, by
+    the path of each free parameter, its values for which the display is stable, SI, with the pole at each end, rad/s: as far
+    as the ends next to the present value. ``margins`` : for each hand the factors, the delays and the angles of the rendered
+    force for which it is stable; None where it is not, or that is undecided.
     ``boxes`` : in which part of a hand's ranges it is stable; None without ranges. ``every_passive_hand`` : passivity, with the
     active frequencies and the damping that compensates. ``digits`` : of JSON. ``scene`` : with the hands.
 
@@ -61,8 +64,8 @@ class Stability(Answer):
 
     >>> import haptisym as hs
     >>> found = hs.stability("delayed-spring", "postural-arm", free=["tau"])
-    >>> found.held[0].stable, found.every_passive_hand.holds, found.critical[0][-1].found[0].value.digits(6)
-    (True, False, '0.102549')
+    >>> found.held[0].stable, found.every_passive_hand.holds, found.critical[0]["effects.delay.tau"]
+    (True, False, <ValueSet 0 to 0.102549>)
     """
 
     _schema: ClassVar[str] = "haptisym.stability/1"
@@ -73,7 +76,7 @@ class Stability(Answer):
     scene: Scene
     imposed: Imposed
     held: tuple[Held, ...]
-    critical: tuple[tuple[Nearest, ...], ...]
+    critical: tuple[Mapping[str, ValueSet], ...]
     boxes: tuple[Box | None, ...]
     every_passive_hand: EveryPassiveHand
     margins: tuple[Margins | None, ...] = ()
@@ -95,8 +98,10 @@ class Stability(Answer):
         """Whether nothing was left undecided."""
         held = all(x.is_decided for x in self.held)
         decided = self.imposed.stable is not None and held and self.every_passive_hand.is_decided
-        left = [x.reason for rows in self.critical for x in rows] + [x.reason for x in self.boxes if x]
-        return decided and not any(left) and not any(x.undecided for x in self.margins if x)
+        knobs = self.scene.knobs
+        left = [why for sets in self.critical for path, x in sets.items() for why in open_beside(knobs[path], x)]
+        open_boxes = any(x.reason for x in self.boxes if x)
+        return decided and not left and not open_boxes and not any(x.undecided for x in self.margins if x)
 
     def _body(self) -> dict[str, Any]:
         return {
@@ -107,41 +112,44 @@ class Stability(Answer):
             "certified": self.certified,
         }
 
-    def _held(self, x: Held, rows: tuple[Nearest, ...], box: Box | None, margin: Margins | None) -> dict[str, Any]:
+    def _held(self, x: Held, sets: Mapping[str, ValueSet], box: Box | None, margin: Margins | None) -> dict[str, Any]:
         reason = {"reason": x.reason} if x.reason else {}
         chain = {"chain": x.roots.chain.value} if x.roots and x.roots.chain else {}
-        critical = [self._critical(found) for near in rows for found in near.found]
-        left = [{"path": near.path, "reason": near.reason} for near in rows if near.reason]
         verdict = {"stable": x.stable, "shakes": x.shakes, "drifts": x.drifts, "unstable": x.unstable}
+        knobs = self.scene.knobs
         own: dict[str, Any] = {
             "hand": _hand(x.hand),
             **verdict,
-            "critical": critical,
+            "critical": [row for path, values in sets.items() for row in self._critical(path, values)],
             "margins": margin and margin.row(),
         }
+        left = [
+            {"path": path, "reason": why} for path, values in sets.items() for why in open_beside(knobs[path], values)
+        ]
         left += [{"path": f"margins.{name}", "reason": why} for name, why in margin.undecided] if margin else []
         if box is not None:
             own["whole_box"] = box.share.value if box.share else None
             left += [{"path": x.hand.name, "reason": box.reason}] if box.reason else []
-        looked = [
-            {"path": y.path, "from": _end(y.low), "to": _end(y.high)}
-            for y in rows
-            if y.low is not None or y.high is not None
-        ]
+        ends = ((path, *looked_at(knobs[path], values)) for path, values in sets.items())
+        looked = [{"path": path, "from": _end(low), "to": _end(high)} for path, low, high in ends if low or high]
         own |= {"looked_at": looked} if looked else {}
         return own | ({"undecided": left} if left else {}) | chain | reason
 
-    def _critical(self, x: Critical) -> dict[str, Any]:
-        value = {
-            "value": float(x.value),
-            "digits": x.value.digits(self.digits),
-            "enclosure": list(x.value.enclosure(self.digits)),
-        }
-        omega = None if x.omega is None else float(x.omega)
-        return {"path": x.path, **value, "omega": omega, "stable_side": x.stable_side}
+    def _critical(self, path: str, values: ValueSet) -> Iterator[dict[str, Any]]:
+        """Where what is stable next to the present value ends."""
+        for piece in values.feasible:
+            for x in (x for x in piece.ends if x in values.ends):
+                value = {
+                    "value": float(x.value),
+                    "digits": x.value.digits(self.digits),
+                    "enclosure": list(x.value.enclosure(self.digits)),
+                }
+                omega = x.bindings[0].omega
+                side = None if piece.is_single else "above" if x is piece.first else "below"
+                yield {"path": path, **value, "omega": None if omega is None else float(omega), "stable_side": side}
 
 
-def _end(x: Fraction | None) -> float | None:
+def _end(x: RealNumber | None) -> float | None:
     return None if x is None else float(x)
 
 
@@ -167,11 +175,11 @@ def stability(
     """Whether a display is stable under prescribed motion, in each hand, and with any passive operator: proven.
 
     ``hand`` : the hands to ask about: the scene's, or those that the package ships (``hs.hands``), by name, or each a ``Hand``;
-    those of the scene if not given. ``free`` : numbers by path or symbol; for each, and for the hand's own, the nearest
-    values are found at which the number of unstable roots changes; if none is given, all numbers of the display, with a clock
+    those of the scene if not given. ``free`` : numbers by path or symbol; for each, and for the hand's own, it is
+    found where what is stable ends next to the present value; if none is given, all numbers of the display, with a clock
     in a shorter search. ``digits`` : of each number in the document.
-    ``limit`` : seconds after which what is not decided stays open; None for none. Verdicts come first, then limits, then
-    margins; LimitError where not even one verdict is there by then.
+    ``limit`` : seconds of processor time after which what is not decided stays open; None for none. Verdicts come first, then
+    limits, then margins; LimitError where not even one verdict is there by then.
 
     What stays open is None, and the answer is then not certified. SceneError where a hand is not known, is given twice or turns
     about an axis where the scene moves along a line.
@@ -224,22 +232,21 @@ def _number(scene: Scene, x: Knob) -> Knob:
     return x
 
 
-def _critical(scene: Scene, x: Held, free: Iterable[Knob], *, brief: bool) -> tuple[Nearest, ...]:
+def _critical(scene: Scene, x: Held, free: Iterable[Knob], *, brief: bool) -> dict[str, ValueSet]:
     """Of the hand's own numbers, and of those that were asked about; of others with a clock, the wall's apart, in brief."""
     if x.roots is None:
-        return ()
+        return {}
     own = [knob for knob in scene.knobs if knob.is_of_hand and knob.symbol in {p.symbol for p in x.hand.parameters}]
     others = [knob for knob in free if not knob.is_of_hand]
-    return (
-        *(_in_part(scene, x.hand, knob) for knob in own),
-        *(_in_part(scene, x.hand, knob, brief=brief and knob.path not in WALL) for knob in others),
-    )
-
-
-def _in_part(scene: Scene, hand: Hand, knob: Knob, *, brief: bool = False) -> Nearest:
-    """The limits of one number, in a part of the time that is left, so that others are told, too."""
-    with share(_PART):
-        return critical(scene, hand, knob, brief=brief)
+    criterion = stable_in(x.hand, STABLE if x.drifts == 0 else STEADY)
+    found = dict[str, ValueSet]()
+    for knob in (*own, *others):
+        is_brief = brief and knob in others and knob.path not in WALL
+        with share(_PART):  # of the time that is left, so that others are told, too
+            found[knob.path] = stable_values(
+                scene, x.hand, knob, ALLOWED[knob.rule], criterion, near=True, brief=is_brief
+            )
+    return found
 
 
 def chosen(scene: Scene, given: str | Hand) -> Hand:

@@ -27,7 +27,7 @@ from haptisym.kernel.rootcount import RootChain, Roots, at_least, count_roots, o
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.model.catalogue import Hand
 from haptisym.model.parameters import WHOLE_NUMBERS, Parameter, values
-from haptisym.model.scene import Scene, clocks, unclocked
+from haptisym.model.scene import Knob, Scene, clocks, unclocked
 from haptisym.verbs.stability.oncircle import OnCircle
 from haptisym.verbs.stability.sampled import clocked_roots, loop_of
 
@@ -134,6 +134,13 @@ def held(scene: Scene, hand: Hand) -> Held:
     except UndecidedError as error:
         return Held(hand, None, str(error))
     return Held(hand, roots, drifts=0 if roots.number == 0 else drifts(scene, hand))
+
+
+def moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Hand]:
+    """Display and hand at a value of a number of either."""
+    if any(p.symbol == free.symbol for p in hand.parameters):
+        return scene, hand.with_values({free.symbol.name: value})
+    return scene.with_values({free.path: value}), hand
 
 
 def drifts(scene: Scene, hand: Hand) -> int | None:

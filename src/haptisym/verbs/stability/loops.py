@@ -40,18 +40,12 @@ from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, expre
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials, omega
 from haptisym.kernel.rootcount import Roots, Row, late_turns, squares, terms_of
 from haptisym.kernel.roots import ALIKE_BITS, Point, chart, each_once, ordered, sign_of_number
+from haptisym.kernel.sets import Change, Changes, Open
 from haptisym.model.catalogue import Hand
-from haptisym.model.parameters import Rule, values
+from haptisym.model.parameters import values
 from haptisym.model.scene import Knob, Scene
+from haptisym.model.valueranges import ALLOWED
 from haptisym.verbs.stability.held import zeros_of
-
-ALLOWED: dict[Rule, tuple[Expr | None, Expr | None, bool]] = {
-    Rule.POSITIVE: (Integer(0), None, False),
-    Rule.NONNEGATIVE: (Integer(0), None, True),
-    Rule.ANY: (None, None, True),
-    Rule.FRACTION: (Integer(0), Integer(1), False),
-}
-"""The values that a rule allows, and whether its ends belong to them."""
 
 
 @dataclass(frozen=True)
@@ -79,11 +73,10 @@ class Loop:
         H = display.perceived(range(len(display.matrices)), ring)
         z = ring.convert(Z)
         top = H.numerator * z.denominator + z.numerator * H.denominator
-        low, high, _ = ALLOWED[free.rule]
+        allowed = ALLOWED[free.rule]
         damps = hand.b.symbol == free.symbol or sign_of_number(hand.b.value) > 0
-        return cls(
-            ring, top, H.denominator, free.symbol, low, high, low is not None and damps and rests(scene, display)
-        )
+        is_at_rest = allowed.low is not None and damps and rests(scene, display)
+        return cls(ring, top, H.denominator, free.symbol, allowed.low, allowed.high, is_at_rest)
 
     @cached_property
     def turns(self) -> bool:
@@ -123,10 +116,11 @@ class Loop:
         return zeros_of(found.numerator, found.denominator, self.ring, rests=self.rests and value > 0)
 
     def exists(self, value: Rational) -> bool:
-        """Whether there is a dynamics at a number: not where it is divided by 0."""
+        """Whether there is a dynamics at a number: not where it is divided by 0, nor where no force is left."""
         if self.turns or self.symbol not in self.ring.meanings:
             return True
-        return not self.bottom.subs({f"x{self._index}": fmpq(int(value.p), int(value.q))}).is_zero()
+        here = {f"x{self._index}": fmpq(int(value.p), int(value.q))}
+        return not (self.bottom.subs(here).is_zero() or self.top.subs(here).is_zero())
 
     def between(self, low: RealNumber | None, high: RealNumber | None, own: Expr | None = None) -> Rational:
         """A rational number strictly between two at which there is a display: there is none at few of them."""
@@ -399,51 +393,14 @@ class _Of(RealNumber):
 
 
 @dataclass(frozen=True)
-class Meeting:
-    """A ``value`` of the open number with roots on the axis at ``omega``, rad/s; None where they come from infinity.
+class Meeting(Change):
+    """A value of the open number with roots on the axis at ``omega``, rad/s; None where they come from infinity.
 
     ``sense`` : how many pairs of roots go from its left to its right there as the number grows; None where that is not told.
     """
 
-    value: RealNumber
-    omega: RealNumber | None
+    omega: RealNumber | None = None
     sense: int | None = None
-
-    def is_like(self, other: Meeting) -> bool:
-        """Whether both are alike as far as bits go."""
-        if self.omega is None or other.omega is None:
-            return self.omega is other.omega and not ordered(self.value, other.value)
-        return not ordered(self.omega, other.omega) and not ordered(self.value, other.value)
-
-
-@dataclass(frozen=True)
-class Gap:
-    """Values between two of which it is not known which ones put roots on the axis; None where nothing bounds them.
-
-    ``reason`` : why; empty where they do at ever higher frequencies.
-    """
-
-    low: RealNumber | None
-    high: RealNumber | None
-    reason: str = ""
-
-    def holds(self, low: RealNumber | None, high: RealNumber | None) -> bool:
-        """Whether all values between two others are in it."""
-        above = self.low is None or (low is not None and ordered(self.low, low) >= 0)
-        return above and (self.high is None or (high is not None and ordered(high, self.high) >= 0))
-
-
-@dataclass(frozen=True)
-class Meetings:
-    """All, each once, ``above`` one value and ``below`` another, but for ``gaps``; None where nothing bounds them there.
-
-    Values with a chain of infinitely many roots on the right need not be among them, but for those where it comes or goes.
-    """
-
-    found: tuple[Meeting, ...]
-    above: Expr | None = None
-    below: Expr | None = None
-    gaps: tuple[Gap, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -467,7 +424,8 @@ class Curve:
         places = [x for x in table.points[1:] if x.orders.get("0", 0) > 0 and x.orders.get("q", 0) >= 0]
         zero = ExactNumber(Integer(0))
         return tuple(
-            Meeting(zero if x.orders.get("q") else ValueAt(value, x.omega), x.omega, self._sense(x)) for x in places
+            Meeting(zero if x.orders.get("q") else ValueAt(value, x.omega), omega=x.omega, sense=self._sense(x))
+            for x in places
         )
 
     def _sense(self, place: Point) -> int | None:
@@ -547,6 +505,7 @@ def _remainder(f: Polynomial, g: Polynomial, index: int) -> tuple[Polynomial, Po
         f, g = g, f
 
 
+ENDLESS = "where roots meet the imaginary axis at ever higher frequencies"
 _MOST_DELAYED = 5
 
 
@@ -562,14 +521,14 @@ def from_infinity(loop: Loop) -> tuple[Meeting, ...]:
     if loop.low is None and any(any(row[2:]) for row in leading.values()):
         raise UndecidedError("where a chain of roots comes to the axis: the parameter may be negative")
     if _is_product(leading):
-        return tuple(Meeting(x, None) for x in zeros(next(iter(leading.values()))))
+        return tuple(Meeting(x) for x in zeros(next(iter(leading.values()))))
     if len(delayed) > (1 if len(units) == 1 else _MOST_DELAYED):
         raise UndecidedError("where a chain of roots comes to the axis: several delays are in the highest power of s")
     own = leading.get((0,) * len(loop.ring.lags), [Integer(0)])
     found = list[RealNumber]()
     for signs in product((1, -1), repeat=len(delayed)):  # |own| = sum of |delayed|, whatever their signs are
         found += zeros(_sum([own, *([sign * c for c in leading[x]] for sign, x in zip(signs, delayed, strict=True))]))
-    return tuple(Meeting(x, None) for x in found)
+    return tuple(Meeting(x) for x in found)
 
 
 def _is_product(leading: Mapping[tuple[int, ...], Row]) -> bool:
@@ -617,15 +576,15 @@ class BesideChains:
             return None
         return cls(squares(loop.table, late), lag_of(late, loop))
 
-    def meetings(self, curve: Curve, low: RealNumber, high: RealNumber | None) -> Iterator[Meetings]:
+    def meetings(self, curve: Curve, low: RealNumber, high: RealNumber | None) -> Iterator[Changes]:
         """All between two values, between which no chain is on the right nor at the axis, but for gaps, which become smaller."""
         for turning in _RADIANS:
             last = Rational(turning) / Rational(str(float(self.lag)))
             pieces = [*self._pieces(low, high, last, _HALVINGS)]
             known = [radius for _, _, radius in pieces if radius is not None]
             runs = [list(run) for is_open, run in groupby(pieces, lambda x: x[2] is None) if is_open]
-            gaps = tuple(Gap(run[0][0], run[-1][1]) for run in runs)
-            yield Meetings(curve.meetings(max(known)) if known else (), gaps=gaps)
+            gaps = [Open(run[0][0], run[-1][1], ENDLESS) for run in runs]
+            yield Changes(curve.meetings(max(known)) if known else (), gaps)
             if not gaps:
                 return
 
@@ -780,9 +739,9 @@ def _turned(first: DelayAt, turns: int, sense: int | None) -> Iterator[Meeting]:
     for turn in range(turns + 1):
         delay = replace(first, turn=first.turn + turn)
         if delay.ball(_BITS).is_zero():
-            yield Meeting(ExactNumber(Integer(0)), first.omega)
+            yield Meeting(ExactNumber(Integer(0)), omega=first.omega)
         elif float(delay) > 0:
-            yield Meeting(delay, first.omega, sense)
+            yield Meeting(delay, omega=first.omega, sense=sense)
 
 
 def _ratio(loop: Loop) -> tuple[RationalFunction, Expr]:

@@ -3,90 +3,113 @@
 The force is that of the environment, or of ``[rendered]``, before all effects. With g of it the loop is A + g B = 0, linear in g,
 however the force comes through the effects: they make a Moebius map of it. So g = -A/B on the imaginary axis, and
 
-- *gain*: the nearest g below and above 1 at which the number of roots that shake changes, up to a thousandfold;
-- *delay*: the least tau at which it does with g = exp(-s tau), up to a thousand seconds;
-- *phase*: of all frequencies with |A/B| = 1 the least angle of -A/B: by so much the force may be turned at any one frequency.
+- *gain*: the values of g about 1 for which it is stable, of a thousandth to a thousandfold;
+- *delay*: the values of tau from 0 on for which it is, with g = exp(-s tau), up to a thousand seconds;
+- *phase*: the angles below the least one of -A/B at all frequencies with |A/B| = 1: by so much the force may be turned at any
+  one frequency.
 
 With a clock the factor stands before the controller, and the delay in what moves: from one whole number of samples to the next.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, TypeVar
+from typing import Any
 
 from flint import acb, arb, ctx
-from sympy import Integer, Symbol
+from sympy import Integer, Rational, Symbol
 
 from haptisym.effects import delay as delayed
 from haptisym.effects import series
+from haptisym.judge.bindings import STABLE, STEADY, Binding, Kind, stable_in
+from haptisym.judge.crossings import Criterion
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.reals import Ball, RealNumber, Way, printed
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, Way, printed
 from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.roots import chart
+from haptisym.kernel.roots import chart, ordered
 from haptisym.kernel.sampledloop import SampledLoop
+from haptisym.kernel.sets import STOPPED, Change, Changes, Domain, Open, Point, Question, ValueSet, solve
 from haptisym.model.catalogue import Effect, Hand
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene, clocks
-from haptisym.verbs.stability.critical import critical
+from haptisym.verbs.stability.held import drifts
+from haptisym.verbs.stability.limits import stable_values
 from haptisym.verbs.stability.loops import Loop, minus
 from haptisym.verbs.stability.opened import Opened
 from haptisym.verbs.stability.sampled import Walk, loop_of, series_alone
 
 MOST_GAIN, MOST_DELAY = 1000, 1000
+GAINS = Domain(Rational(1, MOST_GAIN), Integer(MOST_GAIN))
+DELAYS = Domain(Integer(0), Integer(MOST_DELAY))
+ANGLES = Domain(Integer(0), Integer(180))
+"""What is searched: factors, delays in s, and angles in degrees."""
+_ZERO, _ONE = ExactNumber(Integer(0)), ExactNumber(Integer(1))
 _NONE = "no limit found within it"
 _FACTOR = series("g_margin", parameters={"g_margin": 1}, name="margin-of-gain")
 _LATE = delayed(0, name="margin-of-delay")
 
 
-@dataclass(frozen=True)
-class Limit:
-    """A ``value`` at which the display shakes, and at what frequency ``omega``, rad/s; None where roots come from infinity."""
-
-    value: RealNumber
-    omega: RealNumber | None
-
-
 @dataclass(frozen=True, repr=False)
 class Margins(Shown):
-    """Of a display in a hand: ``below``, ``above``: factors, ``delay`` in s, ``phase`` in degrees; None where there is none.
+    """Of a display in a hand: for which factors on the rendered force, delays (s) and angles (degrees) of it it is stable.
 
-    ``undecided`` : by the name of a margin why it is not known.
+    Each as far as the ends next to the present value: a factor of 1, no delay, no angle. ``phase`` : None with a clock.
     """
 
-    below: Limit | None = None
-    above: Limit | None = None
-    delay: Limit | None = None
-    phase: Limit | None = None
-    undecided: tuple[tuple[str, str], ...] = ()
+    gain: ValueSet
+    delay: ValueSet
+    phase: ValueSet | None = None
 
     def _line(self) -> str:
-        return f"gain {_float(self.below)} to {_float(self.above)}, delay {_float(self.delay)} s, phase {_float(self.phase)} deg"
+        angle = "" if self.phase is None else f", phase {self.phase._line()} deg"
+        return f"gain {self.gain._line()}, delay {self.delay._line()} s{angle}"
+
+    @property
+    def below(self) -> Point | None:
+        """The factor down to which it is stable; None where there is no end, or none that is known."""
+        return self.gain.end(_ONE, -1)
+
+    @property
+    def above(self) -> Point | None:
+        """The factor up to which it is stable."""
+        return self.gain.end(_ONE, 1)
+
+    @property
+    def undecided(self) -> tuple[tuple[str, str], ...]:
+        """By the name of a margin why it is not known, or not on one side."""
+        sets = (("gain", self.gain, _ONE), ("delay", self.delay, _ZERO), ("phase_deg", self.phase, _ZERO))
+        left = ((name, x.unknown(own, side)) for name, x, own in sets if x is not None for side in (-1, 1))
+        return tuple(dict.fromkeys((name, piece.reason) for name, piece in left if piece is not None))
 
     def row(self) -> dict[str, Any]:
         """As documents have it."""
-        nearest = self.above
-        if self.below and not (nearest and float(nearest.value) * float(self.below.value) < 1):
-            nearest = self.below
-        omega = nearest and nearest.omega
-        late = self.delay and self.delay.omega
+        below, above = self.below, self.above
+        nearest = below if below and not (above and float(above.value) * float(below.value) < 1) else above
+        late = self.delay.end(_ZERO, 1)
         return {
-            "gain": {"below": _float(self.below), "above": _float(self.above), "omega": omega and float(omega)},
-            "delay": {"above": _float(self.delay), "omega": late and float(late)},
-            "phase_deg": _float(self.phase),
+            "gain": {"below": _float(below), "above": _float(above), "omega": _omega(nearest)},
+            "delay": {"above": _float(late), "omega": _omega(late)},
+            "phase_deg": None if self.phase is None else _float(self.phase.end(_ZERO, 1)),
+            "searched": {"gain": _ends(GAINS), "delay": _ends(DELAYS)},
         }
 
 
-def _float(x: Limit | None) -> float | None:
+def _float(x: Point | None) -> float | None:
     return None if x is None else float(x.value)
 
 
-T = TypeVar("T")
+def _omega(x: Point | None) -> float | None:
+    omega = None if x is None else x.bindings[0].omega
+    return None if omega is None else float(omega)
+
+
+def _ends(x: Domain) -> list[float]:
+    return [float(end) for end in (x.low, x.high) if end is not None]
 
 
 def margins(scene: Scene, hand: Hand) -> Margins:
@@ -94,67 +117,47 @@ def margins(scene: Scene, hand: Hand) -> Margins:
 
     >>> from haptisym.model.catalogue import hands
     >>> from haptisym.model.scenefile import load_scene
-    >>> found = margins(load_scene("delayed-spring"), hands["postural-arm"])
-    >>> found.above.value.digits(5), found.delay.value.digits(4), found.phase.value.digits(4)
-    ('1.9985', '0.06655', '59.11')
+    >>> margins(load_scene("delayed-spring"), hands["postural-arm"])
+    <Margins gain 0.00100000 to 1.99852, delay 0 to 0.0665486 s, phase 0 to 59.1051 deg>
     """
     if (scene.rendered or scene.environment).H.is_zero:
-        return Margins()
-    left: list[tuple[str, str]] = []
-
-    def told(name: str, ask: Callable[[], T], none: T) -> T:
-        try:
-            return ask()
-        except (UndecidedError, LimitError) as error:
-            left.append((name, str(error)))
-            return none
-
-    gain, delay = (_gain_by_clock, _delay_by_clock) if clocks(scene) else (_gain, _delay)
-    neither: tuple[Limit | None, Limit | None] = (None, None)
-    below, above = told("gain", lambda: gain(scene, hand), neither)
-    late = told("delay", lambda: delay(scene, hand), None)
-    phase = None if clocks(scene) else told("phase_deg", lambda: _phase(scene, hand), None)
-    return Margins(below, above, late, phase, tuple(left))
+        return Margins(*(ValueSet.all_of(x, holds=True) for x in (GAINS, DELAYS, ANGLES)))
+    if clocks(scene):
+        return Margins(_gain_by_clock(scene, hand), _delay_by_clock(scene, hand))
+    criterion = stable_in(hand, STEADY if drifts(scene, hand) else STABLE)
+    gain, delay = (
+        stable_values(*_opened(scene, hand, effect), asked, criterion, near=True)
+        for effect, asked in ((_FACTOR, GAINS), (_LATE, DELAYS))
+    )
+    return Margins(gain, delay, _phase(scene, hand, criterion))
 
 
 # Without a clock: the same scene with one more effect, nearest the environment
 
 
-def _opened(scene: Scene, effect: Effect) -> tuple[Scene, Knob]:
+def _opened(scene: Scene, hand: Hand, effect: Effect) -> tuple[Scene, Hand, Knob]:
     """The scene with an effect before all others, and the number of that."""
     own = replace(scene, effects=(effect, *scene.effects))
-    return own, replace(own.knobs[f"effects.{effect.name}.{effect.parameters[0].key}"], rule=Rule.NONNEGATIVE)
+    knob = own.knobs[f"effects.{effect.name}.{effect.parameters[0].key}"]
+    return own, hand, replace(knob, rule=Rule.NONNEGATIVE)
 
 
-def _critical(scene: Scene, hand: Hand, effect: Effect) -> list[Limit]:
-    """The values of the number of such an effect at which the count changes, in order."""
-    own, knob = _opened(scene, effect)
-    near = critical(own, hand, knob)
-    if near.reason and len(near.found) < 2:
-        raise UndecidedError(near.reason)
-    return [Limit(x.value, x.omega) for x in near.found]
+def _phase(scene: Scene, hand: Hand, criterion: Criterion) -> ValueSet:
+    """The angles up to the least one where |A/B| = 1."""
+    try:
+        found = _turned(Loop.of(*_opened(scene, hand, _FACTOR)), criterion)
+        least = min(found, key=lambda x: float(x.value), default=None)
+    except LimitError:
+        return ValueSet.all_of(ANGLES, holds=None, reason=STOPPED)
+    except UndecidedError as error:
+        return ValueSet.all_of(ANGLES, holds=None, reason=str(error))
+    return _up_to(ANGLES, least)
 
 
-def _gain(scene: Scene, hand: Hand) -> tuple[Limit | None, Limit | None]:
-    found = _critical(scene, hand, _FACTOR)
-    return _within([x for x in found if float(x.value) < 1]), _within([x for x in found if float(x.value) > 1])
-
-
-def _within(found: list[Limit]) -> Limit | None:
-    return next((x for x in found if 1 / MOST_GAIN <= float(x.value) <= MOST_GAIN), None)
-
-
-def _delay(scene: Scene, hand: Hand) -> Limit | None:
-    found = _critical(scene, hand, _LATE)
-    return next((x for x in found if 0 <= float(x.value) <= MOST_DELAY), None)
-
-
-def _phase(scene: Scene, hand: Hand) -> Limit | None:
-    """Where |A/B| = 1 the least angle."""
-    own, knob = _opened(scene, _FACTOR)
-    loop = Loop.of(own, hand, knob)
+def _turned(loop: Loop, criterion: Criterion) -> list[Change]:
+    """The angles where |A/B| = 1, each with its frequency."""
     if len(loop.powers) != 2:
-        return None
+        return []
     ratio = RationalFunction(loop.ring, loop.powers[0], loop.powers[1]).reduced()
     condition = minus(squared_modulus(ratio).function, Integer(1))
     settled = asymptotic_sign(condition)
@@ -165,8 +168,19 @@ def _phase(scene: Scene, hand: Hand) -> Limit | None:
         raise UndecidedError("whether the loop comes to a gain of 1")
     response = on_axis(ratio)
     places = [x.omega for x in table.points[1:] if x.orders.get("", 0) > 0]
-    found = [Limit(Turned((response.real, response.imag), x), x) for x in places]
-    return min(found, key=lambda x: float(x.value), default=None)
+    parts = response.real, response.imag
+    return [Change(Turned(parts, x), (Binding(criterion, x, Kind.AXIS),)) for x in places]
+
+
+def _up_to(asked: Domain, limit: Change | None, left: Sequence[Open] = ()) -> ValueSet:
+    """All values up to a limit, beyond which nothing more is needed, but for what is left open."""
+    question = Question(
+        lambda x: limit is None or ordered(ExactNumber(x), limit.value) > 0,
+        asked.low,
+        lambda: [Changes([] if limit is None else [limit], left)],
+        lambda _: False,
+    )
+    return solve(question, asked, near=True)
 
 
 @dataclass(frozen=True, repr=False)
@@ -195,33 +209,51 @@ def _loop(scene: Scene, hand: Hand) -> SampledLoop | None:
     return loop if any(loop.above) and any(x for _, row in loop.plant.terms for x in row) else None
 
 
-def _gain_by_clock(scene: Scene, hand: Hand) -> tuple[Limit | None, Limit | None]:
+def _gain_by_clock(scene: Scene, hand: Hand) -> ValueSet:
+    return _told(GAINS, lambda: _gains(scene, hand))
+
+
+def _gains(scene: Scene, hand: Hand) -> ValueSet:
     loop = _loop(scene, hand)
     if loop is None:
-        return None, None
+        return ValueSet.all_of(GAINS, holds=True)
     g = Symbol("g_margin", positive=True)
     opened = Opened(replace(loop, above=tuple(g * x for x in loop.above)), g)
     home = opened.count(Integer(1))[0]
-    ends = Fraction(1, MOST_GAIN), Fraction(MOST_GAIN)
-    walk = Walk(opened, Fraction(1), home, Rule.POSITIVE, ends)
-    below, above = (_passed(walk, side) for side in (-1, 1))
-    return below, above
+    low, high = Fraction(1, MOST_GAIN), Fraction(MOST_GAIN)
+    walk = Walk(opened, Fraction(1), home, Rule.POSITIVE, (low, high))
+    found, left = list[Change](), list[Open]()
+    for side, end in ((-1, low), (1, high)):
+        passage, known = walk.towards(side)
+        at = ExactNumber(Rational(known.numerator, known.denominator))
+        if passage is not None:
+            found.append(Change(passage.value, (Binding(stable_in(hand), passage.omega, Kind.AXIS),)))
+        elif (end - known) * side > 0:
+            far = printed(known, 4, Way.DOWN if side > 0 else Way.UP)
+            reason = f"searched {'up' if side > 0 else 'down'} to a factor of {far}, {_NONE}"
+            left.append(Open(at, None, reason) if side > 0 else Open(None, at, reason))
+    question = Question(
+        lambda x: opened.count(x)[0] == home, Integer(1), lambda: [Changes(found, left)], lambda _: False
+    )
+    return solve(question, GAINS, near=True)
 
 
-def _passed(walk: Walk, side: int) -> Limit | None:
-    passage, known = walk.towards(side)
-    way = Way.DOWN if side > 0 else Way.UP
-    if passage is None and (walk.ends[side > 0] - known) * side > 0:
-        raise UndecidedError(
-            f"searched {'up' if side > 0 else 'down'} to a factor of {printed(known, 4, way)}, {_NONE}"
-        )
-    return None if passage is None else Limit(passage.value, passage.omega)
+def _told(asked: Domain, ask: Callable[[], ValueSet]) -> ValueSet:
+    """A set of values; all of it undecided where that is not known."""
+    try:
+        return ask()
+    except UndecidedError as error:
+        return ValueSet.all_of(asked, holds=None, reason=str(error))
 
 
-def _delay_by_clock(scene: Scene, hand: Hand) -> Limit | None:
+def _delay_by_clock(scene: Scene, hand: Hand) -> ValueSet:
+    return _told(DELAYS, lambda: _delays(scene, hand))
+
+
+def _delays(scene: Scene, hand: Hand) -> ValueSet:
     loop = _loop(scene, hand)
     if loop is None:
-        return None
+        return ValueSet.all_of(DELAYS, holds=True)
     late = Symbol("tau_margin", positive=True)
     opened = Opened(
         replace(loop, plant=replace(loop.plant, terms=tuple((lag + late, row) for lag, row in loop.plant.terms))), late
@@ -231,8 +263,10 @@ def _delay_by_clock(scene: Scene, hand: Hand) -> Limit | None:
     ends = Fraction(0), Fraction(MOST_DELAY)
     found = Walk(opened, ends[0], 0, Rule.NONNEGATIVE, ends).later()
     if found.passage is not None:
-        return Limit(found.passage.value, found.passage.omega)
-    if found.known < MOST_DELAY:
-        up_to = printed(1000 * found.known, 4, Way.DOWN)
-        raise UndecidedError(f"searched up to {up_to} ms, {_NONE}: {found.why}")
-    return None
+        binding = Binding(stable_in(hand), found.passage.omega, Kind.AXIS)
+        return _up_to(DELAYS, Change(found.passage.value, (binding,)))
+    if found.known >= ends[1]:
+        return _up_to(DELAYS, None)
+    reason = f"searched up to {printed(1000 * found.known, 4, Way.DOWN)} ms, {_NONE}: {found.why}"
+    known = ExactNumber(Rational(found.known.numerator, found.known.denominator))
+    return _up_to(DELAYS, None, [Open(known, None, reason)])

@@ -23,7 +23,7 @@ from flint import arb
 from sympy import Add, Expr, I, Integer, Rational, Symbol, pi
 
 from haptisym.judge.colgate import sampled_passivity
-from haptisym.kernel.budget import left, limited, tick
+from haptisym.kernel.budget import share, tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, at_rising_precision, expression_ball, fraction_ball
@@ -275,8 +275,8 @@ class Walk:
             return self
         if side < 0 and self.start == 0 and self.rule is not Rule.ANY:
             return None
-        for share in _BESIDE:
-            step = (abs(self.start) or 1) * share
+        for part in _BESIDE:
+            step = (abs(self.start) or 1) * part
             if self._is_alone_at_1(self.start, step):
                 start = self.start + side * step
                 home, _ = self.loop.count(Rational(start.numerator, start.denominator))
@@ -565,8 +565,7 @@ def _along(walk: Walk, side: int, most: int) -> tuple[list[Passage], Fraction]:
     """
     found = list[Passage]()
     while True:
-        seconds = left()
-        with limited(seconds / 2 if seconds else None):
+        with share(1 / 2):
             passage, known = walk.towards(side)
         if passage is None:
             return found, known

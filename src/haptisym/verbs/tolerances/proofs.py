@@ -542,7 +542,17 @@ class Tolerances(Answer):
     @property
     def limit(self) -> float | None:
         """The seconds of a limit that cut the work short; None if none did."""
-        return self.budget.seconds if self.budget and self.budget.reached else None
+        return self.budget.cut if self.budget else None
+
+    @property
+    def why(self) -> str:
+        """Why the work was cut short; empty where it was not."""
+        return self.budget.why if self.budget else ""
+
+    @property
+    def settled(self) -> bool:
+        """Whether the verdicts are proven, and nothing was cut short."""
+        return self.certified and not self.why
 
     @cached_property
     def nominal(self) -> One:
@@ -791,7 +801,7 @@ class Tolerances(Answer):
         }  # fmt: skip
 
     def _left(self) -> dict[str, Any]:
-        return {} if self.limit is None else {"limit": self.limit}
+        return ({} if self.limit is None else {"limit": self.limit}) | ({"reason": self.why} if self.why else {})
 
     def _enclosure_row(self, x: Enclosure) -> dict[str, Any]:
         corners = {"low": _values(x.at_low), "high": _values(x.at_high)}
@@ -837,9 +847,9 @@ def tolerances(
 
     ``hand`` : those in which the display is held, as of ``stability``; those of the scene if not given. Of each it is told, in
     ``held``, whether the display is stable in it for all values of display and hand, for some, or for none.
-    ``limit`` : seconds after which the work is cut short: enclosures are then wider than they need be, the verdict may be
-    undecided and fewer sets be drawn; None for no limit. ``told`` : is called now and then with how much is done, of how much,
-    and what it is. LimitError if not even the nominal values were answered in time.
+    ``limit`` : seconds of processor time after which the work is cut short: enclosures are then wider than they need be, the
+    verdict may be undecided and fewer sets be drawn; None for no limit. ``told`` : is called now and then with how much is done,
+    of how much, and what it is. LimitError if not even the nominal values were answered in time.
 
     >>> from haptisym import effects, environments
     >>> spring = environments.mass_spring_damper(k="100 N/m +- 10 %")
