@@ -41,7 +41,7 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property
-from itertools import groupby, pairwise
+from itertools import pairwise
 from typing import Any
 
 import flint
@@ -174,9 +174,9 @@ class Piece(Shown):
     def is_open_beyond(self, end: RealNumber | None, side: int) -> bool:
         """Whether nothing is known of it, and all of it lies beyond a value on a side, without an end there."""
         inner, outer = (self.low, self.high)[::side]
-        if self.verdict is not Verdict.UNDECIDED or outer is not None or None in (inner, end):
+        if self.verdict is not Verdict.UNDECIDED or outer is not None or inner is None or end is None:
             return False
-        return ordered(end, inner) * side >= 0  # type: ignore[arg-type]
+        return ordered(end, inner) * side >= 0
 
     def _line(self) -> str:
         return spanned(self)
@@ -392,8 +392,7 @@ def _append(pieces: list[Piece], piece: Piece) -> None:
         reason = _joined([*last.reason.split("; "), piece.reason])
     else:
         reason = UNSEARCHED if UNSEARCHED in (last.reason, piece.reason) else NOT_NEEDED
-    closed = last.closed[0], piece.closed[1]
-    pieces[-1] = replace(last, last=piece.last, closed=closed, reason=reason)
+    pieces[-1] = replace(last, last=piece.last, closed=(last.closed[0], piece.closed[1]), reason=reason)
 
 
 def _joined(reasons: Iterable[str]) -> str:
@@ -526,7 +525,7 @@ def solve(question: Question, domain: Domain, searched: Domain | None = None, *,
         return work.found()
 
 
-_UNASKED = Stretch(None, STOPPED)
+_TO_ASK = Stretch(None, STOPPED)
 """A stretch of which one verdict tells all, before that is asked for: it is told from what is open by its identity."""
 
 
@@ -594,8 +593,7 @@ class _Solving:
         try:
             for changes in self.question.changes():
                 self._cut(changes)
-                self._ask_between()
-                if not any(map(self._is_left, range(len(self.stretches)))):
+                if self._ask_between():
                     break
         except UndecidedError as error:
             open_ = Stretch(None, _reason(error))
@@ -622,12 +620,16 @@ class _Solving:
         for x in self.asked.values():
             if x.holds is not None and not _is_up_to(x.value, low) and not _is_up_to(high, x.value):
                 return Stretch(x.holds)
-        return _UNASKED
+        return _TO_ASK
 
-    def _ask_between(self) -> None:
-        """Ask a value of each stretch that is not open, the nearest first; of a near set no more than it takes."""
+    def _ask_between(self) -> bool:
+        """Ask a value of each stretch that is not open, the nearest first; of a near set no more than it takes.
+
+        Whether nothing is left to be found, of what is searched.
+        """
         home = self._home()
         own = self._asked(home)
+        is_done = own.holds is not None
         for ahead in (range(home + 1, len(self.stretches)), range(home - 1, -1, -1)):
             verdicts = [own.holds]
             for i in ahead:
@@ -635,6 +637,8 @@ class _Solving:
                     self._leave_out(i, i - (ahead.step > 0))
                 elif self.stretches[i] is not None:
                     verdicts.append(self._asked(i).holds)
+                    is_done &= verdicts[-1] is not None or self.searched.misses(*self._ends(i))
+        return is_done
 
     def _home(self) -> int:
         """The stretch in which the question's own value lies, or which ends there; the first one where it has none."""
@@ -646,7 +650,7 @@ class _Solving:
 
     def _asked(self, i: int) -> Stretch:
         """What is known of a stretch, by a verdict on one of its values where that tells all."""
-        if self.stretches[i] is _UNASKED:
+        if self.stretches[i] is _TO_ASK:
             found = self._ask(rational_between(*self._ends(i), self.question.own))
             self.stretches[i] = Stretch(found.holds, found.reason)
         own = self.stretches[i]
@@ -659,10 +663,6 @@ class _Solving:
         if own is not None and own.reason != UNSEARCHED:
             self.stretches[i] = Stretch(None, NOT_NEEDED)
         self.points[before] = replace(self.points[before], reason=NOT_NEEDED)
-
-    def _is_left(self, i: int) -> bool:
-        """Whether a stretch is open, needed, and searched."""
-        return _is_open(self.stretches[i]) and not self.searched.misses(*self._ends(i))
 
     # Cells
 
@@ -687,9 +687,16 @@ class _Solving:
                 self._splice(i, cells)
 
     def _splice(self, i: int, cells: Sequence[Cell]) -> None:
-        """Put cells in place of a stretch. What is between two of them is told by the one that is settled, as both hold it."""
-        alike = (list(own) for _, own in groupby(cells, lambda x: (x.holds, x.reason)))
-        merged = [replace(own[0], high=own[-1].high) for own in alike]
+        """Put cells in place of a stretch: neighbours of one verdict as one.
+
+        What is between two of them is told by the one that is settled, as both hold it.
+        """
+        merged = list[Cell]()
+        for x in cells:
+            if merged and merged[-1].holds is x.holds:
+                merged[-1] = replace(merged[-1], high=x.high, reason=_joined(merged[-1].reason, x.reason))
+            else:
+                merged.append(x)
         for j, x in ((i - 1, merged[0]), (i, merged[-1])):  # what is rational is asked
             if 0 <= j < len(self.points) and _rational(self.points[j]) is None:
                 self.points[j] = replace(self.points[j], holds=x.holds)
@@ -729,8 +736,9 @@ class _Solving:
                 holds, reason = self._told(i, ask=ask)
                 self.points[i] = replace(x, holds=holds, reason=reason)
             around = self.stretches[i : i + 2]
-            is_inside = self.points[i].holds and Stretch(holds=True) in around
-            if None in around and is_inside:  # it is the range that ends there
+            if (
+                None in around and Stretch(holds=True) in around and self.points[i].holds
+            ):  # it is the range that ends there
                 self.points[i] = replace(self.points[i], bindings=())
 
     def _told(self, i: int, *, ask: bool) -> tuple[bool | None, str]:

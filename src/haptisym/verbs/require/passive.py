@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import count
 
 import flint
@@ -31,6 +31,8 @@ from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
+from haptisym.kernel.rootcount import count_roots
+from haptisym.kernel.roots import ordered
 from haptisym.kernel.sets import STOPPED, Cell, Change, Changes, Domain, Open, Question, ValueSet, solve
 from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import Rule, values
@@ -257,15 +259,22 @@ class _Display:
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
     """All values for which a continuous-time display is passive; with delays, those that subdivision proves."""
     perceived = Distortion.of(scene.chain.at(values(x for x in scene.parameters if x.path != free.path))).perc
-    turns, lone = list[Change](), None
+    turns = list[Change]()
+    lone: Callable[[Change], bool | None] | None = None
     if free.symbol in perceived.expression().free_symbols:
         [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
         if condition.axis.functions:
             if _is_of_passive_parts(scene, free, asked):
                 return _all(scene, free, asked)
             return _by_cells(scene, free, asked)
-        turns = [*_of_signs(condition, free), *turns_of_poles(perceived, free)]
-        lone = partial(_alone_by_signs, condition, free)
+        of_poles = [*turns_of_poles(perceived, free)]
+        turns = [*_of_signs(condition, free), *of_poles]
+
+        def lone(x: Change) -> bool | None:
+            is_of_pole = any(not ordered(x.value, y.value) for y in of_poles)
+            if not is_of_pole and _has_pole_right(perceived, free, x.value):
+                return False
+            return _alone_by_signs(condition, free, x)
 
     def verdict(value: Rational) -> bool | None:
         return passivity(free.put(scene, value)).holds
@@ -316,6 +325,17 @@ def _is_of_passive_parts(scene: Scene, free: Knob, asked: Domain) -> bool:
 def _all(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
     """All values with which there is a scene."""
     return _between(scene, free, asked, (), lambda _: True)
+
+
+def _has_pole_right(function: RationalFunction, free: Knob, value: RealNumber) -> bool:
+    """Whether it has poles in Re s > 0 at a value at which none crosses the axis: as many as at a fraction next to it."""
+    near = value.bounds(_BITS)[0]
+    ring = function.ring
+    assert isinstance(ring, Ring)
+    known = {free.symbol: Rational(near.numerator, near.denominator)}
+    here = ring.expression(function.denominator).xreplace(known)
+    own = Ring.of([here])
+    return bool(count_roots(own.convert(here).numerator, own).right)
 
 
 def _alone_by_signs(condition: RealFunction, free: Knob, x: Change) -> bool | None:
