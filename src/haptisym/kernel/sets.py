@@ -440,7 +440,10 @@ class _Solving:
         return ValueSet(tuple(self.points), tuple(self.stretches), self.domain)
 
     def run(self) -> None:
-        """Settle what can be settled. LimitError where the time is over."""
+        """Settle what can be settled, the present value first. LimitError where the time is over."""
+        own = self.question.own
+        if isinstance(own, Rational) and self.domain.holds(ExactNumber(own)):
+            self._ask(own)
         self._use_changes()
         self._use_cells()
         self._use_ends()
@@ -589,12 +592,8 @@ class _Solving:
     def settle_points(self, *, ask: bool = False) -> None:
         """Tell the verdict of points, as far as that needs no more than their neighbours; or by asking it."""
         for i, point in enumerate(self.points):
-            if point.holds is None and (ask or point.value not in self._ends_of_domain):
+            if point.holds is None:
                 self.points[i] = self._settled(i, ask=ask)
-
-    @cached_property
-    def _ends_of_domain(self) -> tuple[RealNumber | None, ...]:
-        return self.domain.ends
 
     def _settled(self, i: int, *, ask: bool) -> Point:
         """A point with its verdict: its own where it is rational, else as its neighbours and the question tell."""
@@ -602,9 +601,9 @@ class _Solving:
         if not self.domain.holds(point.value):
             return replace(point, holds=False)
         if isinstance(point.value, ExactNumber) and isinstance(point.value.value, Rational):
-            if not ask:
+            found = self._ask(point.value.value) if ask else self.asked.get(point.value.value)
+            if found is None:
                 return replace(point, reason=STOPPED)
-            found = self._ask(point.value.value)
             return replace(point, holds=found.holds, reason=found.reason)
         if True not in near:
             is_open = None in near
@@ -670,8 +669,9 @@ class Bisected(RealNumber):
         low, high = self._known.get("", (self.low, self.high))
         while (high - low) * 2**bits > max(abs(low), abs(high)):
             tick()
-            middle = Fraction(*_short(low, high))
-            holds = self.verdict(Rational(middle.numerator, middle.denominator))
+            places = Fraction(*_short(low, high)), (33 * low + 31 * high) / 64  # it may be the very first
+            told = ((x, self.verdict(Rational(x.numerator, x.denominator))) for x in places)
+            middle, holds = next(((x, y) for x, y in told if y is not None), (low, None))
             if holds is None:
                 break
             low, high = (middle, high) if holds == self.low_holds else (low, middle)

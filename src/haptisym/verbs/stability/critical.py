@@ -29,7 +29,7 @@ from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, Way, in_unit, printed
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.roots import each_once, is_told, ordered
-from haptisym.kernel.sets import solve
+from haptisym.kernel.sets import Verdict, solve
 from haptisym.kernel.where import Array, halves
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Knob, Scene, clocks, unclocked
@@ -540,6 +540,8 @@ def _by_a_clock(scene: Scene, hand: Hand, free: Knob) -> Nearest:
     here, asked = held(scene, hand), domain(free, None)
     what = STEADY if here.shakes is False and here.drifts else STABLE
     found = solve(clocked_question(scene, hand, free, asked, stable_in(hand, what), near=True), asked, near=True)
+    if found.about(ExactNumber(free.value)).verdict is Verdict.UNDECIDED:
+        raise UndecidedError(found.about(ExactNumber(free.value)).reason)
     limits = list[Critical]()
     for piece in found.feasible:
         for end, counts in ((piece.first, (1, 0)), (piece.last, (0, 1))):

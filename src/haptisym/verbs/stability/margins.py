@@ -26,7 +26,7 @@ from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, Way, in_unit, printed
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import chart
-from haptisym.kernel.sets import Domain, Piece, Point, ValueSet
+from haptisym.kernel.sets import Domain, Piece, Point, ValueSet, Verdict
 from haptisym.model.catalogue import Effect, Hand
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene, clocks
@@ -198,6 +198,8 @@ _DELAYS = Domain(Integer(0), Integer(MOST_DELAY))
 def _about(found: ValueSet, own: Expr, unit: tuple[str, Expr]) -> Piece:
     """The piece that holds about a value. UndecidedError where what comes next to it is not known, with what is."""
     piece, (name, size) = found.about(ExactNumber(own)), unit
+    if piece.verdict is not Verdict.HOLDS:
+        raise UndecidedError(piece.reason or "nothing is known of the loop as it is")
     for x in found.undecided:
         for end, is_next, word, way in (
             (piece.first, x.last, "most", Way.UP),
