@@ -428,14 +428,15 @@ def test_a_delay_comes_to_a_margin_at_which_the_first_eigenvalue_leaves(wall: Wa
 
 @pytest.mark.slow
 def test_a_margin_that_is_not_reached_is_told_as_far_as_it_was_searched() -> None:
-    wall, told = Wall(TUSTIN, "tustin"), list[float]()
-    for seconds in range(90, 150, 15):
+    wall, told, ticks = Wall(TUSTIN, "tustin"), list[float](), count()
+    with timed_by(ticks.__next__), limited(10**9):
+        margins(wall.scene, wall.scene.hands[0])
+    for seconds in range(next(ticks) - 40, next(ticks)):
         with timed_by(count().__next__), limited(seconds):
             why = dict(margins(wall.scene, wall.scene.hands[0]).undecided).get("delay", "")
-        told += [float(x.split(" ms")[0]) for x in why.split("searched up to ")[1:]]
+        told += [float(x.split(" ms")[0]) for x in why.split("at least ")[1:]]
     assert told == sorted(told)
-    assert told
-    assert 0.5 < told[-1] < 0.999791
+    assert 0.4 < told[-1] < 0.999791
 
 
 def test_a_sampled_wall_as_stiff_as_the_hand_may_be_late_by_any_time() -> None:
@@ -448,6 +449,7 @@ def test_a_sampled_wall_as_stiff_as_the_hand_may_be_late_by_any_time() -> None:
         assert abs(np.linalg.eigvals(period(*wall, held, 1e-3, late))).max() < 1
 
 
+@pytest.mark.slow
 def test_a_filtered_late_mass_in_a_clock_has_its_margin_at_once() -> None:
     """0.5 kg, 5 N s/m, 300 N/m at 1 kHz through 40 Hz and 5 ms: whole samples and a part, 76 more than there are."""
     chain = (

@@ -694,7 +694,7 @@ class _Solving:
         merged = list[Cell]()
         for x in cells:
             if merged and merged[-1].holds is x.holds:
-                merged[-1] = replace(merged[-1], high=x.high, reason=_joined(merged[-1].reason, x.reason))
+                merged[-1] = replace(merged[-1], high=x.high, reason=_joined([merged[-1].reason, x.reason]))
             else:
                 merged.append(x)
         for j, x in ((i - 1, merged[0]), (i, merged[-1])):  # what is rational is asked
@@ -820,7 +820,9 @@ class Bisected(RealNumber):
                 width, near = high - low, self._guess(is_root=is_root)
                 off = width / 2**sharp
                 for x in [(low + high) / 2] if near is None else [near - off, near + off]:
-                    if low < x < high and not self._ask(Fraction(*_short(x - off / 2, x + off / 2))):
+                    asked = Fraction(*_short(x - off / 2, x + off / 2))
+                    aside = (33 * low + 31 * high) / 64  # where it is the very value that was asked
+                    if low < x < high and not (self._ask(asked) or self._ask(aside)):
                         return self.known
                     low, high = self.known
                 is_near = near is not None and (high - low) * 2 ** (sharp - 2) < width

@@ -30,7 +30,7 @@ from haptisym.verbs.stability.loops import Pair
 from haptisym.verbs.stability.opened import Opened, Passage, Span
 
 _BITS, _MOST_BITS = 128, 1 << 10
-_MOST_BOXES, _DEEPEST, _MOST_STEPS = 3000, 200, 8
+_MOST_BOXES, _DEEPEST, _MOST_STEPS = 1200, 200, 8
 _MOST_PASSAGES = 64
 _MANY = 8  # samples between which a root may be on the circle after some turns: a curve that is not told
 _PI = 3.1415926535897936  # a little more

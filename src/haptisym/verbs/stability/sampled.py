@@ -188,7 +188,7 @@ class Search:
 
     def _side(self, side: int, at: Fraction, end: Fraction) -> Iterator[Frontier]:
         """Up to where all is known on one side, again and again."""
-        left, step = _MOST_NEAR if self.near else _MOST, (abs(at) or 1) * _FIRST
+        left, step = _MOST_NEAR if self.near else _MOST, (abs(at) or abs(end) / 10**6) * _FIRST
         least = at / _CLOCK if self.near and self.loop.is_of_clock else _fraction(abs(self.reach[0]), -1)
         is_down = side < 0 == end  # by halves, as far as a least one
         verdicts = [self._told(at)] if self.near else []
