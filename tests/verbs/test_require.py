@@ -854,7 +854,7 @@ def test_a_question_whose_answer_is_whole_or_none_ends_at_its_limit(ask: Callabl
 
 def test_slices_of_a_map_that_were_not_reached_are_undecided() -> None:
     with timed_by(count().__next__):
-        found = hs.design_map(PAPER, ["zeta", "omega_n"], [("0.1", "0.5"), (50, 500)], slices=3, limit=7500)
+        found = hs.design_map(PAPER, ["zeta", "omega_n"], [("0.1", "0.5"), (50, 500)], slices=3, limit=6000)
     assert {x.requirement.certified for x in found.slices} == {True, False}
     assert not found.certified
     for own in found.slices:
