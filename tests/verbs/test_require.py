@@ -886,7 +886,7 @@ def test_a_limit_leaves_the_parts_of_an_answer_that_were_found(ask: Callable[...
 
 def test_slices_of_a_map_that_were_not_reached_are_undecided() -> None:
     with timed_by(count().__next__):
-        found = hs.design_map(PAPER, ["zeta", "omega_n"], [("0.1", "0.5"), (50, 500)], slices=3, limit=7500)
+        found = hs.design_map(PAPER, ["zeta", "omega_n"], [("0.1", "0.5"), (50, 500)], slices=3, limit=6000)
     assert {x.requirement.certified for x in found.slices} == {True, False}
     assert not found.certified
     for own in found.slices:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from math import inf
@@ -20,8 +21,9 @@ import haptisym as hs
 from haptisym.judge.bindings import Binding, Kind
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.dynamics import RealFunction, Ring
-from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, SquareRoot
+from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, SquareRoot, expression_ball
 from haptisym.kernel.rings import omega as w
+from haptisym.kernel.sets import Bisected
 from haptisym.verbs.require import solving
 from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import allowed, critical, edge_polynomial, missing, touch_polynomial
@@ -232,6 +234,26 @@ def test_floats_tell_all_values_but_those_next_to_an_end(name: str, path: str, h
             e = hs.evaluate(free.put(scene, Rational((x.low + x.high) / 2)))
             whole = [(e.chart.points[0], e.chart.points[-1])]
             assert ([(y.low, y.high) for y in e.transparent] == whole) is x.kept
+
+
+@pytest.mark.parametrize(("power", "bits", "most"), [(1, 400, 60), (2, 400, 60), (3, 60, 70)])
+def test_a_value_between_two_is_closed_in_on_by_few_verdicts_where_it_shows_how_far_others_fail(
+    power: int, bits: int, most: int
+) -> None:
+    """sqrt(2), above which q fails, by (q^2 - 2)^power or its root; by halves where neither is linear."""
+    asked = list[Rational]()
+
+    def holds(x: Rational) -> bool:
+        asked.append(x)
+        return bool(x * x <= 2)
+
+    def excess(x: Rational) -> Any:
+        return (expression_ball(x) ** 2 - 2) ** power
+
+    low, high = Bisected(holds, Fraction(1), Fraction(3, 2), low_holds=True, excess=excess).between(bits)
+    assert low**2 < 2 < high**2
+    assert high - low < Fraction(2, 2**bits)
+    assert len(asked) < most
 
 
 QUESTIONS = [

@@ -1,7 +1,7 @@
 """NumPy, loaded when an array is first asked for: the exact core neither waits for it nor needs it.
 
 Modules in which some functions work on arrays write ``from haptisym.kernel.arrays import np``. Where NumPy is not there (in a
-browser, say), what needs it is undecided, and says so; where a proof in balls does as well, ``has_arrays`` tells to take that.
+browser, say), what needs it is undecided, and says so; where an exact way does as well, ``has_arrays`` tells to take that.
 """
 
 from __future__ import annotations

@@ -812,7 +812,7 @@ class Bisected(RealNumber):
     def between(self, bits: int) -> tuple[Fraction, Fraction]:
         """Two values between which it lies, of about that relative accuracy."""
         low, high = self.known
-        sharp, is_root = 2, False
+        sharp, is_root = 4, False
         least = (self.high - self.low) / 4**bits  # of 0 nothing is relatively accurate
         with flint.ctx.workprec(2 * bits + 64):
             while high - low > max(least, max(abs(low), abs(high)) / 2**bits):
@@ -826,7 +826,7 @@ class Bisected(RealNumber):
                         return self.known
                     low, high = self.known
                 is_near = near is not None and (high - low) * 2 ** (sharp - 2) < width
-                sharp, is_root = (2 * sharp, is_root) if is_near else (2, is_root is (near is None))
+                sharp, is_root = (2 * sharp, is_root) if is_near else (4, is_root is (near is None))
         return low, high
 
     def _ask(self, value: Fraction) -> bool:

@@ -31,12 +31,13 @@ from haptisym.kernel.errors import HaptisymError, UndecidedError
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega
 from haptisym.kernel.where import Array, Batches, Cells, Curve, Search, halves, joined, search
+from haptisym.model.quantities import Dimension
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import Model, between, floated, valued, variable
 from haptisym.verbs.require.freeparameter import ExactSign, Told
 
-_FIRST_PIECES = 16
-"""Pieces of the band to begin with."""
+_FIRST_PIECES, _SHORT_PIECES = tuple(n / 16 for n in range(17)), tuple(2.0**-n for n in (14, 12, 10, 8, 6))
+"""Where pieces of the band begin and end; for times shorter ones near its low end too, where long delays show themselves."""
 _HARD = 2000
 """After how many cells the larger excess is asked too."""
 _COARSE, _FINE = 1e-3, 2e-10
@@ -80,7 +81,8 @@ class FloatCells:
     def told(self, low: float, high: float) -> list[Told]:
         """What is known of the values from one to another, in order."""
         least = 0.0 if low * high > 0 else self.scale * _COARSE  # a size below which widths are no longer relative
-        marks, steps = np.array(ladder(low, high, self.scale)), np.arange(_FIRST_PIECES + 1) / _FIRST_PIECES
+        pieces = {*_FIRST_PIECES, *(_SHORT_PIECES if self.free.dimension is Dimension.TIME else ())}
+        marks, steps = np.array(ladder(low, high, self.scale)), np.array(sorted(pieces))
         outer, inner = (np.stack([x[:-1], x[1:]], -1)[:, None] for x in (marks, steps))
         found = search(
             self._judges, outer, inner, wide=_wider(_COARSE, least), last=_LAST, what="cells of band and values"
