@@ -76,7 +76,7 @@ def wall(found: Stability) -> Chart:
     hand = found.held[0].hand if found.held else Hand(NOBODY)
     k_knob, b_knob = (found.scene.knobs[path] for path in WALL)
     own = float(k_knob.value), float(b_knob.value)
-    near = [[float(x.value) for sets in found.critical[:1] for x in sets[path].ends] for path in WALL]
+    near = [[float(x.value) for sets in found.critical[:1] if path in sets for x in sets[path].ends] for path in WALL]
     k = _ROOM * max([2 * own[0], *(x for x in near[0] if x < _NEAR * own[0])]) or 1.0
     b = _ROOM * max([2 * own[1], k * float(clocks(found.scene)[0]), *(x for x in near[1] if x < _NEAR * own[1])])
     try:
