@@ -51,8 +51,6 @@ _MISSED = (Rational(1, 100), Rational(1, 20))
 _LOSS = 1e-5
 _FINEST_HELD = 2.0**-5
 _ULPS = 1e-15
-_INSIDE = np.array([0.01, 0.25, 0.5, 0.75, 0.99])
-"""Shares of an interval of allowed values at which it is looked at where no others were found."""
 _MOST_LOSS = 5.0  # seconds for what a best value costs to miss
 _MOST_HELD = 20.0  # seconds for all values of one parameter with which what must be kept is
 
@@ -273,12 +271,6 @@ class Question:
         found = [a.value for a, b in self._alone or () if isinstance(a, ExactNumber) and a == b]
         return [x for x in found if x.is_Rational]
 
-    @property
-    def within(self) -> Array:
-        """Some values, (sets, parameters), of each interval that may keep what must be kept, where these are known."""
-        cells = self._held[0] if self._alone else np.empty((0, 1, 2))
-        return self.points.values((cells[..., :1] + (cells[..., 1:] - cells[..., :1]) * _INSIDE).reshape(-1, 1))
-
     def refused(self, finest: float, most: int) -> Array:
         """Cells, (cells, parameters, 2), in shares, for all values of which what must be kept is proven to be broken."""
         own = broken(self._passive, len(self.free), finest, most) if self._passive else self._held[1][:0]
@@ -395,13 +387,9 @@ class _Search:
         start = points.spread()
         whole = points.nearest_whole(start, self._high, np.array([float(x) for x in own]))
         found = whole or points.best(start, self.best.bandwidth if self.best else 0.0)
-        if (
-            found is None and self.best is None
-        ):  # few values may be allowed; what is attained may be nothing, and is kept
-            within = self.question.within
-            found = points.best(within) if len(within) else None
-            some = map(points.attained, map(points.exact, [*within, *start[:: max(len(start) // 12, 1)]]))
-            found = found or next((x for x in some if x and points.fits(x)), None)
+        if found is None and self.best is None:  # what is attained may be nothing, and is kept
+            some = map(points.attained, map(points.exact, start[:: max(len(start) // 12, 1)]))
+            found = next((x for x in some if x and points.fits(x)), None)
         self.best = found or self.best
         for x in self.question.single if self.attained < 1 else ():
             alone = points.attained([x])
