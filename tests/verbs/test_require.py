@@ -829,7 +829,7 @@ def test_a_limit_is_said_where_it_was_reached_and_only_there() -> None:
     with timed_by(count().__next__):
         found = hs.require(PAPER, "omega_n", limit=2)
     assert (found.feasible, found.certified, undecided(found)) == ((), False, [(0, None)])
-    assert (found.to_dict()["limit"], "stopped after 2 s" in str(found)) == (2, True)
+    assert (found.to_dict()["limit"], "stopped at the limit of 2 s" in str(found)) == (2, True)
     assert "limit" not in hs.require(PAPER, "omega_n", limit=10**6).to_dict()
 
 

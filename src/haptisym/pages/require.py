@@ -14,7 +14,7 @@ from haptisym.judge.bindings import IN_HANDS, STABLE, Binding, Kind
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, Way, in_unit
-from haptisym.kernel.sets import Point
+from haptisym.kernel.sets import STOPPED, Point
 from haptisym.model.jnd import Part
 from haptisym.model.scene import THRESHOLD, Knob, clocks
 from haptisym.model.valueranges import searched
@@ -171,8 +171,8 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
         where = listed(
             (w.bare(_limit(r, x.low, first, Way.DOWN)), " to ", _limit(r, x.high, last, Way.UP)) for x in r.undecided
         )
-        why = f"; stopped after {r.limit:g} s" if r.limit is not None else ""
-        yield w.undecided((named(r.free.symbol.name), " from ", where, why, f": {r.reason}" if r.reason else ""))
+        why = r.reason if r.limit is None else r.reason.replace(STOPPED, f"{STOPPED} of {r.limit:g} s")
+        yield w.undecided((named(r.free.symbol.name), " from ", where, f": {why}" if why else ""))
         if not _is_all(r):
             yield "Proven: all other values in the range."
         return

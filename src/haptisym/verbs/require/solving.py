@@ -233,11 +233,13 @@ class Ends:
     def _exact(self, end: Bisected, places: Sequence[Place]) -> Point | None:
         """The end where it is rational, or rational in pi, if it shows to be that: there a criterion holds with equality."""
         low, high = (ExactNumber(_rational(x)) for x in end.between(_CLOSE))
+        tried = [low if end.low_holds else high]  # what holds last was asked, and may be the very end
         near = rational_between(low, high)
-        tried = [ExactNumber(near)] if max(int(near.p).bit_length(), int(near.q).bit_length()) <= _SIMPLE else []
+        if max(int(near.p).bit_length(), int(near.q).bit_length()) <= _SIMPLE:
+            tried.append(ExactNumber(near))
         for kind in {*(x.kind for x in places)} - {Kind.TOUCH}:
             tried += _linear_roots(self.found, self.kept.free.symbol, self.kept.scene.band[kind is Kind.EDGE])
-        for x in (x for x in tried if _between(low, x, high)):
+        for x in (x for x in tried if x in (low, high) or _between(low, x, high)):
             met = self.kept.meets(x.value)
             own = [
                 (place, omega)

@@ -23,7 +23,7 @@ from haptisym.judge.colgate import sampled_passivity
 from haptisym.judge.crossings import Criterion
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.sets import STOPPED, Change, Changes, Domain, Open, Question
+from haptisym.kernel.sets import STOPPED, UNSEARCHED, Change, Changes, Domain, Open, Question
 from haptisym.model.catalogue import Hand, device
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene
@@ -96,6 +96,7 @@ class Rests(Protocol):
 
 
 def _never(value: Rational, *, own: bool) -> bool | None:
+    """Of a loop in which nothing cancels and nothing drifts: a root on the circle stays there."""
     return False
 
 
@@ -169,7 +170,7 @@ class Search:
             yield late.found, self._open({1: (known, STOPPED)})
         last = late.frontier
         is_whole = last is None or (last >= high and self.asked.high is not None)
-        yield late.found, self._open({1: None if is_whole or last is None else (min(last, high), _NOT_SEARCHED)})
+        yield late.found, self._open({1: None if is_whole or last is None else (min(last, high), self._not_searched)})
 
     def _open(self, beyond: Mapping[int, Frontier]) -> list[Open]:
         """The values about which nothing is known: those beyond what was looked at, and where that was not fine enough."""
@@ -210,7 +211,12 @@ class Search:
         if (at == end and is_asked) or (side > 0 and self.enough(at)) or (is_down and not self.near and at < least):
             yield None  # what holds for the least value that is searched holds next to 0
         else:
-            yield at, _NOT_SEARCHED if left > 0 else _NOT_FINE
+            yield at, self._not_searched if left > 0 or self.near else _NOT_FINE
+
+    @property
+    def _not_searched(self) -> str:
+        """Why nothing is known beyond what was looked at: nobody asked, where only what is near was asked for."""
+        return UNSEARCHED if self.near else _NOT_SEARCHED
 
     def _told(self, value: Fraction) -> bool | None:
         with suppress(UndecidedError):
