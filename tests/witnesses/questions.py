@@ -14,11 +14,10 @@ from typing import Any
 ARRAYS = ("numpy", "matplotlib", "scipy")
 REQUIRED = {
     "fu2019": ("effects.filter.omega_n", "effects.filter.zeta", "evaluation.jnd"),
-    "delayed-spring": ("effects.delay.tau",),
     "sampled-wall": ("evaluation.jnd",),
     "virtual-wall": ("environment.b",),
 }
-"""Paths that are asked about: answers that balls alone have within seconds."""
+"""Paths that are asked about: answers that exact arithmetic alone has within seconds."""
 
 
 def answers(name: str) -> dict[str, str]:

@@ -94,20 +94,30 @@ def evaluate(
         given = as_scene(given).at_proportion(proportion)
     with limited(limit):
         found = _evaluated(given, digits, tolerance)
-        left = found.left
         if regions or discriminate:
-            found = in_time(found.with_regions, "regions", left) or found
+            found = in_time(found.with_regions, "regions", found.left) or found
         if discriminate:
-            from haptisym.verbs.evaluate.discriminate import discriminate as deciding  # loaded where it is asked for
-
-            discrimination = in_time(partial(deciding, found), "discriminate", left)
-            found = replace(found, discrimination=discrimination)
+            found = _discriminated(found)
         if movement is not None:
-            from haptisym.verbs.evaluate.movement import movement as fitted  # loaded where it is asked for
-
-            found = replace(found, movement=in_time(partial(fitted, found.scene, movement), "movement", left))
+            found = _moved(found, movement)
         _ = found.bandwidths  # of a range of thresholds, which tell themselves where the time for them is over
     return found
+
+
+def _discriminated(found: Evaluation) -> Evaluation:
+    """With which changes would decide between regions, if there is time for it."""
+    from haptisym.verbs.evaluate.discriminate import discriminate  # loaded where it is asked for
+
+    discrimination = in_time(partial(discriminate, found), "discriminate", found.left)
+    return replace(found, discrimination=discrimination)
+
+
+def _moved(found: Evaluation, given: str | Path) -> Evaluation:
+    """With what a fit to a movement reports, if there is time for it."""
+    from haptisym.verbs.evaluate.movement import movement  # loaded where it is asked for
+
+    fitted = in_time(partial(movement, found.scene, given), "movement", found.left)
+    return replace(found, movement=fitted)
 
 
 def _evaluated(scene: Scene, digits: int, tolerance: Number | None) -> Evaluation:

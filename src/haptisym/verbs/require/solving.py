@@ -33,7 +33,7 @@ from haptisym.judge.bindings import Binding, Kind
 from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.peaks import Largest, Top, tops
 from haptisym.judge.regions import Sided
-from haptisym.kernel.arrays import has_arrays
+from haptisym.kernel.arrays import has_arrays, np
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
@@ -511,6 +511,7 @@ def _told(kept: Kept, found: Conditions, low: Fraction, high: Fraction) -> list[
             return cells.told(float(low), float(high))
     conditions = [pieces(own) for own in found.values()]
     if any(f.axis.functions or len(f.function.numerator) > _MOST_TERMS for own in conditions for f in own):
+        _ = np.array  # an error that says what is missing, if it is
         return [Told(low, high, None)]
     return _between_critical(kept, found, low, high)
 
