@@ -15,7 +15,6 @@ ARRAYS = ("numpy", "matplotlib", "scipy")
 REQUIRED = {
     "fu2019": ("effects.filter.omega_n", "effects.filter.zeta", "evaluation.jnd"),
     "sampled-wall": ("evaluation.jnd",),
-    "virtual-wall": ("environment.b",),
 }
 """Paths that are asked about: answers that exact arithmetic alone has within seconds."""
 
