@@ -42,6 +42,7 @@ from windings import winding  # noqa: E402
 
 import haptisym as hs  # noqa: E402
 from haptisym.verbs.cost.methods import DOUBLE, RatioQuestion  # noqa: E402
+from haptisym.verbs.stability.held import held  # noqa: E402
 from haptisym_check import check as check_certificate  # noqa: E402
 
 PARTS = ("real", "imag")
@@ -481,7 +482,7 @@ class Sampled(Trial):
 def sampled(t: Trial) -> None:
     """Eigenvalues outside the unit circle."""
     assert isinstance(t, Sampled)
-    sizes, found = t.sizes(), hs.stability(t.scene).held[0]
+    sizes, found = t.sizes(), held(t.scene, t.scene.hands[0])
     if found.unstable is not None and (abs(sizes - 1) > 1e-8).all():
         assert found.unstable == np.count_nonzero(sizes > 1), sizes
 

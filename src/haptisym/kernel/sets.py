@@ -389,7 +389,7 @@ def _append(pieces: list[Piece], piece: Piece) -> None:
         pieces.append(piece)
         return
     if is_asked[1]:
-        reason = _joined([*last.reason.split("; "), piece.reason])
+        reason = _joined([last.reason, piece.reason])
     else:
         reason = UNSEARCHED if UNSEARCHED in (last.reason, piece.reason) else NOT_NEEDED
     pieces[-1] = replace(last, last=piece.last, closed=(last.closed[0], piece.closed[1]), reason=reason)
@@ -397,7 +397,8 @@ def _append(pieces: list[Piece], piece: Piece) -> None:
 
 def _joined(reasons: Iterable[str]) -> str:
     """Each reason once."""
-    return "; ".join(dict.fromkeys(x for x in reasons if x))
+    every = (x for reason in reasons for x in reason.split("; "))
+    return "; ".join(dict.fromkeys(x for x in every if x))
 
 
 Rule = Callable[[Sequence[bool | None]], bool | None]

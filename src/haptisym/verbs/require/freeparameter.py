@@ -302,13 +302,6 @@ def zeros_of(form: Expr, symbol: Symbol) -> list[RealNumber]:
     return [x for f in factors for x in real_roots(f, index, negative=True)]
 
 
-def keeps_sign(form: Expr, symbol: Symbol, low: Expr, high: Expr) -> bool:
-    """Whether a polynomial has no zero between two values; at them it may have one."""
-    if not form.is_polynomial(symbol) or form.expand() == 0:
-        return False
-    return not any(is_between(low, x, high) for x in zeros_of(form, symbol))
-
-
 def is_between(low: Expr | None, x: RealNumber, high: Expr | None) -> bool:
     """Whether a number lies between two others (None: without bound), or so near to one that some hundred bits do not tell."""
     if isinstance(x, ExactNumber) and x.value.is_Rational:

@@ -14,12 +14,13 @@ verdict tells.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from itertools import count
 
 import flint
-from flint import arb
+from flint import acb_poly, arb
 from sympy import Expr, Integer, Rational, pi
 
 from haptisym.judge.bindings import Binding, Kind
@@ -29,10 +30,8 @@ from haptisym.judge.passivity import environment_alone, passivity
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import LimitError, UndecidedError
-from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
+from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball, rational_between
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
-from haptisym.kernel.rootcount import count_roots
-from haptisym.kernel.roots import ordered
 from haptisym.kernel.sets import STOPPED, Cell, Change, Changes, Domain, Open, Question, ValueSet, solve
 from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import Rule, values
@@ -267,14 +266,12 @@ def solve_passive(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
             if _is_of_passive_parts(scene, free, asked):
                 return _all(scene, free, asked)
             return _by_cells(scene, free, asked)
-        of_poles = [*turns_of_poles(perceived, free)]
-        turns = [*_of_signs(condition, free), *of_poles]
+        turns = [*_of_signs(condition, free), *turns_of_poles(perceived, free)]
 
         def lone(x: Change) -> bool | None:
-            is_of_pole = any(not ordered(x.value, y.value) for y in of_poles)
-            if not is_of_pole and _has_pole_right(perceived, free, x.value):
+            if _is_denied_by_poles(perceived, free, x.value):
                 return False
-            return _alone_by_signs(condition, free, x)
+            return _alone_by_signs(scene, condition, free, x)
 
     def verdict(value: Rational) -> bool | None:
         return passivity(free.put(scene, value)).holds
@@ -327,23 +324,37 @@ def _all(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
     return _between(scene, free, asked, (), lambda _: True)
 
 
-def _has_pole_right(function: RationalFunction, free: Knob, value: RealNumber) -> bool:
-    """Whether it has poles in Re s > 0 at a value at which none crosses the axis: as many as at a fraction next to it."""
-    near = value.bounds(_BITS)[0]
+def _is_denied_by_poles(function: RationalFunction, free: Knob, value: RealNumber) -> bool:
+    """Whether poles are proven to prevent passivity at a value: in Re s > 0, or of H/s more than a simple one at infinity.
+
+    A pole is a zero of the denominator that is none of the numerator.
+    """
     ring = function.ring
-    assert isinstance(ring, Ring)
-    known = {free.symbol: Rational(near.numerator, near.denominator)}
-    here = ring.expression(function.denominator).xreplace(known)
-    own = Ring.of([here])
-    return bool(count_roots(own.convert(here).numerator, own).right)
+    with flint.ctx.workprec(_BITS), suppress(ValueError):  # where balls do not tell roots apart
+        known = {free.symbol: value.ball(_BITS)}
+        above, below = (
+            acb_poly([expression_ball(c, known) for c in ring.coefficients(f)])
+            for f in (function.numerator, function.denominator)
+        )
+        is_steep = above.degree() - below.degree() > 2 and not above[above.degree()].contains(0)
+        return is_steep or any(x.real > 0 and not above(x).contains(0) for x in below.roots())
+    return False
 
 
-def _alone_by_signs(condition: RealFunction, free: Knob, x: Change) -> bool | None:
-    """Whether a display is passive at a value between others at which it is not: no where Im H_perc < 0 shows; else not known."""
+def _alone_by_signs(scene: Scene, condition: RealFunction, free: Knob, x: Change) -> bool | None:
+    """Whether a display is passive at a value between others at which it is not: no where Im H_perc < 0 shows; else not known.
+
+    It is looked for in the middle of where it is active at a rational value next to that one, and at whole octaves.
+    """
+    near, _ = x.value.bounds(_NEXT)
+    there = free.put(scene, Rational(near.numerator, near.denominator))
+    active = passivity(there).row()["active"]
+    middles = [(low + (2 * low + 1 if high is None else high)) / 2 for low, high in active]
+    octaves = [2.0**power for power in range(-_OCTAVES, _OCTAVES)]
     with flint.ctx.workprec(_BITS):
         known = {free.symbol: x.value.ball(_BITS), pi: arb.pi()}
-        for power in range(-_OCTAVES, _OCTAVES):
-            at = known | {condition.axis.meanings[0]: arb(2) ** power}
+        for place in (*middles, *octaves):
+            at = known | {condition.axis.meanings[0]: arb(place)}
             above, below = (
                 condition.axis.ball(f, at) for f in (condition.function.numerator, condition.function.denominator)
             )
@@ -352,8 +363,8 @@ def _alone_by_signs(condition: RealFunction, free: Knob, x: Change) -> bool | No
     return None
 
 
-_OCTAVES = 40
-"""Of frequencies about 1 rad/s, at each of which a sign is looked for."""
+_OCTAVES, _NEXT = 40, 40
+"""Of frequencies about 1 rad/s, at each of which a sign is looked for; bits of a value that is next to another one."""
 
 
 def _of_signs(condition: RealFunction, free: Knob) -> Iterator[Change]:

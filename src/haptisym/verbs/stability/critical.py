@@ -53,7 +53,7 @@ _BITS = 96
 
 _LEFT = "where roots meet the imaginary axis: the search was not fine enough"
 _FAR = "where roots meet the imaginary axis: no bound on their frequencies is known"
-_BEYOND = "no limit found within it"
+_BEYOND = "values further out are not tested"
 
 
 def searched(loop: Loop, value: Expr, asked: Domain, reason: str) -> Iterator[Changes]:

@@ -34,7 +34,6 @@ from haptisym.verbs.stability.sampled import clocked_question
 
 _BITS = 256
 _FIRST = 7  # windows about a value that are looked at anyway, be they larger than what is searched
-_FURTHER = "values further out are not tested"
 
 
 def stable_values(

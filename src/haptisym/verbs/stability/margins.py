@@ -44,7 +44,6 @@ DELAYS = Domain(Integer(0), Integer(MOST_DELAY))
 ANGLES = Domain(Integer(0), Integer(180))
 """What is searched: factors, delays in s, and angles in degrees."""
 _ZERO, _ONE = ExactNumber(Integer(0)), ExactNumber(Integer(1))
-_NONE = "no limit found within it"
 _FACTOR = series("g_margin", parameters={"g_margin": 1}, name="margin-of-gain")
 _LATE = delayed(0, name="margin-of-delay")
 
