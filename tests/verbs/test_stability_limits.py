@@ -465,7 +465,7 @@ def verdict(found: Requirement, value: float) -> bool | None:
     ):
         return None
     return any(
-        low < value < high or (low == value and x.low.closed) or (high == value and x.high.closed)
+        low < value < high or (low == value and x.closed[0]) or (high == value and x.closed[1])
         for (low, high), x in zip(spans(found), found.feasible, strict=True)
     )
 
