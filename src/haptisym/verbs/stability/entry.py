@@ -204,7 +204,7 @@ def stability(
         if budget.reached and under.stable is every.holds is None and not any(x.roots for x in rows):
             tick()  # nothing is known: LimitError
         boxes = tuple(whole_box(scene, x) for x in scene.hands)
-        near = tuple(_critical(scene, x, asked_of) for x in rows)
+        near = tuple(_critical(scene, x, asked_of, after=len(rows) - 1 - i) for i, x in enumerate(rows))
         nearby = tuple(margins(scene, x.hand) if x.shakes is False else None for x in rows)
         return Stability(scene, under, rows, near, boxes, every, nearby, digits)
 
@@ -232,7 +232,7 @@ def _number(scene: Scene, x: Knob) -> Knob:
     return x
 
 
-def _critical(scene: Scene, x: Held, free: Iterable[Knob]) -> dict[str, ValueSet]:
+def _critical(scene: Scene, x: Held, free: Iterable[Knob], *, after: int) -> dict[str, ValueSet]:
     """Of the hand's own numbers, and of those that were asked about."""
     if x.roots is None:
         return {}
@@ -240,8 +240,10 @@ def _critical(scene: Scene, x: Held, free: Iterable[Knob]) -> dict[str, ValueSet
     others = [knob for knob in free if not knob.is_of_hand]
     criterion = stable_in(x.hand, STABLE if x.drifts == 0 else STEADY)
     found = dict[str, ValueSet]()
-    for knob in (*own, *others):
-        with share(_PART):  # of the time that is left, so that others are told, too
+    numbers = [*own, *others]
+    for i, knob in enumerate(numbers):
+        left = len(numbers) * (1 + after) - i  # with those of further hands; margins come after them
+        with share(1 / (left + 1)):  # of the time that is left, so that all are told alike
             found[knob.path] = stable_values(scene, x.hand, knob, ALLOWED[knob.rule], criterion, near=True)
     return found
 
