@@ -39,6 +39,7 @@ from haptisym.verbs.stability.loops import zeros
 
 _BITS, _MOST_BITS = 96, 1 << 12
 _FINEST = Fraction(1, 1 << 24)  # of a value: shorter stretches stay open
+_CLOSEST, _MOST_CLOSER = Fraction(1, 1 << 44), 200  # of those in which the number of roots is known to change
 _ONE, _MINUS_ONE, _PAIR = range(3)  # the tests
 
 Span = tuple[Fraction, Fraction]
@@ -174,7 +175,24 @@ class Opened:
 
     def passages(self, span: Span, most: int) -> Looked:
         """Where roots come to the circle beside z = 1, from the first end on, towards the other one."""
+        looked = self._cut(span, most, _FINEST)
+        found, left = looked.found, list[Span]()
+        for x in joined(looked.left):  # where two of them meet there may be a root
+            told = self._told(x)
+            if told is not None:
+                found += told
+            elif self._differs(x):  # balls overestimate: what holds a root for certain is cut further
+                closer = self._cut(x, _MOST_CLOSER, _CLOSEST)
+                found += closer.found
+                left += joined(closer.left) if closer.end == x[1] else [x]
+            else:
+                left.append(x)
+        return replace(looked, found=found, left=left)
+
+    def _cut(self, span: Span, most: int, finest: Fraction) -> Looked:
+        """The same in stretches that are cut until they are told, or as short as that share of their values."""
         found, left, waiting, number = list[Passage](), list[Span](), [span], 0
+        shortest = abs(span[1] - span[0]) * finest
         while waiting and number < most:
             tick()
             start, end = own = waiting.pop()
@@ -182,15 +200,20 @@ class Opened:
             told = self._told(own)
             if told is not None:
                 found += told
-            elif abs(end - start) > _FINEST * max(abs(start), abs(end), abs(span[1] - span[0]) * _FINEST):
+            elif abs(end - start) > finest * max(abs(start), abs(end), shortest):
                 middle = Fraction(float((33 * start + 31 * end) / 64))  # not where a number that was thought out is
                 waiting += [(middle, end), (start, middle)]
             else:
                 left.append(own)
-        again = [(x, self._told(x)) for x in joined(left)]  # where two of them meet there may be a root
-        found += [x for _, told in again for x in told or ()]
-        left = [x for x, told in again if told is None]
         return Looked(found, left, waiting[-1][0] if waiting else span[1], number)
+
+    def _differs(self, span: Span) -> bool:
+        """Whether the roots outside of the circle are not as many at both ends."""
+        try:
+            first, last = (self.at(_exact(x)).unstable() for x in span)
+        except UndecidedError:
+            return False
+        return first != last
 
     def _told(self, span: Span) -> list[Passage] | None:
         """The passage in a stretch, or that there is none; None where that is not proven."""
