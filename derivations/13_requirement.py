@@ -145,7 +145,7 @@ import haptisym as hs
 paper = hs.load_scene("fu2019")
 for free, value in ENDS.items():
     [span] = hs.require(paper, free.name).feasible
-    claimed = span.high if free == zeta else span.low
+    claimed = span.last if free == zeta else span.first
     assert claimed.value.digits(40) == str(value.evalf(40))
     [binding] = claimed.bindings
     assert (binding.part, binding.kind.value, float(binding.omega)) == (hs.Part.IMAG, "band-edge", 15.0)
