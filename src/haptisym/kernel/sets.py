@@ -659,11 +659,12 @@ class _Solving:
         return own
 
     def _leave_out(self, i: int, before: int) -> None:
-        """Ask nothing of a stretch that is not needed, nor of the point before it."""
+        """Ask nothing of a stretch that is not needed, nor of the point before it, if that is not the question's own."""
         own = self.stretches[i]
         if own is not None and own.reason != UNSEARCHED:
             self.stretches[i] = Stretch(None, NOT_NEEDED)
-        self.points[before] = replace(self.points[before], reason=NOT_NEEDED)
+        if _rational(self.points[before]) != self.question.own:
+            self.points[before] = replace(self.points[before], reason=NOT_NEEDED)
 
     # Cells
 

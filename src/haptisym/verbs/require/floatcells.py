@@ -34,7 +34,7 @@ from haptisym.kernel.where import Array, Batches, Cells, Curve, Search, halves, 
 from haptisym.model.quantities import Dimension
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import Model, between, floated, valued, variable
-from haptisym.verbs.require.freeparameter import ExactSign, Told
+from haptisym.verbs.require.freeparameter import ExactSign, Told, ladder
 
 _FIRST_PIECES, _SHORT_PIECES = tuple(n / 16 for n in range(17)), tuple(2.0**-n for n in (14, 12, 10, 8, 6))
 """Where pieces of the band begin and end; for times shorter ones near its low end too, where long delays show themselves."""
@@ -193,7 +193,8 @@ def _grows(excess: Excess, boxes: Array, sense: float) -> tuple[Array, float]:
         for (positive, none), q, w in zip(signs, along, across, strict=True):
             negative |= none
             straight &= positive | (q[0] > 0)
-            slanted &= positive | (q[0] + np.minimum(v * w[0], v * w[1]) > 0)
+            with np.errstate(invalid="ignore"):  # what is not finite is unknown
+                slanted &= positive | (q[0] + np.minimum(v * w[0], v * w[1]) > 0)
         found &= negative | straight | slanted
         turned = slanted & ~negative & ~straight
         steepest = max(
@@ -265,13 +266,6 @@ class _Judge:
             if len(rest):
                 return found.known_negative(rest[self.larger().curve(cells[rest]).negative])
         return found
-
-
-def ladder(low: float, high: float, scale: float) -> list[float]:
-    """Numbers from one to another at which cells may begin: at powers of 2 of a usual size, on both sides of 0."""
-    sizes = [scale * 2.0**n for n in range(-60 if low * high > 0 else -20, 60)]
-    marks = [-x for x in sizes] + [0.0] + sizes
-    return sorted({low, high, *(x for x in marks if low < x < high)})
 
 
 Span: TypeAlias = tuple[float, float]

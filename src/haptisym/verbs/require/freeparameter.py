@@ -79,6 +79,13 @@ class Told:
 _NARROW = Fraction(1, 10**9)
 
 
+def ladder(low: float, high: float, scale: float) -> list[float]:
+    """Numbers from one to another at which cells may begin: at powers of 2 of a usual size, on both sides of 0."""
+    sizes = [scale * 2.0**n for n in range(-60 if low * high > 0 else -20, 60)]
+    marks = [-x for x in sizes] + [0.0] + sizes
+    return sorted({low, high, *(x for x in marks if low < x < high)})
+
+
 Condition: TypeAlias = RealFunction | Lattice
 """A function of omega and the free parameters that must not be positive; of a lattice of one term one of several."""
 Conditions: TypeAlias = Mapping[Criterion, Condition]

@@ -296,12 +296,16 @@ def _between(
     gone = missing(scene, free)
     ends = {x.value for x in (*gone, *asked.ends) if isinstance(x, ExactNumber)}
 
-    def exact(value: Rational) -> bool | None:
-        if value in ends and not allowed(scene, free, value):
-            return False
-        return verdict(value)
+    nowhere = {x for x in ends if not allowed(scene, free, x)}
 
-    critical_values = [*turns, *map(Change, gone)]
+    def exact(value: Rational) -> bool | None:
+        return False if value in nowhere else verdict(value)
+
+    def bound(x: Change) -> Change:
+        """Nothing binds where there is no scene."""
+        return Change(x.value) if isinstance(x.value, ExactNumber) and x.value.value in nowhere else x
+
+    critical_values = [*map(bound, turns), *map(Change, gone)]
     changes = Changes(critical_values, [Open(None, None, _LEFT)] if cells else [])
     question = Question(exact, free.value, lambda: [changes], at=at, cells=cells, lone=lone)
     return solve(question, asked).without(gone)

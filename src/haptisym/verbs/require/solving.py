@@ -6,8 +6,7 @@ a kept and a broken one there is one end if what is broken stays broken along th
 closed in on by exact verdicts, to any number of digits, and what binds there is what is broken just beyond it. It is exact where
 it is rational. Where that does not show, an end is known by its cell alone, if that is narrow: ten digits.
 
-**Critical values.** Without floats the values at which a rational condition may change are all known, as roots of polynomials:
-exact verdicts between them tell all.
+**Balls** tell the same of cells where NumPy is missing (``ballcells``), as in a page in a browser: ten times as slow.
 
 **Thresholds.** r <= c holds on the whole band for c at least as large as the supremum of r there. That is the value at an end of
 the band or at one of its local maxima, which are certified zeros of the slope: no value of c needs to be tried.
@@ -33,7 +32,7 @@ from haptisym.judge.bindings import Binding, Kind
 from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.peaks import Largest, Top, tops
 from haptisym.judge.regions import Sided
-from haptisym.kernel.arrays import has_arrays, np
+from haptisym.kernel.arrays import has_arrays
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
@@ -58,12 +57,12 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.valueranges import searched
+from haptisym.verbs.require.ballcells import BallCells
 from haptisym.verbs.require.freeparameter import (
     Conditions,
     Told,
     allowed,
     conditions,
-    critical,
     each,
     is_kept_anyway,
     missing,
@@ -501,7 +500,7 @@ def _by_cells(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
 
 
 def _told(kept: Kept, found: Conditions, low: Fraction, high: Fraction) -> list[Told]:
-    """What is known of all values between two: by floats, or by critical values where there is no NumPy."""
+    """What is known of all values between two: by floats, or by balls where there is no NumPy."""
     if has_arrays():
         from haptisym.verbs.require.floatcells import FloatCells  # which not every question needs
 
@@ -509,11 +508,8 @@ def _told(kept: Kept, found: Conditions, low: Fraction, high: Fraction) -> list[
         cells = FloatCells(kept.scene, kept.free, kept.criteria, _usual(kept.free), is_broken)
         if cells.are_known:
             return cells.told(float(low), float(high))
-    conditions = [pieces(own) for own in found.values()]
-    if any(f.axis.functions or len(f.function.numerator) > _MOST_TERMS for own in conditions for f in own):
-        _ = np.array  # an error that says what is missing, if it is
-        return [Told(low, high, None)]
-    return _between_critical(kept, found, low, high)
+    balls = BallCells(found, kept.free.symbol, kept.scene.band, Fraction(_usual(kept.free)), kept)
+    return balls.told(low, high)
 
 
 def _is_broken(kept: Kept, found: Conditions, told: Told) -> bool:
@@ -542,38 +538,6 @@ def _numerator(f: RealFunction, known: Mapping[Expr, Ball]) -> Ball:
 def _usual(free: Knob) -> float:
     """A usual size of a parameter."""
     return (0.0 if free.value.free_symbols else abs(float(free.value))) or 1.0
-
-
-_MOST_TERMS = (
-    40  # of a polynomial whose discriminants are found: nothing interrupts FLINT, which takes seconds for twice as many
-)
-
-
-def _between_critical(kept: Kept, found: Conditions, low: Fraction, high: Fraction) -> list[Told]:
-    """The same by a verdict between each two of the values at which alone a rational condition may change."""
-    values = list[RealNumber]()
-    for x, own in found.items():
-        index = pieces(own)[0].axis.meanings.index(kept.free.symbol)
-        polynomials = (p for _, p in critical(x, pieces(own), kept.scene.band) if p)
-        values += [y for p in polynomials for f, _ in p.factor()[1] for y in real_roots(f, index, negative=True)]
-    ends = [ExactNumber(_rational(x)) for x in (low, high)]
-    inside = [x.bounds(_BITS) for x in each_once(values, lambda x: x) if _between(ends[0], x, ends[1])]
-    around = ((a - _TINY * (abs(a) or 1), b + _TINY * (abs(b) or 1)) for a, b in inside)
-    rows = [Told(a, b, None) for a, b in pairwise([low, *(y for pair in around for y in pair), high])]
-    if any(x.low >= x.high for x in rows):  # values that are all but one
-        return [Told(low, high, None)]
-    for i in range(0, len(rows), 2):
-        rows[i] = replace(rows[i], kept=kept(_rational((rows[i].low + rows[i].high) / 2)))
-    for i in range(1, len(rows), 2):
-        before, after = rows[i - 1].kept, rows[i + 1].kept
-        if before is not after:
-            rows[i] = replace(rows[i], slant=0.0)
-        elif before or _is_broken(kept, found, rows[i]):  # what is kept on both sides of a value is so there
-            rows[i] = replace(rows[i], kept=bool(before))
-    return rows
-
-
-_TINY = Fraction(1, 2**100)
 
 
 def _outward(low: Expr, high: Expr) -> tuple[Fraction, Fraction]:

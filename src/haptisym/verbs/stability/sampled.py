@@ -36,7 +36,9 @@ from haptisym.verbs.stability.opened import Opened, Passage, Span, joined
 _MOST, _MOST_NEAR = 500, 80  # stretches that are looked at on a side
 MOST_SAMPLES = 64  # late, of a loop whose roots are counted
 _CLOCK = 32  # times as quick a clock may be for its nearest limit
-_FIRST = Fraction(1, 16)  # of a value, the first of them; then each is twice as long
+# Of a value the first of them, then each is twice as long; and the share of a value that is next on the way down to 0.
+# Neither ends where a number that was thought out is: a limit there would be at the end of two stretches, and told by none.
+_FIRST, _DOWN = Fraction(33, 511), Fraction(33, 67)
 _NOT_SEARCHED = "that far it was not searched"
 _NOT_FINE = "whether roots come to the unit circle: the search was not fine enough"
 
@@ -191,7 +193,7 @@ class Search:
         """Up to where all is known on one side, again and again."""
         left, step = _MOST_NEAR if self.near else _MOST, (abs(at) or abs(end) / 10**6) * _FIRST
         least = at / _CLOCK if self.near and self.loop.is_of_clock else _fraction(abs(self.reach[0]), -1)
-        is_down = side < 0 == end  # by halves, as far as a least one
+        is_down = side < 0 == end  # by about halves, as far as a least one
         verdicts = [self._told(at)] if self.near else []
         if side > 0 and self.enough(at):
             yield None
@@ -199,7 +201,7 @@ class Search:
         while at != end and left > 0 and not (is_down and at < least) and not _is_enough(verdicts):
             loop, last = self.loop.piece(at, Fraction(0) if at * end < 0 else end)
             if last != end or loop.most((at, end)) != 0:
-                ahead = Fraction(float(at / 2 if is_down else at + side * step))
+                ahead = Fraction(float(at * _DOWN if is_down else at + side * step))
                 last = min(ahead, last) if side > 0 else max(ahead, last)
             looked = loop.passages((at, last), left)
             self.found += looked.found
